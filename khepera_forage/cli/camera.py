@@ -30,6 +30,18 @@ if TYPE_CHECKING:
     from khepera_forage.vision.video import FrameSource
 
 VIRTUAL = "virtual"
+Point = tuple[float, float]
+_ENOUGH_COVERAGE = 0.5
+"""Share of the picture within the points from which the held-out error holds for most of the picture."""
+_CROSS_COLOUR = (255, 60, 60)
+_PAUSE = 0.02
+"""Seconds between two pictures of the window."""
+_FILM_FRAMES = 50
+"""Frames of a film without `--frames`."""
+_POLL_INTERVAL = 0.002
+"""Seconds to wait for a new frame of the camera."""
+_IN_USE = {"holes": (1, 2), "grid": tuple(range(1, 13)), "tags": (1, 2, 3, 4)}
+"""Markers without `--numbers`."""
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -68,14 +80,9 @@ SOURCE = (
         default="0",
     ),
     option("--size", "pixels of the camera's frames (640x480)", _size, "WxH"),
-    *(
-        option(f"--{name}", f"{what}, of a device (its own setting)", float, "N")
-        for name, what in (
-            ("rate", "frames a second"),
-            ("exposure", "exposure, off automatic"),
-            ("focus", "focus, off automatic"),
-        )
-    ),
+    option("--rate", "frames a second, of a device (its own setting)", float, "N"),
+    option("--exposure", "exposure, off automatic, of a device (its own setting)", float, "N"),
+    option("--focus", "focus, off automatic, of a device (its own setting)", float, "N"),
     seed("seed of the virtual camera"),
 )
 
@@ -108,13 +115,15 @@ class PictureWindow:
         pygame.display.set_caption(title)
         return cls(screen)
 
-    def show(self, picture: NDArray[np.uint8]) -> list[tuple[float, float]]:
+    def show(self, picture: NDArray[np.uint8], title: str = "") -> list[Point]:
         """Show a picture of height x width x 3 (red, green, blue), and return the clicks since the last one.
 
         They are in pixels: u to the right, v down. The middle of the upper left pixel is (0.5, 0.5).
         """
         import pygame
 
+        if title:
+            pygame.display.set_caption(title)
         surface = pygame.surfarray.make_surface(picture.swapaxes(0, 1))
         self._screen.blit(surface, (0, 0))
         pygame.display.flip()
@@ -125,12 +134,6 @@ class PictureWindow:
             elif event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
                 clicks.append((event.pos[0] + 0.5, event.pos[1] + 0.5))
         return clicks
-
-    def title(self, text: str) -> None:
-        """Change the text of the title bar."""
-        import pygame
-
-        pygame.display.set_caption(text)
 
     def close(self) -> None:
         """Close the window."""
@@ -153,37 +156,28 @@ def described(scene: Scene, markers: str = "holes") -> str:
     return ", ".join(words)
 
 
-Point = tuple[float, float]
-_PAUSE = 0.02
-"""Seconds between two pictures of the window."""
-_CROSS_COLOUR = (255, 60, 60)
-_ENOUGH_COVERAGE = 0.5
-"""Share of the picture within the points from which the held-out error holds for most of the picture."""
-
-
 def _add_points(parser: argparse.ArgumentParser) -> None:
     given = parser.add_mutually_exclusive_group(required=True)
-    for name, form, text in (
-        (
-            "--points",
-            "U,V=X,Y",
-            "four or more points: pixels from the picture's upper left corner = mm on the floor; twelve all over the "
-            "picture calibrate the lens, too",
-        ),
-        (
-            "--places",
-            "X,Y",
-            "four or more places on the floor in mm, which you then click in a window in this order; twelve all over "
-            "the picture calibrate the lens, too",
-        ),
-        (
-            "--tags",
-            "ID=X,Y",
-            "four or more tags on the floor, better twelve, and the place of the middle of each in mm: nothing "
-            "to click, and the camera is watched from then on",
-        ),
-    ):
-        given.add_argument(name, nargs="+", metavar=form, help=text)
+    lens = "twelve all over the picture calibrate the lens, too"
+    given.add_argument(
+        "--points",
+        nargs="+",
+        metavar="U,V=X,Y",
+        help=f"four or more points: pixels from the picture's upper left corner = mm on the floor; {lens}",
+    )
+    given.add_argument(
+        "--places",
+        nargs="+",
+        metavar="X,Y",
+        help=f"four or more places on the floor in mm, which you then click in a window in this order; {lens}",
+    )
+    given.add_argument(
+        "--tags",
+        nargs="+",
+        metavar="ID=X,Y",
+        help="four or more tags on the floor, better twelve, and the place of the middle of each in mm: nothing "
+        "to click, and the camera is watched from then on",
+    )
 
 
 @command(
@@ -293,8 +287,8 @@ def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point
                 picture[row, max(0, column - 6) : column + 7] = _CROSS_COLOUR
                 picture[max(0, row - 6) : row + 7, column] = _CROSS_COLOUR
             x, y = floor[len(points)]
-            window.title(f"click the place at ({x:g}, {y:g}) mm")
-            points += window.show(picture)[: len(floor) - len(points)]
+            title = f"click the place at ({x:g}, {y:g}) mm"
+            points += window.show(picture, title)[: len(floor) - len(points)]
             if window.closed:
                 raise ValueError(
                     f"window closed after {len(points)} clicks; allowed: one click for each of --places"
@@ -352,14 +346,6 @@ def _numbers(name: str, text: str, count: int) -> list[float]:
     if len(values) != count or not all(map(math.isfinite, values)):
         raise ValueError(f"{name} has {text!r}; allowed: {count} numbers with commas between")
     return values
-
-
-_FILM_FRAMES = 50
-"""Frames of a film without `--frames`."""
-_POLL_INTERVAL = 0.002
-"""Seconds to wait for a new frame of the camera."""
-_IN_USE = {"holes": (1, 2), "grid": tuple(range(1, 13)), "tags": (1, 2, 3, 4)}
-"""Markers without `--numbers`."""
 
 
 def ids(text: str) -> tuple[int, ...]:

@@ -15,6 +15,7 @@ from khepera_forage.robots.drivers import open_robot
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.model import MODELS, TOIO
 from khepera_forage.robots.toio.driver import ToioRobot, find_cubes
+from khepera_forage.sim.arena_file import toml
 from khepera_forage.sim.arenas.named import ARENAS
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 
@@ -122,15 +123,15 @@ def lab_text(
 ) -> str:
     """The text of a `lab.toml` with arenas side by side."""
     x, y, step = _MAT if kind == TOIO.name else _FLOOR
-    lines = [f"food_cubes = [{', '.join(map(_quoted, foods))}]"] if foods else []
+    lines = [f"food_cubes = {toml(tuple(foods))}"] if foods else []
     # Only the slowest speeds at first: what a robot does then can be stopped by hand.
-    lines += ["safe_speed = 6", "", "[arena]", f"name = {_quoted(arena)}"]
+    lines += ["safe_speed = 6", "", "[arena]", f"name = {toml(arena)}"]
     for number, port in enumerate(ports):
-        offset = f"offset = [{x}, {y + number * step}]"
-        lines += ["", "[[robots]]", f"type = {_quoted(kind)}", f"port = {_quoted(port)}", offset]
+        offset = toml((x, y + number * step))
+        lines += ["", "[[robots]]", f"type = {toml(kind)}", f"port = {toml(port)}", f"offset = {offset}"]
     if camera:
-        lines += ["", "[camera]", f"source = {camera if camera.isdigit() else _quoted(camera)}"]
-        lines += [f"calibration = {_quoted(calibration)}"] if calibration else []
+        lines += ["", "[camera]", f"source = {camera if camera.isdigit() else toml(camera)}"]
+        lines += [f"calibration = {toml(calibration)}"] if calibration else []
     return "\n".join(lines) + "\n"
 
 
@@ -157,11 +158,6 @@ def _answer(question: str, default: str | None = None) -> str:
             f"{question.splitlines()[-1].rstrip(': ')}: no answer; allowed: an answer, or the option"
         )
     return answer or default or ""
-
-
-def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
 
 
 @command("check", option("file", "the laboratory (lab.toml)", Path, nargs="?", default=Path("lab.toml")))

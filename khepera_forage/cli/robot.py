@@ -37,6 +37,29 @@ _REST_TIMEOUT = 4.0
 """Seconds to wait for the gripper: an arm needs 1 s and a jaw 0.6 s (KNET); the rest is margin."""
 _REST_READINGS = 3
 """Equal readings in a row, 0.1 s apart, that count as standing still."""
+_MAX_SECONDS = 60.0
+"""Longest drive of one command: an operator does not watch a robot for longer."""
+_GRIPPER_COMMANDS = {
+    "open": ("T,1,D", 0),
+    "close": ("T,1,D", 1),
+    "raise": ("T,1,E", ARM_RAISED),
+    "lower": ("T,1,E", ARM_DOWN),
+}
+_ROUND_TRIPS = 10
+"""Measurements of each response time."""
+_COUNTERS = {KHEPERA.name: "H", E_PUCK.name: "Q"}
+_NAMES = ("left 90", "left 45", "left 10", "right 10", "right 45", "right 90", "back right", "back left")
+_BAR_WIDTH = 50
+_CURSOR_UP, _CLEAR_LINE = "\x1b[{}A", "\x1b[K"
+"""Terminal escape sequences."""
+_UNIT = f"in speed units of {SPEED_UNIT:g} mm/s, -{MAX_SPEED}..{MAX_SPEED}"
+_SPEED, _SECONDS = 6, 0.3
+"""Speed in units and duration of the wheel test: 14 mm each way, within the 0.3 s of a cube's command."""
+_LOWERED = ARM_DOWN - 15
+"""Arm position near the floor, above any object that may lie there."""
+_ARM_TOLERANCE, _JAW_TOLERANCE = 8, 24
+"""Largest deviation of a position that passes."""
+_ROUNDS = 10
 PORT = (
     option("--robot", f"kind of robot ({KHEPERA.name})", choices=tuple(MODELS), default=KHEPERA.name),
     option(
@@ -68,14 +91,8 @@ PORT = (
 
 def open_robot(arguments: argparse.Namespace) -> RealRobot:
     """The driver of the robot at the port, on a line with any latency: these commands have no rounds to keep."""
-    return open_any(
-        arguments.robot,
-        arguments.port,
-        baud=arguments.baud,
-        timeout=arguments.timeout,
-        watchdog=arguments.watchdog,
-        period=None,
-    )
+    given = {name: getattr(arguments, name) for name in ("baud", "timeout", "watchdog")}
+    return open_any(arguments.robot, arguments.port, period=None, **given)
 
 
 def open_serial_robot(arguments: argparse.Namespace) -> SerialRobot:
@@ -100,26 +117,6 @@ def wait_for_rest(robot: SerialRobot, is_arm: bool) -> int:
         last = position = int(position)
         if equal >= _REST_READINGS or time.monotonic() > end:
             return position
-
-
-_MAX_SECONDS = 60.0
-"""Longest drive of one command: an operator does not watch a robot for longer."""
-_GRIPPER_COMMANDS = {
-    "open": ("T,1,D", 0),
-    "close": ("T,1,D", 1),
-    "raise": ("T,1,E", ARM_RAISED),
-    "lower": ("T,1,E", ARM_DOWN),
-}
-_ROUND_TRIPS = 10
-"""Measurements of each response time."""
-_COUNTERS = {KHEPERA.name: "H", E_PUCK.name: "Q"}
-_NAMES = ("left 90", "left 45", "left 10", "right 10", "right 45", "right 90", "back right", "back left")
-_BAR_WIDTH = 50
-_CURSOR_UP, _CLEAR_LINE = "\x1b[{}A", "\x1b[K"
-"""Terminal escape sequences."""
-
-
-_UNIT = f"in speed units of {SPEED_UNIT:g} mm/s, -{MAX_SPEED}..{MAX_SPEED}"
 
 
 @command("probe", *PORT)
@@ -230,10 +227,8 @@ def bars(senses: Senses) -> str:
 @command(
     "drive",
     *PORT,
-    *(
-        option(f"--{side}", f"{side} wheel, {_UNIT} (3)", whole_number(-MAX_SPEED, MAX_SPEED), default=3)
-        for side in ("left", "right")
-    ),
+    option("--left", f"left wheel, {_UNIT} (3)", whole_number(-MAX_SPEED, MAX_SPEED), default=3),
+    option("--right", f"right wheel, {_UNIT} (3)", whole_number(-MAX_SPEED, MAX_SPEED), default=3),
     option(
         "--seconds",
         f"duration, at most {_MAX_SECONDS:g} (2)",
@@ -277,15 +272,6 @@ def grip_command(arguments: argparse.Namespace) -> None:
         position = wait_for_rest(robot, is_arm)
         (barrier,) = robot.request("T,1,G")
         print(f"{'arm' if is_arm else 'jaw'} at {position}, barrier {barrier}")
-
-
-_SPEED, _SECONDS = 6, 0.3
-"""Speed in units and duration of the wheel test: 14 mm each way, within the 0.3 s of a cube's command."""
-_LOWERED = ARM_DOWN - 15
-"""Arm position near the floor, above any object that may lie there."""
-_ARM_TOLERANCE, _JAW_TOLERANCE = 8, 24
-"""Largest deviation of a position that passes."""
-_ROUNDS = 10
 
 
 class CheckError(Exception):

@@ -99,22 +99,22 @@ def arena_text(arena: Arena) -> str:
     """The text of an arena file."""
     x, y, heading = arena.start
     lines = [
-        *(f"{key} = {_toml(getattr(arena, key))}" for key in ("name", "walls", "home", "home_radius")),
-        f"start = [{_toml(x)}, {_toml(y)}, {_degrees(heading)}]  # x mm, y mm, heading degrees",
-        f"foods = {_toml(arena.foods)}",
+        *(f"{key} = {toml(getattr(arena, key))}" for key in ("name", "walls", "home", "home_radius")),
+        f"start = [{toml(x)}, {toml(y)}, {_degrees(heading)}]  # x mm, y mm, heading degrees",
+        f"foods = {toml(arena.foods)}",
     ]
     if arena.obstacles:
-        lines += ["obstacles = [", *(f"    {_toml(obstacle)}," for obstacle in arena.obstacles), "]"]
+        lines += ["obstacles = [", *(f"    {toml(obstacle)}," for obstacle in arena.obstacles), "]"]
     return "\n".join(lines) + "\n"
 
 
-def _toml(value: Any) -> str:
+def toml(value: Any) -> str:
     """A text, a number, or a tuple of such, as TOML."""
     if isinstance(value, str):
         # TOML's strings are those of JSON, but for the control character DEL.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, tuple):
-        return f"[{', '.join(map(_toml, value))}]"
+        return f"[{', '.join(map(toml, value))}]"
     return repr(float(value)).removesuffix(".0")
 
 

@@ -3,6 +3,7 @@
 import math
 import re
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -153,11 +154,11 @@ def test_calibrate_from_clicks_in_a_window(
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     show, clicks = PictureWindow.show, [(100, 100), (500, 100), (500, 400), (100, 400)]
 
-    def show_and_click(window: PictureWindow, picture: np.ndarray) -> list[tuple[float, float]]:
+    def show_and_click(window: PictureWindow, *shown: Any) -> list[tuple[float, float]]:
         # A click, in the event queue of the window system.
         if clicks:
             pygame.event.post(pygame.event.Event(pygame.MOUSEBUTTONDOWN, pos=clicks.pop(0), button=1))
-        return show(window, picture)
+        return show(window, *shown)
 
     monkeypatch.setattr(PictureWindow, "show", show_and_click)
     places = ["--places", "0,1500", "2000,1500", "2000,0", "0,0"]
