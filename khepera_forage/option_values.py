@@ -19,15 +19,7 @@ class OneLineParser(argparse.ArgumentParser):
 
 
 def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
-    """A reader of whole numbers.
-
-    Args:
-        least: The smallest one allowed.
-        most: The largest one allowed; by default any.
-
-    Returns:
-        A function of the text. It raises `argparse.ArgumentTypeError` if the text is something else.
-    """
+    """A reader of whole numbers from `least` to `most`, for argparse."""
     allowed = f"of at least {least}" if most is None else f"from {least} to {most:,}"
 
     def read(text: str) -> int:
@@ -43,16 +35,7 @@ def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
 
 
 def real_number(above: float, most: float, unit: str) -> Callable[[str], float]:
-    """A reader of numbers.
-
-    Args:
-        above: Every number allowed is larger.
-        most: The largest one allowed.
-        unit: Of the numbers.
-
-    Returns:
-        A function of the text. It raises `argparse.ArgumentTypeError` if the text is something else.
-    """
+    """A reader of numbers that are larger than `above` and at most `most`, for argparse."""
 
     def read(text: str) -> float:
         try:
@@ -69,11 +52,7 @@ def real_number(above: float, most: float, unit: str) -> Callable[[str], float]:
 
 
 def processes(text: str) -> int:
-    """A number of processes: at least 1, or -1 for one a core.
-
-    Raises:
-        argparse.ArgumentTypeError: The text is something else.
-    """
+    """A number of processes: at least 1, or -1 for one a core."""
     if text == "-1":
         return -1
     try:
@@ -83,22 +62,12 @@ def processes(text: str) -> int:
 
 
 def given_path(text: str) -> Path:
-    """A path; an empty text is none, although Python takes it for the present folder.
-
-    Raises:
-        argparse.ArgumentTypeError: The text is empty.
-    """
+    """A path; an empty text is none, although Python takes it for the present folder."""
     if not text.strip():
         raise argparse.ArgumentTypeError(f"{text!r}; allowed: the name of a file or folder")
     return Path(text)
 
 
 def progress(items: Iterable[Any] | None = None, hidden: bool = False, **about: Any) -> Any:
-    """A progress bar of tqdm, where the error output is a terminal.
-
-    Args:
-        items: What is iterated over.
-        hidden: Show none in any case.
-        **about: As tqdm takes it.
-    """
+    """A progress bar of tqdm, where the error output is a terminal and unless it is `hidden`."""
     return tqdm(items, disable=hidden or sys.stderr is None or not sys.stderr.isatty(), **about)

@@ -36,6 +36,8 @@ def bare(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         ("watch recall --out film.mp4", "render,camera"),
         ("watch recall --lab virtual --out film.gif", "render,robots,camera"),
         ("teach", "render"),
+        ("arena show missing.toml", "plots"),
+        ("plot missing.csv", "plots"),
         ("train --lab virtual", "robots,camera"),
         ("recall --lab virtual", "robots,camera"),
         ("recall --lab lab.toml", "robots,camera"),

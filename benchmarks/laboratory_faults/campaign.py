@@ -75,7 +75,8 @@ class _Training:
         out = folder / "experience"
         lab_file = write_lab_file(folder)
         parser = OneLineParser()
-        train.add_arguments(parser)
+        for add in train.train_command.options:
+            add(parser)
         seed = int(self._rng.integers(2**31))
         options = [
             "--lab",

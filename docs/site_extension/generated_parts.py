@@ -15,8 +15,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from khepera_forage import noise
-from khepera_forage.cli.main import SUBCOMMANDS
-from khepera_forage.cli.subcommands import Subcommand, add_subcommands
+from khepera_forage.cli.main import COMMANDS
+from khepera_forage.cli.options import Command, add_commands
 from site_extension.repository import DOCS
 
 if TYPE_CHECKING:  # the tests run without Sphinx
@@ -63,15 +63,15 @@ def noise_table(_: str) -> str:
 def commands() -> str:
     """A section for each subcommand, with its help and that of its own subcommands, as the shell shows it."""
     parts = []
-    for command in SUBCOMMANDS:
+    for command in COMMANDS:
         parts.append(f"## khepera-forage {command.name}")
         parts += [f"```text\n{text}```" for text in _help_texts(command)]
     return "\n\n".join(parts)
 
 
-def _help_texts(command: Subcommand) -> list[str]:
+def _help_texts(command: Command) -> list[str]:
     parser = argparse.ArgumentParser(prog="khepera-forage")
-    add_subcommands(parser, "command", [command])
+    add_commands(parser, "command", [command])
     return [each.format_help() for each in _subparsers(parser) if not list(_subparsers(each))]
 
 

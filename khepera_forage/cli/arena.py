@@ -1,18 +1,30 @@
 """`khepera-forage arena`: list the named arenas, draw an arena and what is wrong with it, and write one to a file."""
 
 import argparse
+import math
 import sys
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from khepera_forage.cli.arguments import ARENA_FILES, add_out_argument, refuse_ignored
-from khepera_forage.cli.subcommands import Subcommand, add_subcommands
+from khepera_forage.cli.options import (
+    ARENA_FILES,
+    Command,
+    check_ending,
+    command,
+    option,
+    out,
+    refuse_ignored,
+)
 from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.arguments import checked_arena, set_up_of
+from khepera_forage.envs.rendering import palette
 from khepera_forage.extras import require
+from khepera_forage.figures import OURS, SMALL, THESIS, new_figure, save
+from khepera_forage.geometry import polygon
 from khepera_forage.option_values import given_path, whole_number
+from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.arena_file import ArenaPlan, read_plan, write_arena
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, checked_difficulty
@@ -23,9 +35,24 @@ from khepera_forage.sim.ways import check_ways, path_length, shortest_path, too_
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 PROCEDURAL = "procedural"
+_WIDTH, _HEIGHT, _LEAST_WIDTH = 8.0, 6.0, 4.0
+"""Largest size of a picture in inches, and its least width."""
+_EDGES, _LINE = 0.7, 0.25
+"""Inches beside the arena, for numbers and the legend, and of the legend's second line in narrow pictures."""
+_MARGIN = 30.0
+"""mm beside the walls."""
 Paths = tuple[tuple[Point, ...], ...]
-_REFUSED = 1
-"""Exit status for an arena that environments do not accept."""
+
+
+_CHOICE = (
+    option("arena", f"{', '.join(ARENAS)}, {PROCEDURAL}, or a file *{ARENA_FILES}", metavar="NAME|FILE"),
+    option("--difficulty", f"of a {PROCEDURAL} arena (medium)", choices=tuple(DIFFICULTIES)),
+    option(
+        "--level",
+        f"number of a {PROCEDURAL} arena (0); below {LEVELS:,} for training, from there on for the test",
+        whole_number(0),
+    ),
+)
 
 
 class Findings(NamedTuple):
@@ -44,13 +71,9 @@ class Findings(NamedTuple):
     narrow: Paths = ()
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the subcommands."""
-    add_subcommands(parser, "task", SUBCOMMANDS)
-
-
-def list_arenas(arguments: argparse.Namespace) -> int:
-    """Print a line for each arena, and one for each difficulty of procedural arenas."""
+@command("list")
+def list_command(arguments: argparse.Namespace) -> None:
+    """List the named arenas."""
     print("arena        environment     size in mm    walls  food   limit")
     for name in ARENAS:
         arena, settings = checked_arena(name, DEFAULT_DECISIONS), settings_of(name)
@@ -66,97 +89,49 @@ def list_arenas(arguments: argparse.Namespace) -> int:
         print(
             f"{name:15} {size:24} {f'<={difficulty.most_walls}':>6} {difficulty.foods:5d} {difficulty.limit:7d}"
         )
-    return 0
 
 
-def add_show_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    add_choice_arguments(parser)
-    add_out_argument(parser, "arena.png", "picture, whose name ends in .png")
-
-
-def show(arguments: argparse.Namespace) -> int:
-    """Draw the arena, and print its size, or why environments do not accept it.
-
-    Returns:
-        Exit status: 1 for an arena that environments do not accept.
-
-    Raises:
-        ValueError: There is no such arena, the file cannot be drawn, or the picture has another ending.
-        OSError: A file cannot be read or written.
-        ImportError: matplotlib is not installed.
-    """
+@command("show", *_CHOICE, out("arena.png", "picture, whose name ends in .png"))
+def show_command(arguments: argparse.Namespace) -> int:
+    """Draw an arena with its shortest paths."""
     require("khepera-forage arena show", "plots")
-    if arguments.out.suffix.lower() != ".png":
-        raise ValueError(f"--out is {str(arguments.out)!r}; allowed: a name that ends in .png")
-    plan = chosen_plan(arguments)
-    findings = find(plan)
-    from khepera_forage.cli.arena_picture import draw
-
-    draw(plan, findings, arguments.out)
+    check_ending(arguments.out, (".png",))
+    plan = _chosen_plan(arguments)
+    findings = _find(plan)
+    _draw(plan, findings, arguments.out)
     print(f"{arguments.out}: {plan.name}")
     if findings.refusal:
         print(f"khepera-forage arena show: {findings.refusal}", file=sys.stderr)
-        return _REFUSED
-    print(_summary(plan.arena(), arguments, findings))
+        return 1
+    arena = plan.arena()
+    left, bottom, right, top = arena.bounds
+    length = max(map(path_length, findings.to_food + findings.to_home))
+    print(
+        f"{right - left:g} x {top - bottom:g} mm, {len(arena.segments)} walls, food objects: {len(arena.foods)}, "
+        f"longest way {length:.0f} mm, step limit {_limit(arguments, arena)}"
+    )
     return 0
 
 
-def _summary(arena: Arena, arguments: argparse.Namespace, findings: Findings) -> str:
-    left, bottom, right, top = arena.bounds
-    length = max(map(path_length, findings.to_food + findings.to_home))
-    return (
-        f"{right - left:g} x {top - bottom:g} mm, {len(arena.segments)} walls, food objects: {len(arena.foods)}, "
-        f"longest way {length:.0f} mm, step limit {chosen_limit(arguments, arena)}"
-    )
-
-
-def add_write_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    add_choice_arguments(parser)
-    parser.add_argument(
-        "file", type=given_path, metavar="FILE", help=f"name of the new file, which ends in {ARENA_FILES}"
-    )
-
-
-def write(arguments: argparse.Namespace) -> int:
-    """Write the file.
-
-    Raises:
-        ValueError: The arena is not allowed, or the file has another ending.
-        OSError: The file cannot be written, or exists.
-    """
+@command(
+    "write",
+    *_CHOICE,
+    option("file", f"name of the new file, which ends in {ARENA_FILES}", given_path, "FILE"),
+)
+def write_command(arguments: argparse.Namespace) -> None:
+    """Write an arena to a file, to change it."""
     path: Path = arguments.file
-    arena = chosen_plan(arguments).arena()
+    arena = _chosen_plan(arguments).arena()
     if path.suffix != ARENA_FILES:
         raise ValueError(f"file is {str(path)!r}; allowed: a name that ends in {ARENA_FILES}")
     if path.exists():
         raise FileExistsError(f"{path} exists; choose another name, or remove it first")
     write_arena(arena, path)
     print(f"{path}: {arena.name}; `khepera-forage arena show {path}` draws it")
-    return 0
 
 
-def add_choice_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the positional argument `arena`, and what determines a procedural one."""
-    parser.add_argument(
-        "arena", metavar="NAME|FILE", help=f"{', '.join(ARENAS)}, {PROCEDURAL}, or a file *{ARENA_FILES}"
-    )
-    parser.add_argument("--difficulty", choices=tuple(DIFFICULTIES), help=f"of a {PROCEDURAL} arena (medium)")
-    parser.add_argument(
-        "--level",
-        type=whole_number(0),
-        help=f"number of a {PROCEDURAL} arena (0); below {LEVELS:,} for training, from there on for the test",
-    )
-
-
-def chosen_plan(arguments: argparse.Namespace) -> ArenaPlan:
-    """The arena, which in a file may be one that is not allowed.
-
-    Raises:
-        ValueError: Another name, an option without effect, or a file with a mistake.
-        OSError: The file cannot be read.
-    """
+def _chosen_plan(arguments: argparse.Namespace) -> ArenaPlan:
+    """The arena, which in a file may be one that is not allowed."""
     name = arguments.arena
     if name == PROCEDURAL:
         return ArenaPlan.of(procedural_arena(arguments.level or 0, arguments.difficulty or "medium"))
@@ -170,7 +145,7 @@ def chosen_plan(arguments: argparse.Namespace) -> ArenaPlan:
     )
 
 
-def chosen_limit(arguments: argparse.Namespace, arena: Arena) -> int:
+def _limit(arguments: argparse.Namespace, arena: Arena) -> int:
     """Steps of an episode in the environments of the arena."""
     if arguments.arena == PROCEDURAL:
         return checked_difficulty(arguments.difficulty or "medium").limit
@@ -178,7 +153,7 @@ def chosen_limit(arguments: argparse.Namespace, arena: Arena) -> int:
     return limit
 
 
-def find(plan: ArenaPlan) -> Findings:
+def _find(plan: ArenaPlan) -> Findings:
     """What environments find in an arena."""
     try:
         arena = plan.arena()
@@ -205,8 +180,60 @@ def _paths(arena: Arena, ends: Iterable[tuple[Point, Point]]) -> Paths:
     return tuple(found)
 
 
-SUBCOMMANDS = (
-    Subcommand("list", "list the named arenas", lambda _: None, list_arenas),
-    Subcommand("show", "draw an arena with its shortest paths", add_show_arguments, show),
-    Subcommand("write", "write an arena to a file, to change it", add_write_arguments, write),
+def _draw(plan: ArenaPlan, findings: Findings, picture: Path) -> None:
+    """Write a picture of an arena, which may be one that is not allowed."""
+    from matplotlib.patches import Circle, Polygon
+
+    corners = tuple(point for each in (plan.walls, *plan.obstacles) for point in each)
+    left, bottom, right, top = polygon.bounds((*corners, plan.home, *plan.foods, plan.start[:2]))
+    length, width = right - left + 2 * _MARGIN, top - bottom + 2 * _MARGIN
+    scale = min((_WIDTH - _EDGES) / length, (_HEIGHT - 2 * _EDGES) / width)
+    shown_width = max(_LEAST_WIDTH, length * scale + _EDGES)
+    columns = 6 if shown_width > 6 else 3
+    figure = new_figure(shown_width, width * scale + 2 * _EDGES + (_LINE if columns == 3 else 0.0))
+    axes = figure.subplots()
+    axes.set_aspect("equal")
+    axes.set_xlim(left - _MARGIN, right + _MARGIN)
+    axes.set_ylim(bottom - _MARGIN, top + _MARGIN)
+    axes.tick_params(labelsize=SMALL)
+    axes.set_xlabel("mm", fontsize=SMALL)
+    wall, teacher = _colour(palette.WALL), _colour(palette.TEACHER)
+    axes.add_patch(Polygon(plan.walls, fc=_colour(palette.FLOOR), ec=wall, lw=2, zorder=0))
+    home, edge = _colour(palette.HOME), _colour(palette.HOME_EDGE)
+    axes.add_patch(Circle(plan.home, plan.home_radius, fc=home, ec=edge, label="home", zorder=1))
+    for obstacle in plan.obstacles:
+        axes.add_patch(Polygon(obstacle, fc=wall, ec=wall, zorder=2))
+    x, y, heading = plan.start
+    axes.add_patch(Circle((x, y), RADIUS, fc=teacher, label="start", zorder=4))
+    tip = x + FINGER_TIP * math.cos(heading), y + FINGER_TIP * math.sin(heading)
+    axes.plot([x, tip[0]], [y, tip[1]], color=teacher, lw=3, zorder=4)
+    for food in plan.foods:
+        axes.add_patch(Circle(food, FOOD_RADIUS, fc="white", ec="black", lw=1.2, label="food", zorder=5))
+    for path in findings.to_food:
+        axes.plot(*zip(*path, strict=True), "-", color=OURS, lw=1.6, zorder=3, label="start to food")
+    for path in findings.to_home:
+        axes.plot(*zip(*path, strict=True), "--", color=THESIS, lw=1.6, zorder=3, label="food to home")
+    for part in findings.narrow:
+        red = _colour(palette.LOST)
+        axes.fill(*zip(*part, strict=True), color=red, alpha=0.7, lw=0, zorder=2, label="too narrow")
+    axes.set_title(f"{plan.name}: not allowed" if findings.refusal else plan.name, fontsize=10)
+    handles, labels = axes.get_legend_handles_labels()
+    entries = dict(zip(labels, handles, strict=True))
+    figure.legend(
+        entries.values(),
+        entries.keys(),
+        loc="outside lower center",
+        ncols=columns,
+        frameon=False,
+        fontsize=SMALL,
+    )
+    save(figure, picture)
+
+
+def _colour(colour: palette.Colour) -> str:
+    return "#" + bytes(colour).hex()
+
+
+COMMAND = Command(
+    "arena", "List, draw and write arenas.", commands=(list_command, show_command, write_command)
 )

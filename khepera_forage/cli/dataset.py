@@ -10,18 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from khepera_forage.cli.arguments import (
-    add_allow_other_decisions_argument,
-    add_arena_argument,
-    add_decision_argument,
-    add_food_type_argument,
-    add_out_argument,
-    add_seed_argument,
-    arena_of,
-    decisions_of,
-    experience_files,
-    refuse_ignored,
-)
+from khepera_forage.cli import options
+from khepera_forage.cli.options import command, flag, option
 from khepera_forage.envs.arena_settings import settings_of
 from khepera_forage.envs.paired_arenas_v1 import raw_env
 from khepera_forage.envs.wheels_env import WheelsEnv
@@ -45,73 +35,57 @@ thesis's laboratory. It foraged for {food}, from random places."""
 READ = "The experience was read from {files}."
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    parser.add_argument(
-        "--name",
-        type=_dataset_name,
-        help="Minari's name of the dataset (khepera_forage/ARENA-v1, or ARENA-wheels-v1)",
-    )
-    parser.add_argument("--episodes", type=whole_number(1), help=f"complete training episodes ({EPISODES})")
-    parser.add_argument(
+def _dataset_name(text: str) -> str:
+    """A name of Minari."""
+    if not re.fullmatch(r"([\w-]+/)*[\w-]+-v\d+", text):
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER")
+    return text
+
+
+@command(
+    "dataset",
+    option(
+        "--name", "Minari's name of the dataset (khepera_forage/ARENA-v1, or ARENA-wheels-v1)", _dataset_name
+    ),
+    option("--episodes", f"complete training episodes ({EPISODES})", whole_number(1)),
+    option(
         "--experience",
+        "files of 'khepera-forage train' or of real robots, one episode each, or a folder of them, instead of "
+        "new episodes",
+        given_path,
+        "FILE",
         nargs="+",
-        type=given_path,
-        metavar="FILE",
-        help="files of 'khepera-forage train' or of real robots, one episode each, or a folder of them, instead of new "
-        "episodes",
-    )
-    parser.add_argument(
-        "--wheels",
-        action="store_true",
-        help="raw data and motors of every round, in place of state vectors and behaviours",
-    )
-    parser.add_argument(
-        "--alone",
-        action="store_true",
-        help="the teacher forages alone, from random places, in place of training episodes",
-    )
-    parser.add_argument(
-        "--protocol",
-        action="store_true",
-        help="the datasets of the protocol forage-bench-1: those that its learners learn from",
-    )
-    add_seed_argument(parser, "the same seed gives the same episodes")
-    add_out_argument(
-        parser, "datasets", f"folder of Minari datasets, which Minari finds as {FOLDER_VARIABLE}"
-    )
-    parser.add_argument("--author", default="unknown", help="for the data card (unknown)")
-    parser.add_argument("--licence", default="CC0-1.0", help="of the data, for the data card (CC0-1.0)")
-    add_arena_argument(parser)
-    add_food_type_argument(parser)
-    add_decision_argument(parser)
-    add_allow_other_decisions_argument(parser)
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Record or read the episodes, write the dataset and its card, and say where they are.
-
-    Raises:
-        ValueError: The name is invalid or taken, or an option has no effect or is not allowed.
-        ImportError: Minari is not installed.
-        OSError: A file cannot be read or written.
-    """
+    ),
+    flag("--wheels", "raw data and motors of every round, in place of state vectors and behaviours"),
+    flag("--alone", "the teacher forages alone, from random places, in place of training episodes"),
+    flag("--protocol", "the datasets of the protocol forage-bench-1: those that its learners learn from"),
+    options.seed("the same seed gives the same episodes"),
+    options.out("datasets", f"folder of Minari datasets, which Minari finds as {FOLDER_VARIABLE}"),
+    option("--author", "for the data card (unknown)", default="unknown"),
+    option("--licence", "of the data, for the data card (CC0-1.0)", default="CC0-1.0"),
+    options.ARENA,
+    options.FOOD_TYPE,
+    options.DECISION,
+    options.ALLOW_OTHER_DECISIONS,
+)
+def dataset_command(arguments: argparse.Namespace) -> int:
+    """Write training episodes as a Minari dataset with a data card."""
     require("khepera-forage dataset", "minari")
     if arguments.protocol:
         return _protocol(arguments)
-    decisions, arena = decisions_of(arguments), arena_of(arguments)
+    decisions, arena = options.decisions_of(arguments), options.arena_of(arguments)
     recorded: dict[str, Any] = {}
     if arguments.experience:
-        refuse_ignored(
+        options.refuse_ignored(
             arguments, ["--episodes", "--food-type", "--wheels", "--alone"], "without --experience"
         )
-        files = experience_files(arguments.experience)
+        files = options.experience_files(arguments.experience)
         parts = [Experience.load(path) for path in files]
         name = _free_name(arguments, {part.arena for part in parts})
-        seed, procedure = None, READ.format(files=", ".join(path.name for path in files))
+        source, procedure = None, READ.format(files=", ".join(path.name for path in files))
     else:
         name = _free_name(arguments, {_name_of(arena)})
-        seed = arguments.seed
+        source = arguments.seed
         text = ALONE if arguments.alone else SIMULATED
         procedure = text.format(arena=_name_of(arena), food=food_in_training(arguments, arena))
         parts, raw = zip(*_recorded(arguments, arena, decisions), strict=True)
@@ -121,9 +95,10 @@ def run(arguments: argparse.Namespace) -> int:
             recorded["rewards"] = [episode.rewards_of_vectors for episode in raw]
             recorded["truncated"] = [episode.truncated for episode in raw]
     origin = Origin(
-        _command(arguments, name), procedure, arguments.licence, arguments.author, seed, arguments.wheels
+        _command(arguments, name), procedure, arguments.licence, arguments.author, source, arguments.wheels
     )._replace(alone=arguments.alone)
-    _write(arguments, name, parts, origin, arena if arguments.arena or seed is not None else None, recorded)
+    known = arena if arguments.arena or source is not None else None
+    _write(arguments, name, parts, origin, known, recorded)
     return 0
 
 
@@ -135,23 +110,14 @@ def _write(
     arena: str | Arena | None,
     recorded: Mapping[str, Any],
 ) -> None:
-    """Write a dataset and its card, and say where they are.
-
-    Args:
-        arguments: Of the command.
-        name: Minari's name of it.
-        parts: Its episodes.
-        origin: Where they come from.
-        arena: Of all of them, if it is known.
-        recorded: Further arguments of `to_minari`.
-    """
-    out = arguments.out.resolve()
+    """Write a dataset and its card, and say where they are; `recorded` are further arguments of `to_minari`."""
+    folder = arguments.out.resolve()
     # Minari has no other way to choose a folder.
-    os.environ[FOLDER_VARIABLE] = str(out)
+    os.environ[FOLDER_VARIABLE] = str(folder)
     from khepera_forage.experience.minari import to_minari
 
     steps = [len(episode.actions) for episode in recorded.get("episodes", ())]
-    folder = out / name
+    folder /= name
     try:
         to_minari(
             parts,
@@ -174,13 +140,12 @@ def _write(
 
 def _protocol(arguments: argparse.Namespace) -> int:
     """Write the datasets of the protocol."""
-    refuse_ignored(
+    options.refuse_ignored(
         arguments,
         ["--name", "--experience", "--wheels", "--alone", "--arena", "--food-type"],
         "without --protocol, whose datasets have names and arenas of their own",
     )
-    if arguments.decision:
-        raise ValueError("--decision has no effect here; allowed: without --protocol")
+    options.refuse_ignored(arguments, ["--decision"], "without --protocol")
     from khepera_forage.comparison.protocol import datasets
 
     command = f"khepera-forage dataset --protocol --seed {arguments.seed}"
@@ -197,27 +162,8 @@ def _protocol(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _dataset_name(text: str) -> str:
-    """A name of Minari.
-
-    Raises:
-        argparse.ArgumentTypeError: The text is something else.
-    """
-    if not re.fullmatch(r"([\w-]+/)*[\w-]+-v\d+", text):
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER")
-    return text
-
-
 def _free_name(arguments: argparse.Namespace, arenas: Set[str]) -> str:
-    """Minari's name of the dataset: that of `--name`, or one that says the arena.
-
-    Args:
-        arguments: Of the command.
-        arenas: Names of the arenas of all episodes.
-
-    Raises:
-        ValueError: There is a dataset of this name.
-    """
+    """Minari's name of the dataset, which must be new: that of `--name`, or one that says the arenas."""
     name: str = arguments.name
     if not name:
         arena = re.sub(r"[^\w-]", "_", min(arenas)) if len(arenas) == 1 else "procedural"
@@ -248,12 +194,12 @@ def _recorded(
         if arguments.food_type:
             settings["food_types"] = arguments.food_type
         with closing(WheelsEnv(**settings)) as alone:
-            numbers = [int(seed.generate_state(1)[0]) for seed in seeds]
+            numbers = [int(each.generate_state(1)[0]) for each in seeds]
             return [teacher_alone(alone, number) for number in progress(numbers, unit="episode")]
     with closing(raw_env(arena, food_types=arguments.food_type, decisions=decisions)) as env:
         recorder, found = LearnerRecorder(env), []
-        for seed in progress(seeds, unit="episode"):
-            experience, _ = train(env, seed, teacher=recorder, callback=recorder)
+        for each in progress(seeds, unit="episode"):
+            experience, _ = train(env, each, teacher=recorder, callback=recorder)
             found.append((experience, recorder.episode()))
         return found
 

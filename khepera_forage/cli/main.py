@@ -6,85 +6,34 @@ import sys
 from collections.abc import Sequence
 
 from khepera_forage import __version__
-from khepera_forage.cli import (
-    arena,
-    camera,
-    compare,
-    dataset,
-    decisions,
-    infer,
-    lab,
-    plot,
-    recall,
-    reproduce,
-    robot,
-    train,
-    watch,
-)
-from khepera_forage.cli.subcommands import Subcommand, add_subcommands
-from khepera_forage.cli.teach import command as teach
+from khepera_forage.cli import arena, camera, lab, robot
+from khepera_forage.cli.compare import compare_command
+from khepera_forage.cli.dataset import dataset_command
+from khepera_forage.cli.options import add_commands
+from khepera_forage.cli.plot import plot_command
+from khepera_forage.cli.recall import recall_command, watch_command
+from khepera_forage.cli.teach import teach_command
+from khepera_forage.cli.thesis import decisions_command, infer_command, reproduce_command
+from khepera_forage.cli.train import train_command
 from khepera_forage.option_values import OneLineParser
 from khepera_forage.rollouts.training import IncompleteTrainingError
 
-SUBCOMMANDS = (
-    Subcommand(
-        "reproduce",
-        "run the thesis's experiments and compare the results with its tables",
-        reproduce.add_arguments,
-        reproduce.run,
-    ),
-    Subcommand(
-        "train",
-        "train a learner in the paired corridors and save its experience",
-        train.add_arguments,
-        train.run,
-    ),
-    Subcommand("teach", "be the teacher yourself, with keys in a window", teach.add_arguments, teach.run),
-    Subcommand(
-        "recall", "let a trained learner, or the teacher, forage alone", recall.add_arguments, recall.run
-    ),
-    Subcommand("arena", "list, draw and write arenas", arena.add_arguments),
-    Subcommand(
-        "plot",
-        "draw recalls, trainings or comparisons from their files",
-        plot.add_arguments,
-        plot.run,
-    ),
-    Subcommand("compare", "compare all learners, and yours with them", compare.add_arguments, compare.run),
-    Subcommand(
-        "watch",
-        "show a training or recall episode in a window, or save it as a film",
-        watch.add_arguments,
-        watch.run,
-    ),
-    Subcommand(
-        "decisions",
-        "list what the thesis leaves open, with our decisions and their reasons",
-        decisions.add_arguments,
-        decisions.run,
-    ),
-    Subcommand(
-        "dataset",
-        "write training episodes as a Minari dataset with a data card",
-        dataset.add_arguments,
-        dataset.run,
-    ),
-    Subcommand(
-        "infer",
-        "infer from the thesis's own tables what it leaves open",
-        infer.add_arguments,
-        infer.run,
-    ),
-    Subcommand("lab", "set up a laboratory with real robots, and check it", lab.add_arguments),
-    Subcommand("robot", "test a real robot, or start a virtual one", robot.add_arguments),
-    Subcommand(
-        "camera",
-        "calibrate the overhead camera, show its picture, or print the markers",
-        camera.add_arguments,
-    ),
+COMMANDS = (
+    reproduce_command,
+    train_command,
+    teach_command,
+    recall_command,
+    arena.COMMAND,
+    plot_command,
+    compare_command,
+    watch_command,
+    decisions_command,
+    dataset_command,
+    infer_command,
+    lab.COMMAND,
+    robot.COMMAND,
+    camera.COMMAND,
 )
-
-
 CLOSED_PIPE = 141
 """Exit status when nobody reads the output any more: that of other programs, 128 + SIGPIPE."""
 
@@ -124,7 +73,7 @@ def _open_streams() -> None:
 def _run(argv: Sequence[str] | None) -> int:
     parser = OneLineParser(prog="khepera-forage", description="Learning to forage by imitation.")
     parser.add_argument("--version", action="version", version=f"khepera-forage {__version__}")
-    add_subcommands(parser, "command", SUBCOMMANDS)
+    add_commands(parser, "command", COMMANDS)
     try:
         arguments = parser.parse_args(argv)
     except SystemExit as stop:
@@ -132,7 +81,7 @@ def _run(argv: Sequence[str] | None) -> int:
             raise
         return 2
     try:
-        status: int = arguments.run(arguments)
+        status: int | None = arguments.run(arguments)
     except (ValueError, OSError, ImportError, IncompleteTrainingError) as error:
         if isinstance(error, BrokenPipeError):
             print(flush=True)  # raises it again if it is the output that nobody reads, and not a robot's port
@@ -141,7 +90,7 @@ def _run(argv: Sequence[str] | None) -> int:
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         return 130
-    return status
+    return status or 0
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from khepera_forage.cli.arguments import add_out_argument
+from khepera_forage.cli.options import check_ending, command, option, out
 from khepera_forage.estimates import Estimate, wilson
 from khepera_forage.extras import require
 from khepera_forage.files import utf8
@@ -28,53 +28,33 @@ _LINE = 0.34
 """Inches: height of a line of a figure."""
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    parser.add_argument("files", nargs="+", type=given_path, metavar="FILE", help=f"of one kind: {FILES}")
-    add_out_argument(parser, "plot.png", "picture, whose name ends in .png")
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Draw the files.
-
-    Raises:
-        ValueError: As for `drawn`, or the picture has another ending.
-        OSError: A file cannot be read or written.
-        ImportError: matplotlib is not installed.
-    """
+@command(
+    "plot",
+    option("files", f"of one kind: {FILES}", given_path, "FILE", nargs="+"),
+    out("plot.png", "picture, whose name ends in .png"),
+)
+def plot_command(arguments: argparse.Namespace) -> None:
+    """Draw recalls, trainings or comparisons from their files."""
     require("khepera-forage plot", "plots")
-    if arguments.out.suffix.lower() != ".png":
-        raise ValueError(f"--out is {str(arguments.out)!r}; allowed: a name that ends in .png")
+    check_ending(arguments.out, (".png",))
     from khepera_forage.figures import save
 
     save(drawn(arguments.files), arguments.out)
     print(f"{arguments.out}: {', '.join(map(str, arguments.files))}")
-    return 0
 
 
 def drawn(paths: Sequence[Path]) -> "Figure":
-    """The figure of some files.
-
-    Raises:
-        ValueError: A file holds none of these, or the files are of different kinds.
-        OSError: A file cannot be read.
-    """
-    contents = [_read(path) for path in paths]
-    kinds = {draw: path for path, (draw, _) in zip(paths, contents, strict=True)}
-    if len(kinds) > 1:
-        files = " and ".join(map(str, kinds.values()))
+    """The figure of some files, which must be of one kind."""
+    kinds, contents = zip(*map(_read, paths), strict=True)
+    if len(set(kinds)) > 1:
+        files = " and ".join(map(str, dict(zip(kinds, paths, strict=True)).values()))
         raise ValueError(f"{files} are of different kinds; allowed: one kind")
-    (draw,) = kinds
-    figure: Figure = draw(paths, [content for _, content in contents])
+    figure: Figure = kinds[0](paths, contents)
     return figure
 
 
 def _read(path: Path) -> tuple[Any, Any]:
-    """What draws a file, and its content.
-
-    Raises:
-        ValueError: It is of no known kind, or empty.
-    """
+    """What draws a file, and its content."""
     from khepera_forage.comparison.learning import RecallBatch
     from khepera_forage.comparison.results import read_results
 

@@ -1,100 +1,132 @@
-"""`khepera-forage recall`: a trained learner, or the teacher, forages alone (4.6, 5.4)."""
+"""`khepera-forage recall` and `watch`: a trained learner, or the teacher, forages alone (4.6, 5.4), and is shown."""
 
 import argparse
+import itertools
 import warnings
+from collections.abc import Callable
 from contextlib import closing
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from khepera_forage.cli.arguments import (
-    add_allow_other_decisions_argument,
-    add_arena_argument,
-    add_decision_argument,
-    add_episodes_argument,
-    add_food_type_argument,
-    add_lab_argument,
-    add_noise_argument,
-    add_out_argument,
-    add_seed_argument,
-    experience_files,
-    is_real,
-    refuse_ignored,
-)
-from khepera_forage.cli.environments import print_late_rounds, recall_env
+from khepera_forage.cli import options
+from khepera_forage.cli.options import command, flag, option
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.rendering.output import FILM_EXTRAS, open_display, save_film
+from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWarning
+from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, progress, whole_number
 from khepera_forage.policies import Policy, Teacher
 from khepera_forage.rollouts import recall as recall_rollouts
+from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow
 
 if TYPE_CHECKING:
     from khepera_forage.policies.learners import FromVectors
 
+EVERY = 2
+"""Rounds a frame of a film, without `--every`."""
+TRIES = 20
+"""Attempts at a training among which the first complete one is filmed."""
+Frames = list[NDArray[np.uint8]]
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    add_policy_arguments(parser)
-    add_episodes_argument(parser, 10, "recall episodes")
-    add_out_argument(parser, "results/recall.csv", "file for the rows")
 
-
-def add_policy_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add what determines a recall: policy, arena, food type, seed, laboratory and decisions."""
-    parser.add_argument(
+_POLICY = (
+    option(
         "--experience",
-        type=given_path,
+        "experience files of the learner, or a folder of them (without any, the teacher forages)",
+        given_path,
+        "FILE",
         nargs="+",
-        metavar="FILE",
-        help="experience files of the learner, or a folder of them (without any, the teacher forages)",
-    )
-    parser.add_argument(
+    ),
+    option(
         "--learner",
-        metavar="NAME|PLACE",
-        help="what learns from the experience: an imitator that `khepera-forage compare --list` lists, or "
+        "what learns from the experience: an imitator that `khepera-forage compare --list` lists, or "
         "package.module:name of what makes a classifier (imitator)",
-    )
-    add_arena_argument(parser)
-    parser.add_argument(
-        "--foods", type=whole_number(1), metavar="N", help="food objects (those of the arena)"
-    )
-    add_food_type_argument(parser)
-    add_noise_argument(parser)
-    add_seed_argument(parser, "the same seed gives the same episodes")
-    parser.add_argument(
-        "--recover",
-        action="store_true",
-        help="also read experience files of interrupted training episodes, as far as they go",
-    )
-    add_lab_argument(parser)
-    add_decision_argument(parser)
-    add_allow_other_decisions_argument(parser)
+        metavar="NAME|PLACE",
+    ),
+    options.ARENA,
+    option("--foods", "food objects (those of the arena)", whole_number(1), "N"),
+    options.FOOD_TYPE,
+    options.NOISE,
+    options.seed("the same seed gives the same episodes"),
+    flag("--recover", "also read experience files of interrupted training episodes, as far as they go"),
+    options.LAB,
+    options.DECISION,
+    options.ALLOW_OTHER_DECISIONS,
+)
 
 
-def check_policy_arguments(arguments: argparse.Namespace) -> None:
-    """Refuse what has no effect on the policy or in a laboratory.
+@command(
+    "recall",
+    *_POLICY,
+    options.episodes(10, "recall episodes"),
+    options.out("results/recall.csv", "file for the rows"),
+)
+def recall_command(arguments: argparse.Namespace) -> None:
+    """Let a trained learner, or the teacher, forage alone."""
+    _check_policy(arguments)
+    with closing(options.recall_env(arguments)) as env:
+        rows = _rows(env, arguments)
+        options.print_late_rounds(env)
+    if not rows:
+        raise ConnectionError("a robot or the camera was lost in every recall; there is no result")
+    print(
+        f"mean score {np.mean([row.score for row in rows]):.1f} %, food "
+        f"{sum(row.delivered for row in rows)} / {sum(row.foods for row in rows)}; rows in {arguments.out}"
+    )
 
-    Raises:
-        ValueError: An option that was given is ignored.
-    """
-    if is_real(arguments.lab):
-        refuse_ignored(arguments, ["--arena", "--foods"], "without --lab; the file names the arena")
-    if arguments.lab is not None:
-        refuse_ignored(arguments, ["--noise"], "without --lab")
+
+def _check_policy(arguments: argparse.Namespace) -> None:
+    """Refuse what has no effect on the policy or in a laboratory."""
+    options.refuse_ignored_in_laboratory(arguments, ["--arena", "--foods"], ["--noise"])
     if not arguments.experience:
         ignored = ["--learner", "--allow-other-decisions", "--recover"]
-        refuse_ignored(arguments, ignored, "with --experience")
+        options.refuse_ignored(arguments, ignored, "with --experience")
 
 
-def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, str, int]:
-    """The policy that forages, its name in rows, and its number of experience vectors.
+def _rows(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow]:
+    """One row for each episode; an episode in which a real robot or the camera was lost is reported without a row."""
+    forage = _forage(env, arguments)
+    seeds = np.random.SeedSequence(arguments.seed).generate_state(arguments.episodes).tolist()
+    rows = []
+    # An operator of real robots answers questions on the screen that a progress bar would use.
+    hidden = arguments.lab is not None
+    print(" recall    steps  correct  penalty    score     food")
+    with RowWriter(arguments.out, RecallRow) as writer:
+        for number, each in enumerate(progress(seeds, hidden, unit="recall")):
+            try:
+                row = forage(each, number=number)
+            except recall_rollouts.RecallInterruptedError as error:
+                print(f"{number + 1:7d} interrupted {error}")
+                continue
+            writer.write(row)
+            rows.append(row)
+            print(
+                f"{number + 1:7d} {row.steps:8d} {row.correct:8d} {row.penalty:7d} % {row.score:6.1f} % "
+                f"{row.delivered:4d} / {row.foods}"
+            )
+    return rows
 
-    Raises:
-        ExperienceError: An experience file is not valid, or of other decisions than the environment.
-        OSError: An experience file cannot be read.
-    """
+
+def _forage(env: BehavioursEnv, arguments: argparse.Namespace) -> Callable[..., RecallRow]:
+    """A recall by a seed, with the policy that the arguments choose."""
+    policy, name, size = _policy(arguments, env)
+
+    def forage(seed: int, **settings: Any) -> RecallRow:
+        noise = arguments.noise or "laboratory"
+        return recall_rollouts.recall(
+            env, policy, seed, learner=name, noise=noise, experience_size=size, **settings
+        )
+
+    return forage
+
+
+def _policy(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, str, int]:
+    """The policy that forages, its name in rows, and its number of experience vectors."""
     if not arguments.experience:
         return Teacher.of(env), TEACHER, 0
     from khepera_forage.policies import NearestNeighbourImitator
@@ -105,7 +137,7 @@ def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy
     with warnings.catch_warnings(record=True) as recovered:
         warnings.simplefilter("always", ExperienceWarning)
         experience = Experience.load(
-            *experience_files(arguments.experience),
+            *options.experience_files(arguments.experience),
             decisions=env.decisions,
             allow_other_decisions=arguments.allow_other_decisions,
             recover=arguments.recover,
@@ -123,11 +155,7 @@ def policy_of(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy
 
 
 def _learner(name: str) -> "FromVectors":
-    """The learner of `--learner`.
-
-    Raises:
-        ValueError: There is none, or it does not learn from experience vectors.
-    """
+    """The learner of `--learner`, which must learn from experience vectors."""
     from khepera_forage.policies.learner_registry import installed_learners, learner_at
     from khepera_forage.policies.learners import LEARNERS, FromVectors
 
@@ -148,53 +176,92 @@ def _learner(name: str) -> "FromVectors":
     return learner
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Forage, and print a line for each episode and the means.
+@command(
+    "watch",
+    option("phase", "what to show", choices=("training", "recall")),
+    *_POLICY,
+    options.learners("learners in training (1)"),
+    option("--out", "save a film (.gif, .mp4, .avi) here, without a window", given_path),
+    option("--every", f"the film has one frame every N rounds ({EVERY})", whole_number(1, 1000), "N"),
+)
+def watch_command(arguments: argparse.Namespace) -> None:
+    """Show a training or recall episode in a window, or save it as a film."""
+    decisions = options.decisions_of(arguments)
+    _check_watch(arguments)
+    frames: Frames = []
+    mode = "human" if arguments.out is None else "rgb_array"
+    (_watch_training if arguments.phase == "training" else _watch_recall)(arguments, mode, frames)
+    if arguments.out is not None:
+        save_film(frames, arguments.out, fps=1 / (decisions.round_duration * arguments.every))
+        print(f"{arguments.out}: {len(frames)} frames")
 
-    Raises:
-        ValueError: A number or a decision is not allowed, or an experience file cannot be used.
-        OSError: The laboratory of `--lab` cannot be used.
-    """
-    check_policy_arguments(arguments)
-    with closing(recall_env(arguments)) as env:
-        rows = _recall(env, arguments)
-        print_late_rounds(env)
-    if not rows:
-        raise ConnectionError("a robot or the camera was lost in every recall; there is no result")
-    print(
-        f"mean score {np.mean([row.score for row in rows]):.1f} %, food "
-        f"{sum(row.delivered for row in rows)} / {sum(row.foods for row in rows)}; rows in {arguments.out}"
-    )
-    return 0
+
+def _check_watch(arguments: argparse.Namespace) -> None:
+    """Refuse what has no effect in this phase, check what is needed, and fill in the defaults."""
+    if arguments.phase == "training":
+        ignored = ["--experience", "--learner", "--foods", "--allow-other-decisions", "--recover"]
+        options.refuse_ignored(arguments, ignored, "with `watch recall`")
+        options.refuse_ignored_in_laboratory(arguments, ["--num-learners", "--arena"], ["--noise"])
+    else:
+        options.refuse_ignored(arguments, ["--num-learners"], "with `watch training`")
+        _check_policy(arguments)
+    extras = ["render"]
+    if arguments.out is None:
+        options.refuse_ignored(arguments, ["--every"], "with --out")
+    else:
+        options.check_ending(arguments.out, FILM_EXTRAS)
+        extras.append(FILM_EXTRAS[arguments.out.suffix.lower()])
+    if arguments.lab is not None:
+        extras += ["robots", "camera"]
+    require("khepera-forage watch", *dict.fromkeys(extras))
+    if arguments.out is None:
+        open_display()
+    arguments.every = arguments.every or EVERY
 
 
-def _recall(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow]:
-    """One row for each episode; an episode in which a real robot or the camera was lost is reported without a row."""
-    policy, learner, size = policy_of(arguments, env)
-    seeds = np.random.SeedSequence(arguments.seed).generate_state(arguments.episodes).tolist()
-    rows = []
-    # An operator of real robots answers questions on the screen that a progress bar would use.
-    hidden = arguments.lab is not None
-    print(" recall    steps  correct  penalty    score     food")
-    with RowWriter(arguments.out, RecallRow) as writer:
-        for number, seed in enumerate(progress(seeds, hidden, unit="recall")):
-            try:
-                row = recall_rollouts.recall(
-                    env,
-                    policy,
-                    seed,
-                    learner=learner,
-                    noise=arguments.noise or "laboratory",
-                    number=number,
-                    experience_size=size,
-                )
-            except recall_rollouts.RecallInterruptedError as error:
-                print(f"{number + 1:7d} interrupted {error}")
-                continue
-            writer.write(row)
-            rows.append(row)
-            print(
-                f"{number + 1:7d} {row.steps:8d} {row.correct:8d} {row.penalty:7d} % {row.score:6.1f} % "
-                f"{row.delivered:4d} / {row.foods}"
-            )
-    return rows
+def _watch_training(arguments: argparse.Namespace, mode: str, frames: Frames) -> None:
+    settings: dict[str, Any] = {"render_mode": mode}
+    if arguments.lab is None:
+        settings["noise"] = options.noise_of(arguments.noise)
+    with closing(options.training_env(arguments, **settings)) as env:
+        chosen = arguments.seed
+        if arguments.out is not None and arguments.lab is None:
+            chosen = _complete_attempt(env, chosen)
+        result = training.attempt(env, chosen, _ignore, callback=_frame_recorder(env, frames, arguments))
+    outcome = "complete" if result.complete else result.lost or result.reason
+    print(f"{outcome} after {result.rounds} rounds")
+
+
+def _complete_attempt(env: TrainingEnv, seed: int) -> int:
+    """The seed of the first attempt that is complete, the given one or one derived from it; else the given one."""
+    others = np.random.SeedSequence(seed).generate_state(TRIES - 1).tolist()
+    for number, each in enumerate((seed, *others), 1):
+        result = training.attempt(env, each, _ignore)
+        if result.complete:
+            return int(each)
+        print(f"attempt {number}: {result.reason} after {result.rounds} rounds, not filmed", flush=True)
+    print(f"none of {TRIES} attempts is complete, so the film shows the first", flush=True)
+    return seed
+
+
+def _ignore(vector: object, behaviour: object) -> None:
+    """A recording of which nothing is kept."""
+
+
+def _watch_recall(arguments: argparse.Namespace, mode: str, frames: Frames) -> None:
+    with closing(options.recall_env(arguments, render_mode=mode)) as env:
+        row = _forage(env, arguments)(arguments.seed, callback=_frame_recorder(env, frames, arguments))
+    print(f"score {row.score:.1f} % in {row.steps} steps, food {row.delivered} / {row.foods}")
+
+
+def _frame_recorder(env: Any, frames: Frames, arguments: argparse.Namespace) -> Callable[[], None]:
+    """A callback that appends a frame every `--every` rounds; without `--out` the environment draws by itself."""
+    rounds = progress(hidden=arguments.out is None, desc="film", unit="round")
+    number = itertools.count()
+
+    def record() -> None:
+        if arguments.out is not None and next(number) % arguments.every == 0:
+            frames.append(env.render())
+        rounds.update()
+
+    return record

@@ -10,20 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from khepera_forage.cli.arguments import (
-    add_arena_argument,
-    add_decision_argument,
-    add_episodes_argument,
-    add_food_type_argument,
-    add_lab_argument,
-    add_num_learners_argument,
-    add_out_argument,
-    add_seed_argument,
-    decisions_of,
-    is_real,
-    refuse_ignored,
-)
-from khepera_forage.cli.environments import print_late_rounds, training_env
+from khepera_forage.cli import options
+from khepera_forage.cli.options import command, flag, option
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWarning
 from khepera_forage.files import replacing
@@ -50,49 +38,55 @@ class PlannedFile(NamedTuple):
     seed: np.random.SeedSequence
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's arguments."""
-    add_episodes_argument(parser, 10, "complete training episodes, one file each")
-    add_seed_argument(parser, "the same seed gives the same files")
-    add_out_argument(parser, "experience", "folder for g1.csv, g2.csv, ... and attempts.csv")
-    add_arena_argument(parser)
-    add_food_type_argument(parser)
-    add_num_learners_argument(
-        parser,
-        "learners, each in its own copy of the arena; the first one records (1; with --lab FILE as many as it lists)",
-    )
-    parser.add_argument(
-        "--patience",
-        type=whole_number(1),
-        help="rounds that a learner may stay separated before the attempt ends (that of decision patience)",
-    )
-    parser.add_argument(
-        "--resume",
-        action="store_true",
-        help="pause and resume (5.3.1): place a separated learner beside the teacher instead of ending the attempt",
-    )
-    parser.add_argument(
-        "--continue",
-        dest="continued",
-        action="store_true",
-        help="go on where a run with the same --seed and --out was interrupted, or add episodes to it",
-    )
-    add_lab_argument(parser)
-    add_decision_argument(parser)
+def planned_files(folder: Path, episodes: int, seed: int) -> list[PlannedFile]:
+    """All files of a training."""
+    seeds = np.random.SeedSequence(seed).spawn(episodes)
+    return [PlannedFile(n, folder / f"g{n}.csv", each) for n, each in enumerate(seeds, 1)]
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Train, and print a line for each episode.
+def require_new(files: list[PlannedFile], otherwise: str) -> None:
+    """Refuse files that are there already.
 
     Raises:
-        ValueError: A number or a decision is not allowed, or there are files of another seed or of other decisions.
-        IncompleteTrainingError: None of many attempts at an episode was complete.
-        OSError: An experience file is there already, or the laboratory of `--lab` cannot be used.
+        FileExistsError: One is; the message ends with what the user can do `otherwise`.
     """
-    if is_real(arguments.lab):
-        refuse_ignored(arguments, ["--num-learners"], "without --lab; the file lists the learners")
-        refuse_ignored(arguments, ["--arena"], "without --lab; the file names the arena")
-    decisions = decisions_of(arguments)
+    for file in files:
+        if file.path.exists():
+            raise FileExistsError(f"{file.path} exists; {otherwise}")
+
+
+@command(
+    "train",
+    options.episodes(10, "complete training episodes, one file each"),
+    options.seed("the same seed gives the same files"),
+    options.out("experience", "folder for g1.csv, g2.csv, ... and attempts.csv"),
+    options.ARENA,
+    options.FOOD_TYPE,
+    options.learners(
+        "learners, each in its own copy of the arena; the first one records (1; with --lab FILE as many as it "
+        "lists)"
+    ),
+    option(
+        "--patience",
+        "rounds that a learner may stay separated before the attempt ends (that of decision patience)",
+        whole_number(1),
+    ),
+    flag(
+        "--resume",
+        "pause and resume (5.3.1): place a separated learner beside the teacher instead of ending the attempt",
+    ),
+    flag(
+        "--continue",
+        "go on where a run with the same --seed and --out was interrupted, or add episodes to it",
+        dest="continued",
+    ),
+    options.LAB,
+    options.DECISION,
+)
+def train_command(arguments: argparse.Namespace) -> int:
+    """Train a learner in the paired corridors and save its experience."""
+    options.refuse_ignored_in_laboratory(arguments, ["--num-learners", "--arena"])
+    decisions = options.decisions_of(arguments)
     if arguments.patience is not None and decisions.patience not in (
         arguments.patience,
         DEFAULT_DECISIONS.patience,
@@ -104,27 +98,22 @@ def run(arguments: argparse.Namespace) -> int:
     if not files:
         print(f"all {arguments.episodes} files are in {arguments.out} already")
         return 0
-    with closing(training_env(arguments, patience=arguments.patience)) as env:
+    with closing(options.training_env(arguments, patience=arguments.patience)) as env:
         try:
             record(env, files, arguments)
         except (OSError, KeyboardInterrupt):
             print("the same command with --continue goes on from here", file=sys.stderr)
             raise
-        print_late_rounds(env)
+        options.print_late_rounds(env)
     return 0
 
 
 def files_to_record(arguments: argparse.Namespace) -> list[PlannedFile]:
-    """The files of the training that are not complete; makes the folder.
-
-    Raises:
-        FileExistsError: A file is there, and the training is not continued.
-        ValueError: A file is of another seed or of other decisions.
-    """
+    """The files of the training that are not complete; makes the folder."""
     arguments.out.mkdir(parents=True, exist_ok=True)
     files = planned_files(arguments.out, arguments.episodes, arguments.seed)
     if arguments.continued:
-        return unfinished(arguments.out, files, decisions_of(arguments))
+        return _unfinished(arguments.out, files, options.decisions_of(arguments))
     require_new(files, "--continue goes on after it, or choose another --out")
     return files
 
@@ -134,81 +123,41 @@ def record(env: TrainingEnv, files: list[PlannedFile], arguments: argparse.Names
     # An operator of real robots answers questions on the screen that a progress bar would use.
     hidden = arguments.lab is not None
     with RowWriter(arguments.out / ATTEMPTS, TrainingRow, resume=arguments.continued) as attempts:
-        for number, path, seed in progress(files, hidden, unit="episode"):
+        for number, path, each in progress(files, hidden, unit="episode"):
             experience, rows = training.train(
-                env, seed, file=number, path=path, resume=arguments.resume, on_attempt=attempts.write
+                env, each, file=number, path=path, resume=arguments.resume, on_attempt=attempts.write
             )
             print(
                 f"{path}: {len(experience)} experience vectors, {len(rows)} attempt(s), {rows[-1].rounds} rounds"
             )
 
 
-def planned_files(folder: Path, episodes: int, seed: int) -> list[PlannedFile]:
-    """All files of a training."""
-    seeds = np.random.SeedSequence(seed).spawn(episodes)
-    return [PlannedFile(n, folder / f"g{n}.csv", each) for n, each in enumerate(seeds, 1)]
-
-
-def require_new(files: list[PlannedFile], otherwise: str) -> None:
-    """Check that none of the files is there already.
-
-    Args:
-        files: To be made.
-        otherwise: What else the user can do, for the message.
-
-    Raises:
-        FileExistsError: One is.
-    """
-    for file in files:
-        if file.path.exists():
-            raise FileExistsError(f"{file.path} exists; {otherwise}")
-
-
-def unfinished(folder: Path, files: list[PlannedFile], decisions: Decisions) -> list[PlannedFile]:
-    """The files that an earlier run with the same seed has not finished.
+def _unfinished(folder: Path, files: list[PlannedFile], decisions: Decisions) -> list[PlannedFile]:
+    """The files that an earlier run with the same seed has not finished; errors come before any change.
 
     The file of an interrupted episode is kept under another name, such as `g3.interrupted-1.csv`, and the rows of its
     attempts are removed from `attempts.csv`, because the episode is recorded again.
-
-    Args:
-        folder: Of the files.
-        files: All files of the training.
-        decisions: Those of the files.
-
-    Raises:
-        ExperienceError: A file is no experience file, or of other decisions. Nothing is changed then.
-        ValueError: A file is of another seed. Nothing is changed then.
     """
     there = [file for file in files if file.path.exists()]
-    interrupted = [file for file in there if not _is_complete(file, decisions)]
-    for file in interrupted:
+    for file in [file for file in there if not _is_complete(file, decisions)]:
         names = (file.path.with_name(f"{file.path.stem}.interrupted-{n}.csv") for n in count(1))
         kept = next(name for name in names if not name.exists())
         file.path.rename(kept)
         print(f"{file.path} was interrupted; its vectors are kept in {kept}")
     left = [file for file in files if not file.path.exists()]
-    _forget_attempts(folder / ATTEMPTS, {file.number for file in left})
+    attempts, numbers = folder / ATTEMPTS, {file.number for file in left}
+    if attempts.exists():
+        rows = [row for row in read_rows(attempts, TrainingRow) if row.file not in numbers]
+        with replacing(attempts) as partial:
+            write_rows(partial, TrainingRow, rows)
     return left
 
 
 def _is_complete(file: PlannedFile, decisions: Decisions) -> bool:
-    """Whether the file of an episode has its closing line.
-
-    Raises:
-        ExperienceError: It is no experience file, or of other decisions.
-        ValueError: It is of another seed.
-    """
+    """Whether the file of an episode has its closing line; one of another seed is an error."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", ExperienceWarning)
         experience = Experience.load(file.path, decisions=decisions, recover=True)
     if experience.seed not in file.seed.generate_state(decisions.most_attempts).tolist():
         raise ValueError(f"{file.path} is of another --seed; allowed with --continue: the same one")
     return not any(issubclass(warning.category, ExperienceWarning) for warning in caught)
-
-
-def _forget_attempts(path: Path, numbers: set[int]) -> None:
-    """Remove the rows of some files; the old rows are there until all of the new ones are written."""
-    if path.exists():
-        rows = [row for row in read_rows(path, TrainingRow) if row.file not in numbers]
-        with replacing(path) as partial:
-            write_rows(partial, TrainingRow, rows)

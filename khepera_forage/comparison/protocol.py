@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from khepera_forage.comparison import TRACKS as TRACK_NAMES
 from khepera_forage.comparison.batch_recalls import (
     Foraged,
     Seeds,
@@ -58,7 +59,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "procedural": tuple(DIFFICULTIES),
 }
 """Places of recalls. Those of a group count alike."""
-OFFLINE, TEACHING, WHEELS, VOCABULARY = "offline", "teaching", "wheels", "vocabulary"
+OFFLINE, TEACHING, WHEELS, VOCABULARY = TRACK_NAMES
 THESIS, RANDOM, VARIED, THINNED = "thesis's", "random", "varied arenas", "varied arenas, thinned"
 """Teachers. The last one gives as many experience vectors as the thesis's teacher, drawn from those of the third."""
 AS_HEARD, PERMUTED, LATE, SILENT, WRONG = "as heard", "permuted", "3 late", "half silent", "a fifth wrong"

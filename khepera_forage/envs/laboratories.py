@@ -26,7 +26,7 @@ def load_settings(path: Path | str, decisions: Decisions = DEFAULT_DECISIONS) ->
             the file does not say so.
 
     Raises:
-        LabFileError: The file is not TOML, or a key is missing, unknown, or has a value that is not allowed.
+        ValueError: The file is not TOML, or a key is missing, unknown, or has a value that is not allowed.
         OSError: The file cannot be read.
     """
     return load(path, set_up_of(decisions), decisions.round_duration)

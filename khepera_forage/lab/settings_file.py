@@ -3,41 +3,40 @@
 `sample.toml` explains every key; `python -m khepera_forage.lab.settings_file` prints it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from khepera_forage.lab.settings import ORIGIN, CameraSettings, LabSettings, RobotSettings, Tolerance
+from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettings, Tolerance
 from khepera_forage.robots.drivers import serial_driver
 from khepera_forage.robots.khepera import MAX_SPEED
 from khepera_forage.robots.model import KHEPERA, MODELS, TOIO
-from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT
+from khepera_forage.robots.serial.line import MAX_TIMEOUT
 from khepera_forage.robots.toio.driver import SIMPLE_MAT
 from khepera_forage.sim.arena import Arena, Point
-from khepera_forage.sim.arena_file import ArenaPlan, arena_of
+from khepera_forage.sim.arena_file import ArenaPlan, plan_of
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR, SetUp
 from khepera_forage.sim.layout_checks import check_seen
 from khepera_forage.toml_table import (
-    Table,
-    TableError,
+    Reader,
+    anything,
+    content_of,
+    is_number,
     list_of,
+    naming,
     number,
     numbers,
     one_of,
-    quoted,
-    table_of,
+    refusal,
+    table,
     text,
     text_of,
     true_or_false,
 )
 from khepera_forage.vision.tracker_settings import MARKER_NUMBERS, TrackerSettings
-
-
-class LabFileError(ValueError):
-    """An invalid `lab.toml`; the message names the file and the key."""
 
 
 def load(path: Path | str, set_up: SetUp, period: float) -> LabSettings:
@@ -49,32 +48,34 @@ def load(path: Path | str, set_up: SetUp, period: float) -> LabSettings:
         period: Duration of a round in seconds, if the file does not set it.
 
     Raises:
-        LabFileError: The file is not TOML, or a key is missing, unknown, or has a value that is not allowed.
+        ValueError: The file is not TOML, or a key is missing, unknown, or has a value that is not allowed. The message
+            names the file and the key.
         OSError: The file cannot be read.
     """
     path = Path(path)
-    try:
+    with naming(path):
         return parse(text_of(path), set_up, period, path.parent)
-    except (TableError, LabFileError) as error:
-        raise LabFileError(f"{path}: {error}") from None
 
 
 def parse(toml: str, set_up: SetUp, period: float, folder: Path = Path()) -> LabSettings:
-    """Parse the text of a file.
-
-    Args:
-        toml: The text.
-        set_up: As for `load`.
-        period: As for `load`.
-        folder: Folder of a calibration file with a relative path.
-
-    Raises:
-        LabFileError: As `load`.
-    """
-    try:
-        return _lab_settings(table_of(toml), folder, set_up, period)
-    except TableError as error:
-        raise LabFileError(str(error)) from None
+    """Parse the text of a file, as `load`; `folder` is that of a calibration file with a relative path."""
+    given = table("", content_of(toml), _KEYS)
+    given["arena"] = _arena(given.get("arena", {}), set_up)
+    tracker = given.setdefault("tracker", TrackerSettings())
+    read_robots = list_of(_robot_reader(MARKER_NUMBERS[tracker.markers]), 0, "one or more tables [[robots]]")
+    robots = given["robots"] = read_robots("robots", given.get("robots", []))
+    if not robots:
+        raise ValueError("robots is empty; allowed: at least one table [[robots]]")
+    if robots[0].type == TOIO.name and "camera" not in given:
+        given["camera"] = CameraSettings()
+    else:
+        given["camera"] = _camera(given.get("camera", {}), folder)
+    if tracker.markers != "holes":  # an error if a robot and food have the same tag
+        given["tracker"] = replace(tracker, numbers=tuple(sorted({robot.holes for robot in robots})))
+    settings = LabSettings(**{"period": period, **given})
+    _check_robots(settings)
+    _check_mat(settings)
+    return settings
 
 
 def sample() -> str:
@@ -82,143 +83,87 @@ def sample() -> str:
     return resources.files("khepera_forage.lab").joinpath("sample.toml").read_text(encoding="utf-8")
 
 
-def _lab_settings(table: Table, folder: Path, set_up: SetUp, default_period: float) -> LabSettings:
-    table.check_keys(_names(LabSettings))
-    arena = _arena(table.table("arena"), set_up)
-    tracker = _tracker(table.table("tracker"))
-    allowed = MARKER_NUMBERS[tracker.markers]
-    robots = tuple(_robot(entry, i, allowed) for i, entry in enumerate(table.tables("robots")))
-    if not robots:
-        raise TableError("robots is empty; allowed: at least one table [[robots]]")
-    food_cubes: tuple[str, ...] = table.take("food_cubes", list_of(text, 0), tuple[str, ...]())
-    if robots[0].type == "toio" and not table.has("camera"):
-        camera = CameraSettings()
-    else:
-        camera = _camera(table.table("camera"), folder)
-    if tracker.markers != "holes":
-        try:
-            tracker = replace(tracker, numbers=tuple(sorted({robot.holes for robot in robots})))
-        except ValueError as error:  # a robot and food have the same tag
-            raise TableError(str(error)) from None
-    tolerance_table = table.table("tolerance")
-    tolerance_table.check_keys(_names(Tolerance))
-    defaults = Tolerance()
-    tolerance = Tolerance(
-        tolerance_table.take("position", number(1.0, 100.0, "mm"), defaults.position),
-        tolerance_table.take("heading", number(1.0, 90.0, "degrees"), defaults.heading),
-    )
-    safe_speed = table.take("safe_speed", one_of(range(1, MAX_SPEED + 1)), MAX_SPEED)
-    period = table.take("period", number(0.05, 0.5, "seconds"), default_period)
-    settings = LabSettings(arena, robots, camera, period, tracker, tolerance, safe_speed, food_cubes)
-    _check_robots(settings)
-    _check_mat(settings)
-    return settings
+def _robot_reader(markers: Sequence[int]) -> Callable[[str, Any], RobotSettings]:
+    readers = _ROBOT_KEYS | {"holes": one_of(markers)}
+
+    def read(key: str, value: Any) -> RobotSettings:
+        given = table(key, value, readers, ["port"])
+        index = int(key.removeprefix("robots[").removesuffix("]"))
+        driver = serial_driver(given.get("type", KHEPERA.name))
+        if driver is not None:
+            baud = given.get("baud", driver.default_baud)
+            given["baud"] = one_of(driver.protocol.baud_rates)(f"{key}.baud", baud)
+        elif "baud" in given:
+            raise ValueError(
+                f"{key}.baud is given; allowed: for a robot with a serial line, not for {given['type']}"
+            )
+        name, holes = (f"learner_{index - 1}", 2) if index else ("teacher", 1)
+        return RobotSettings(**{"name": name, "holes": holes, **given})
+
+    return read
 
 
-def _robot(table: Table, index: int, markers: Sequence[int]) -> RobotSettings:
-    name = "teacher" if index == 0 else f"learner_{index - 1}"
-    table.check_keys(_names(RobotSettings))
-    kind = table.take("type", _kind, KHEPERA.name)
-    driver = serial_driver(kind)
-    if driver is None and table.has("baud"):
-        raise TableError(
-            f"{table.key('baud')} is given; allowed: for a robot with a serial line, not for {kind}"
-        )
-    return RobotSettings(
-        port=table.take("port", text),
-        name=table.take("name", text, name),
-        type=kind,
-        baud=None
-        if driver is None
-        else table.take("baud", one_of(driver.protocol.baud_rates), driver.default_baud),
-        holes=table.take("holes", one_of(markers), 1 if index == 0 else 2),
-        timeout=table.take("timeout", number(0.01, MAX_TIMEOUT, "seconds"), DEFAULT_TIMEOUT),
-        watchdog=table.take("watchdog", true_or_false, True),
-        offset=Point(*table.take("offset", numbers("[x mm, y mm]"), tuple(ORIGIN))),
-    )
+def _camera(value: Any, folder: Path) -> CameraSettings:
+    given = table("camera", value, _CAMERA_KEYS, ["source"])
+    if "calibration" in given:
+        given["calibration"] = folder / given["calibration"]
+    return CameraSettings(**given)
 
 
-def _kind(key: str, value: Any) -> str:
-    """A reader of the kind of a robot."""
-    if value not in MODELS:
-        raise TableError(f"{key} is {quoted(value)}; allowed: {', '.join(MODELS)}")
-    return str(value)
+def _source(key: str, value: Any) -> int | str:
+    if (isinstance(value, str) and value.strip()) or (type(value) is int and value >= 0):
+        return value
+    raise refusal(key, value, "the number of a device, the name of a file, or a URL")
 
 
-def _camera(table: Table, folder: Path) -> CameraSettings:
-    def source(key: str, value: Any) -> int | str:
-        if isinstance(value, str) and value.strip():
-            return value
-        if type(value) is int and value >= 0:
-            return value
-        raise TableError(
-            f"{key} is {quoted(value)}; allowed: the number of a device, the name of a file, or a URL"
-        )
-
-    def size(key: str, value: Any) -> tuple[int, int]:
-        if (
-            isinstance(value, list)
-            and len(value) == 2
-            and all(type(n) is int and 16 <= n <= 16384 for n in value)
-        ):
-            return value[0], value[1]
-        raise TableError(f"{key} is {quoted(value)}; allowed: [width, height] in pixels")
-
-    table.check_keys(_names(CameraSettings))
-    calibration = table.take("calibration", text, "")
-    return CameraSettings(
-        source=table.take("source", source),
-        calibration=folder / calibration if calibration else None,
-        oldest=table.take("oldest", number(0.05, 10.0, "seconds"), 0.5),
-        size=table.take("size", size, None),
-        rate=table.take("rate", number(0.1, 1000.0, "frames a second"), None),
-        exposure=table.take("exposure", number(-1e6, 1e6, "the driver's unit"), None),
-        focus=table.take("focus", number(-1e6, 1e6, "the driver's unit"), None),
-    )
+def _size(key: str, value: Any) -> tuple[int, int]:
+    is_pair = isinstance(value, list) and len(value) == 2
+    if not is_pair or not all(type(n) is int and 16 <= n <= 16384 for n in value):
+        raise refusal(key, value, "[width, height] in pixels")
+    return value[0], value[1]
 
 
-def _tracker(table: Table) -> TrackerSettings:
+def _offset(key: str, value: Any) -> Point:
+    return Point(*numbers("[x mm, y mm]")(key, value))
+
+
+def _tracker(key: str, value: Any) -> TrackerSettings:
     """Any field of `TrackerSettings` but the numbers in use, as a key of the same name."""
-    names, defaults = set(_names(TrackerSettings)) - {"numbers"}, TrackerSettings()
-    table.check_keys(names)
-    readers: dict[type, Any] = {
+    readers: dict[type, Reader] = {
         bool: true_or_false,
         str: text,
         tuple: list_of(one_of(MARKER_NUMBERS["tags"]), 0),
     }
-    settings = {}
-    for name in names:
-        default = getattr(defaults, name)
-        settings[name] = table.take(name, readers.get(type(default), _any_number), default)
-    try:
-        return replace(defaults, numbers=(1, 2), **settings)
-    except ValueError as error:
-        raise TableError(str(error)) from None
+    keys = {f.name: readers.get(type(f.default), _any_number) for f in fields(TrackerSettings)}
+    del keys["numbers"]
+    return TrackerSettings(**table(key, value, keys))
 
 
 def _any_number(key: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TableError(f"{key} is {quoted(value)}; allowed: a number")
-    return value
+    if not is_number(value):
+        raise refusal(key, value, "a number")
+    return value  # type: ignore[no-any-return]
 
 
-def _arena(table: Table, set_up: SetUp) -> Arena:
-    table.check_keys(ArenaPlan._fields)
-    if table.has("walls"):
-        return arena_of(table)
-    name = table.take("name", text, CORRIDOR)
+def _tolerance(key: str, value: Any) -> Tolerance:
+    keys = {"position": number(1.0, 100.0, "mm"), "heading": number(1.0, 90.0, "degrees")}
+    return Tolerance(**table(key, value, keys))
+
+
+def _arena(value: Any, set_up: SetUp) -> Arena:
+    given = table("arena", value, dict.fromkeys(ArenaPlan._fields, anything))
+    if "walls" in given:
+        plan = plan_of("arena", value)
+        with naming("arena"):
+            return plan.arena()
+    name = text("arena.name", given.get("name", CORRIDOR))
     if name not in ARENAS:
-        raise TableError(
-            f"{table.key('name')} is {name!r} and there are no walls; allowed: {', '.join(ARENAS)}, "
+        raise ValueError(
+            f"arena.name is {name!r} and there are no walls; allowed: {', '.join(ARENAS)}, "
             "or another name with walls, home, home_radius, start and foods"
         )
-    table.check_keys(("name", "walls"))  # without walls, the others have no effect
+    table("arena", value, {"name": text, "walls": anything})  # without walls, the others have no effect
     return named_arena(name, set_up)
-
-
-def _names(settings: type[Any]) -> list[str]:
-    """The keys of a table, which are the fields of a dataclass."""
-    return [field.name for field in fields(settings)]
 
 
 def _check_robots(settings: LabSettings) -> None:
@@ -226,22 +171,22 @@ def _check_robots(settings: LabSettings) -> None:
     for i, robot in enumerate(settings.robots):
         for j, other in enumerate(settings.robots[:i]):
             if robot.port == other.port:
-                raise TableError(
+                raise ValueError(
                     f"robots[{i}].port is {robot.port!r}, as robots[{j}].port; allowed: one port a robot"
                 )
             if robot.name == other.name:
-                raise TableError(
+                raise ValueError(
                     f"robots[{i}].name is {robot.name!r}, as robots[{j}].name; allowed: one name each"
                 )
             if _overlap(settings.arenas[i], settings.arenas[j]):
-                raise TableError(
+                raise ValueError(
                     f"robots[{i}].offset is {list(robot.offset)}: its arena overlaps that of robots[{j}]; "
                     "allowed: arenas side by side"
                 )
         try:
             check_seen((settings.arenas[i],))
         except ValueError as error:
-            raise TableError(f"robots[{i}].offset is {list(robot.offset)}: {error}") from None
+            raise ValueError(f"robots[{i}].offset is {list(robot.offset)}: {error}") from None
 
 
 def _check_mat(settings: LabSettings) -> None:
@@ -249,17 +194,17 @@ def _check_mat(settings: LabSettings) -> None:
     kinds = {robot.type for robot in settings.robots}
     if TOIO.name not in kinds:
         if settings.food_cubes:
-            raise TableError("food_cubes is given; allowed: for robots of type toio")
+            raise ValueError("food_cubes is given; allowed: for robots of type toio")
         return
     if len(kinds) > 1:
-        raise TableError(
+        raise ValueError(
             f"robots are of types {', '.join(sorted(kinds))}; allowed: toio cubes alone, or other robots"
         )
     width, height = SIMPLE_MAT.size
     for i, arena in enumerate(settings.arenas):
         x1, y1, x2, y2 = arena.bounds
         if not (x1 >= 0 and x2 <= width and y1 >= 0 and y2 <= height):
-            raise TableError(
+            raise ValueError(
                 f"robots[{i}].offset is {list(settings.robots[i].offset)}: its arena leaves the mat; allowed: within "
                 f"0 to {width:.0f} and 0 to {height:.0f} mm"
             )
@@ -270,6 +215,35 @@ def _overlap(a: Arena, b: Arena) -> bool:
     bx1, by1, bx2, by2 = b.bounds
     return ax1 < bx2 and bx1 < ax2 and ay1 < by2 and by1 < ay2
 
+
+_KEYS: dict[str, Reader] = {
+    "arena": anything,
+    "robots": anything,
+    "camera": anything,
+    "period": number(0.05, 0.5, "seconds"),
+    "tracker": _tracker,
+    "tolerance": _tolerance,
+    "safe_speed": one_of(range(1, MAX_SPEED + 1)),
+    "food_cubes": list_of(text, 0),
+}
+_ROBOT_KEYS: dict[str, Reader] = {
+    "type": one_of(tuple(MODELS)),
+    "port": text,
+    "name": text,
+    "baud": anything,
+    "timeout": number(0.01, MAX_TIMEOUT, "seconds"),
+    "watchdog": true_or_false,
+    "offset": _offset,
+}
+_CAMERA_KEYS: dict[str, Reader] = {
+    "source": _source,
+    "calibration": text,
+    "oldest": number(0.05, 10.0, "seconds"),
+    "size": _size,
+    "rate": number(0.1, 1000.0, "frames a second"),
+    "exposure": number(-1e6, 1e6, "the driver's unit"),
+    "focus": number(-1e6, 1e6, "the driver's unit"),
+}
 
 if __name__ == "__main__":
     print(sample(), end="")

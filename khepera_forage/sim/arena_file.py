@@ -12,22 +12,17 @@ obstacles = [[[200, 0], [240, 0], [240, 150], [200, 150]]]  # may be left out
 """
 
 import json
-from collections.abc import Iterable
 from decimal import Decimal, localcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from khepera_forage.files import replacing
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.toml_table import Table, TableError, list_of, number, numbers, table_of, text, text_of
+from khepera_forage.toml_table import content_of, list_of, naming, number, numbers, table, text, text_of
 
 _DIGITS = 40
 _PER_DEGREE = Decimal("0.01745329251994329576923690768488612713442871889")
 """Radians. With more digits than a float has, every float is the value of some decimal number of degrees."""
-
-
-class ArenaFileError(ValueError):
-    """An arena file with a mistake; the message names the file, and the line or the key."""
 
 
 class ArenaPlan(NamedTuple):
@@ -62,29 +57,32 @@ def read_arena(path: Path | str) -> Arena:
     """The arena in a file.
 
     Raises:
-        ArenaFileError: The file is not TOML, a key is missing, unknown or has a value that is not allowed, or the
-            arena is not allowed.
+        ValueError: The file is not TOML, a key is missing, unknown or has a value that is not allowed, or the arena is
+            not allowed. The message names the file, and the line or the key.
         OSError: The file cannot be read.
     """
-    plan = read_plan(path)
-    try:
-        return plan.arena()
-    except ValueError as error:
-        raise ArenaFileError(f"{path}: {error}") from None
+    with naming(path):
+        return parse_plan(text_of(Path(path))).arena()
 
 
 def read_plan(path: Path | str) -> ArenaPlan:
-    """What a file says about an arena, which may be one that is not allowed.
+    """What a file says about an arena, which may be one that is not allowed; errors as of `read_arena`."""
+    with naming(path):
+        return parse_plan(text_of(Path(path)))
+
+
+def parse_plan(toml: str) -> ArenaPlan:
+    """What a text says about an arena; errors do not name a file."""
+    return plan_of("", content_of(toml, Decimal))
+
+
+def plan_of(key: str, value: Any) -> ArenaPlan:
+    """What a table says about an arena.
 
     Raises:
-        ArenaFileError: The file is not TOML, or a key is missing, unknown or has a value that is not allowed.
-        OSError: The file cannot be read.
+        ValueError: A key is missing, unknown, or has a value that is not allowed.
     """
-    path = Path(path)
-    try:
-        return plan_of(table_of(text_of(path), parse_float=Decimal))
-    except TableError as error:
-        raise ArenaFileError(f"{path}: {error}") from None
+    return ArenaPlan(**table(key, value, _KEYS, ArenaPlan._fields[:-1]))
 
 
 def write_arena(arena: Arena, path: Path | str) -> None:
@@ -101,47 +99,23 @@ def arena_text(arena: Arena) -> str:
     """The text of an arena file."""
     x, y, heading = arena.start
     lines = [
-        f"name = {_quoted(arena.name)}",
-        f"walls = {_places(arena.walls)}",
-        f"home = {_numbers(arena.home)}",
-        f"home_radius = {_number(arena.home_radius)}",
-        f"start = [{_number(x)}, {_number(y)}, {_degrees(heading)}]  # x mm, y mm, heading degrees",
-        f"foods = {_places(arena.foods)}",
+        *(f"{key} = {toml(getattr(arena, key))}" for key in ("name", "walls", "home", "home_radius")),
+        f"start = [{toml(x)}, {toml(y)}, {_degrees(heading)}]  # x mm, y mm, heading degrees",
+        f"foods = {toml(arena.foods)}",
     ]
     if arena.obstacles:
-        lines += ["obstacles = [", *(f"    {_places(obstacle)}," for obstacle in arena.obstacles), "]"]
+        lines += ["obstacles = [", *(f"    {toml(obstacle)}," for obstacle in arena.obstacles), "]"]
     return "\n".join(lines) + "\n"
 
 
-def plan_of(table: Table) -> ArenaPlan:
-    """What a table says about an arena.
-
-    Raises:
-        TableError: A key is missing, unknown, or has a value that is not allowed.
-    """
-    table.check_keys(ArenaPlan._fields)
-    return ArenaPlan(
-        name=table.take("name", text),
-        walls=table.take("walls", list_of(_point)),
-        home=table.take("home", _point),
-        home_radius=table.take("home_radius", number(1.0, 10000.0, "mm")),
-        start=table.take("start", _pose),
-        foods=table.take("foods", list_of(_point)),
-        obstacles=table.take("obstacles", list_of(list_of(_point), least=0), ()),
-    )
-
-
-def arena_of(table: Table) -> Arena:
-    """The arena in a table of a larger file.
-
-    Raises:
-        TableError: As `plan_of`; or the arena is not allowed.
-    """
-    plan = plan_of(table)
-    try:
-        return plan.arena()
-    except ValueError as error:
-        raise TableError(f"{table.name}: {error}") from None
+def toml(value: Any) -> str:
+    """A text, a number, or a tuple of such, as TOML."""
+    if isinstance(value, str):
+        # TOML's strings are those of JSON, but for the control character DEL.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(toml, value))}]"
+    return repr(float(value)).removesuffix(".0")
 
 
 def _point(key: str, value: Any) -> Point:
@@ -170,18 +144,12 @@ def _degrees(radians: float) -> str:
     return f"{rounded:f}"
 
 
-def _quoted(name: str) -> str:
-    # TOML's strings are those of JSON, but for the control character DEL.
-    return json.dumps(name, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def _number(value: float) -> str:
-    return repr(float(value)).removesuffix(".0")
-
-
-def _numbers(values: Iterable[float]) -> str:
-    return f"[{', '.join(map(_number, values))}]"
-
-
-def _places(places: Iterable[Point]) -> str:
-    return f"[{', '.join(map(_numbers, places))}]"
+_KEYS = {
+    "name": text,
+    "walls": list_of(_point),
+    "home": _point,
+    "home_radius": number(1.0, 10000.0, "mm"),
+    "start": _pose,
+    "foods": list_of(_point),
+    "obstacles": list_of(list_of(_point), least=0),
+}

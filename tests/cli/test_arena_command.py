@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from khepera_forage.cli.main import main
 from khepera_forage.envs.rendering import palette
-from khepera_forage.experience import Experience
 from khepera_forage.sim.arena_file import read_arena, write_arena
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import ARENAS, FAMILY, family_arena
@@ -44,28 +43,20 @@ def test_list_has_every_arena_and_difficulty(capsys: pytest.CaptureFixture[str])
     assert "TMaze-v1        1400 x  860        8     1    1000" in out
 
 
-@pytest.mark.parametrize("name", ARENAS)
-def test_named_arena_is_drawn(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("name", [*ARENAS, "procedural"])
+def test_arena_is_drawn(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("matplotlib")
     picture = tmp_path / "new" / "arena.png"
-    assert main(["arena", "show", name, "--out", str(picture)]) == 0
+    level = ["--difficulty", "hard", "--level", str(LEVELS)] if name == "procedural" else []
+    assert main(["arena", "show", name, *level, "--out", str(picture)]) == 0
     out, err = capsys.readouterr()
-    assert f"{picture}: {name}\n" in out
-    assert "longest way" in out
+    assert f"{picture}: {'procedural_hard_1000000' if level else name}\n" in out
+    assert ("step limit" if not level else f"step limit {DIFFICULTIES['hard'].limit}") in out
     assert err == ""
     assert share(picture, palette.FLOOR) > 0.1
     assert share(picture, palette.HOME) > 0.001
     assert share(picture, (0, 114, 178)) > 0.001  # paths
     assert 600 <= pixels(picture).shape[1] <= 1300
-
-
-def test_procedural_level_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("matplotlib")
-    options = ["--difficulty", "hard", "--level", str(LEVELS), "--out", str(tmp_path / "arena.png")]
-    assert main(["arena", "show", "procedural", *options]) == 0
-    out = capsys.readouterr().out
-    assert "arena.png: procedural_hard_1000000\n" in out
-    assert f"step limit {DIFFICULTIES['hard'].limit}" in out
 
 
 def test_arena_that_is_too_narrow_is_drawn_in_red_and_refused(
@@ -111,26 +102,6 @@ def test_arena_that_is_not_allowed_is_drawn_and_refused(
     assert share(picture, palette.FLOOR) > 0.1
 
 
-def test_file_with_a_mistake_is_not_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("matplotlib")
-    path, picture = tmp_path / "narrow.toml", tmp_path / "arena.png"
-    path.write_text(DOORS.replace("home_radius", "radius"))
-    assert main(["arena", "show", str(path), "--out", str(picture)]) == 2
-    assert f"{path}: radius is unknown (did you mean home_radius?)" in capsys.readouterr().err
-    assert not picture.exists()
-
-
-def test_missing_matplotlib_is_reported_before_the_arena_is_read(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("khepera_forage.extras.find_spec", lambda name: None)
-    assert main(["arena", "show", "missing.toml"]) == 2
-    assert (
-        "khepera-forage arena show needs matplotlib: pip install 'khepera-forage[plots]'"
-        in capsys.readouterr().err
-    )
-
-
 def test_written_arena_is_the_one_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for name in FAMILY:
         path = tmp_path / f"{name}.toml"
@@ -145,25 +116,6 @@ def test_written_arena_is_the_one_named(tmp_path: Path, capsys: pytest.CaptureFi
     assert f"`khepera-forage arena show {copy}` draws it" in capsys.readouterr().out
 
 
-def test_written_arena_replaces_no_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text("mine")
-    assert main(["arena", "write", "doors", str(path)]) == 2
-    assert "exists; choose another name" in capsys.readouterr().err
-    assert path.read_text() == "mine"
-
-
-# ---------------------------------------------------------------- --arena of other commands
-
-
-def test_recall_takes_a_named_arena_and_its_food_types(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "rows.csv"
-    assert main(["recall", "--arena", "mixed_foods", "--episodes", "1", "--out", str(out)]) == 0
-    assert "mixed_foods" in out.read_text()
-
-
 def test_recall_takes_an_arena_file(tmp_path: Path) -> None:
     path, out = tmp_path / "mine.toml", tmp_path / "rows.csv"
     write_arena(MAZE, path)
@@ -175,9 +127,3 @@ def test_recall_takes_an_arena_file(tmp_path: Path) -> None:
         assert main(arguments) == 0
         texts.append(out.read_text())
     assert texts[0] == texts[1]
-
-
-def test_train_records_in_the_arena(tmp_path: Path) -> None:
-    options = ["--arena", "t_maze", "--episodes", "1", "--out", str(tmp_path)]
-    assert main(["train", *options]) == 0
-    assert Experience.load(tmp_path / "g1.csv").arena == "t_maze"

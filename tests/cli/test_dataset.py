@@ -9,7 +9,7 @@ import pytest
 from sklearn.tree import DecisionTreeClassifier
 
 from khepera_forage import as_policy, recall, recall_env
-from khepera_forage.cli.dataset import FOLDER_VARIABLE, add_arguments, food_in_training
+from khepera_forage.cli.dataset import FOLDER_VARIABLE, food_in_training
 from khepera_forage.cli.main import main
 from khepera_forage.experience import Experience
 from khepera_forage.experience.data_card import MEANINGS, Origin, data_card
@@ -129,39 +129,14 @@ def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest
 
 
 def test_card_names_mixed_food_types_and_all_arenas() -> None:
-    parser = argparse.ArgumentParser()
-    add_arguments(parser)
-    for words, arena, food in (
-        ([], "mixed_foods", "food (50 % PICKABLE, 25 % PUSHABLE, 25 % POISONOUS)"),
-        (["--food-type", "PUSHABLE"], "mixed_foods", "PUSHABLE food"),
-        ([], "doors", "PICKABLE food"),
+    for food_type, arena, food in (
+        (None, "mixed_foods", "food (50 % PICKABLE, 25 % PUSHABLE, 25 % POISONOUS)"),
+        ("PUSHABLE", "mixed_foods", "PUSHABLE food"),
+        (None, "doors", "PICKABLE food"),
     ):
-        assert food_in_training(parser.parse_args(words), arena) == food
+        assert food_in_training(argparse.Namespace(food_type=food_type), arena) == food
     parts = [Experience(SOME.vectors, SOME.behaviours, f"procedural_easy_{level}") for level in (7, 3)]
     assert "| arena | procedural_easy_3, procedural_easy_7 |" in data_card("a-v1", parts, ORIGIN)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--name", "mine"], "--name: 'mine'; allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER"),
-        (["--name", "../mine-v1"], "--name: '../mine-v1'; allowed: NAME-vNUMBER"),
-        (["--episodes", "0"], "--episodes: '0'; allowed: a whole number of at least 1"),
-        (["--experience", "g.csv", "--episodes", "2"], "--episodes has no effect here; allowed: without"),
-        (
-            ["--experience", "g.csv", "--food-type", "PUSHABLE"],
-            "--food-type has no effect here; allowed: with",
-        ),
-        (["--arena", "nowhere"], "arena is 'nowhere'; allowed: corridor, rectangle, t_maze"),
-        (["--experience", "nowhere.csv"], "nowhere.csv"),
-    ],
-)
-@pytest.mark.usefixtures("minari")
-def test_bad_input_is_one_line(options: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["dataset", *options]) == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1
 
 
 @pytest.mark.usefixtures("minari")

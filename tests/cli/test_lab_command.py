@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from khepera_forage.cli.camera import calibrate
-from khepera_forage.cli.lab.new import lab_text
+from khepera_forage.cli.camera import calibrate_command
+from khepera_forage.cli.lab import lab_text
 from khepera_forage.cli.main import main
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.robots.epuck.virtual import EPuckFirmware
@@ -55,7 +55,8 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
         Calibration.identity((1000.0, 1000.0, 2000.0)).save(arguments.out)
         return 0
 
-    monkeypatch.setattr(calibrate, "run", calibrated)
+    clicked = calibrate_command._replace(run=calibrated)
+    monkeypatch.setattr("khepera_forage.cli.lab.calibrate_command", clicked)
     monkeypatch.setattr("builtins.input", lambda question: "y")
     monkeypatch.chdir(tmp_path)
     with make_rig() as rig, VirtualKhepera(EPuckFirmware(rig.robots[0], rig.lock), baud=None) as port:

@@ -12,16 +12,6 @@ from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from tests.limited_disk import largest_file
 
 
-@pytest.mark.parametrize("command", ["reproduce", "train", "teach", "recall", "watch"])
-def test_help_has_the_common_options(command: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as stop:
-        main([command, "--help"])
-    assert stop.value.code == 0
-    out = capsys.readouterr().out
-    assert "--seed" in out
-    assert "--out" in out
-
-
 def test_train_recall_and_watch_work_together(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "experience"
     assert main(["train", "--episodes", "2", "--out", str(folder), "--seed", "1"]) == 0
@@ -81,123 +71,6 @@ def test_recall_with_another_learner_noise_and_food(experience: Path, tmp_path: 
     still = recalled(out, "--noise", "placement")
     assert still != recalled(out, "--noise", "wheels,tracking losses")
     assert main(["watch", "recall", "--noise", "none", "--foods", "2", "--out", str(tmp_path / "f.gif")]) == 0
-
-
-@pytest.mark.parametrize(
-    ("learner", "message"),
-    [
-        ("ppo", "--learner is 'ppo'; allowed: imitator, k_nearest"),
-        ("nowhere:f", "--learner is 'nowhere:f': No module named 'nowhere'"),
-        ("sklearn.svm:LinearSVC", "LinearSVC has no predict_proba"),
-    ],
-)
-def test_recall_refuses_other_learners(
-    learner: str, message: str, experience: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["recall", "--experience", str(experience), "--learner", learner]) == 2
-    assert message in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["recall", "--experience", "nowhere.csv"], "nowhere.csv"),
-        (["recall", "--experience", "."], "has no g1.csv; allowed: experience files, or a folder of them"),
-        (["recall", "--noise", "wind"], "noise source 'wind' is unknown; allowed: wheels, infra-reds"),
-        (["recall", "--learner", "tree"], "--learner has no effect here; allowed: with --experience"),
-        (["recall", "--foods", "17"], "foods is 17; allowed: a whole number from 1 to 16"),
-        (["recall", "--lab", "virtual", "--noise", "none"], "--noise has no effect here; allowed: without"),
-        (["watch", "training", "--foods", "2"], "--foods has no effect here; allowed: with `watch recall`"),
-        (["recall", "--episodes", "0"], "--episodes: '0'; allowed: a whole number from 1 to 100,000"),
-        (["recall", "--food-type", "CHEESE"], "'CHEESE' is unknown; allowed: PICKABLE"),
-        (["train", "--episodes", "-1"], "--episodes: '-1'; allowed: a whole number from 1 to"),
-        (["train", "--num-learners", "0"], "--num-learners: '0'; allowed: a whole number of at least 1"),
-        (
-            ["watch", "recall", "--out", "film.mov"],
-            "'film.mov'; allowed: a name that ends in .gif, .mp4, .avi",
-        ),
-        (
-            ["reproduce", "--replications", "0"],
-            "--replications: '0'; allowed: a whole number from 1 to 100,000",
-        ),
-        (["reproduce", "--replications", "1e9"], "--replications: '1e9'; allowed: a whole number from 1"),
-        (["reproduce", "--jobs", "0"], "--jobs: '0'; allowed: a whole number of at least 1, or -1"),
-        (["reproduce", "--jobs", "2"], "--jobs has no effect here; allowed: with --backend pymunk"),
-        (["reproduce", "--out", ""], "--out: ''; allowed: the name of a file or folder"),
-        (["train", "--seed", "-1"], "--seed: '-1'; allowed: a whole number of at least 0"),
-        (
-            ["train", "--lab", "lab.toml", "--num-learners", "2"],
-            "--num-learners has no effect here; allowed: without",
-        ),
-        (
-            ["recall", "--lab", "lab.toml", "--arena", "corridor"],
-            "--arena has no effect here; allowed: without --lab",
-        ),
-        (
-            ["recall", "--allow-other-decisions"],
-            "--allow-other-decisions has no effect here; allowed: with --exp",
-        ),
-        (["watch", "recall", "--every", "0"], "--every: '0'; allowed: a whole number from 1 to 1,000"),
-        (
-            ["watch", "recall", "--out", "f.gif", "--every", "9999"],
-            "--every: '9999'; allowed: a whole number from",
-        ),
-        (["watch", "recall", "--every", "3"], "--every has no effect here; allowed: with --out"),
-        (
-            ["watch", "recall", "--num-learners", "3"],
-            "--num-learners has no effect here; allowed: with `watch t",
-        ),
-        (
-            ["train", "--lab", "lab.toml", "--arena", "corridor"],
-            "--arena has no effect here; allowed: without --lab",
-        ),
-        (
-            ["recall", "--arena", "circle"],
-            "arena is 'circle'; allowed: corridor, rectangle, t_maze, l_room, doors, obstacles, many_foods, "
-            "mixed_foods, or a file *.toml",
-        ),
-        (["recall", "--arena", "missing.toml"], "No such file or directory: 'missing.toml'"),
-        (["arena", "show", "missing.toml"], "No such file or directory: 'missing.toml'"),
-        (["arena", "show", "circle"], "arena is 'circle'; allowed: corridor, rectangle, t_maze"),
-        (
-            ["arena", "show", "doors", "--level", "0"],
-            "--level has no effect here; allowed: with the arena procedural",
-        ),
-        (
-            ["arena", "show", "doors", "--out", "doors.gif"],
-            "--out is 'doors.gif'; allowed: a name that ends in .png",
-        ),
-        (
-            ["arena", "show", "procedural", "--level", "-1"],
-            "--level: '-1'; allowed: a whole number of at least 0",
-        ),
-        (["arena", "show", "procedural", "--difficulty", "brutal"], "invalid choice: 'brutal'"),
-        (["arena", "write", "doors", "doors.txt"], "file is 'doors.txt'; allowed: a name that ends in .toml"),
-        (["teach", "--pace", "nan"], "--pace: 'nan'; allowed: more than 0, at most 1000 rounds a second"),
-    ],
-)
-def test_user_error_is_reported_in_one_line(
-    arguments: list[str],
-    message: str,
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main(arguments) == 2
-    err = capsys.readouterr().err
-    assert message in err
-    assert err.count("\n") == 1
-
-
-@pytest.mark.parametrize("phase", ["training", "recall"])
-def test_watch_without_a_display_says_so(
-    phase: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
-        monkeypatch.delenv(name, raising=False)
-    assert main(["watch", phase]) == 2
-    assert capsys.readouterr().err.startswith("khepera-forage watch: no display to open a window on")
 
 
 def test_attempts_are_written_even_if_none_is_complete(
@@ -266,20 +139,9 @@ def test_full_disk_ends_training_with_the_file_and_what_to_do_and_is_continued(
         assert (part / name).read_bytes() == (whole / name).read_bytes()
 
 
-def test_training_of_another_seed_or_other_decisions_is_not_continued(
+def test_training_of_another_seed_or_other_decisions_is_not_continued_and_nothing_is_changed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert train(tmp_path, "--episodes", "1") == 0
-    before = (tmp_path / "attempts.csv").read_bytes()
-    assert main(["train", "--seed", "2", "--episodes", "2", "--continue", "--out", str(tmp_path)]) == 2
-    assert "g1.csv is of another --seed; allowed with --continue: the same one" in capsys.readouterr().err
-    assert train(tmp_path, "--episodes", "2", "--continue", "--decision", "search_speed=10") == 2
-    assert "search_speed" in capsys.readouterr().err
-    assert (tmp_path / "attempts.csv").read_bytes() == before
-    assert not (tmp_path / "g2.csv").exists()
-
-
-def test_nothing_is_changed_where_one_of_the_files_is_of_another_seed(tmp_path: Path) -> None:
     assert train(tmp_path, "--episodes", "2") == 0
     other = tmp_path / "other"
     assert main(["train", "--seed", "2", "--episodes", "2", "--out", str(other)]) == 0
@@ -287,5 +149,10 @@ def test_nothing_is_changed_where_one_of_the_files_is_of_another_seed(tmp_path: 
     lines = (tmp_path / "g1.csv").read_text().splitlines(keepends=True)
     (tmp_path / "g1.csv").write_text("".join(lines[:-2]))  # interrupted
     before = {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")}
-    assert train(tmp_path, "--episodes", "3", "--continue") == 2
+    for decision, message in (
+        ([], "g2.csv is of another --seed; allowed with --continue: the same one"),
+        (["--decision", "search_speed=10"], "search_speed"),
+    ):
+        assert train(tmp_path, "--episodes", "3", "--continue", *decision) == 2
+        assert message in capsys.readouterr().err
     assert {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")} == before

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.cli.main import main
-from khepera_forage.cli.robot.sensors import bars
+from khepera_forage.cli.robot import bars
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Senses
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
@@ -52,14 +52,6 @@ def output(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     out, err = capsys.readouterr()
     assert err == ""
     return out
-
-
-@pytest.mark.parametrize("what", ["probe", "sensors", "drive", "grip", "selftest", "virtual"])
-def test_help_has_the_baud(what: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as stop:
-        main(["robot", what, "--help"])
-    assert stop.value.code == 0
-    assert "--baud" in capsys.readouterr().out
 
 
 def test_probe_prints_versions_and_response_times(port: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -182,31 +174,6 @@ def test_selftest_of_a_robot_that_does_not_move_fails(
     for part in ("wheels", "arm", "jaw"):
         assert re.search(rf"^{part} +FAIL", out, re.MULTILINE)
     assert "7 of 10 passed" in out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["probe", "--port", "/dev/nowhere"], "/dev/nowhere cannot be opened"),
-        (["probe", "--port", "/dev/nowhere", "--baud", "300"], "baud 300; allowed: 9600"),
-        (
-            ["drive", "--port", "/dev/nowhere", "--left", "50"],
-            "--left: '50'; allowed: a whole number from -20 to 20",
-        ),
-        (["drive", "--port", "/dev/nowhere", "--seconds", "0"], "--seconds: '0'; allowed: more than 0"),
-        (
-            ["sensors", "--port", "/dev/nowhere", "--rounds", "-1"],
-            "--rounds: '-1'; allowed: a whole number of",
-        ),
-    ],
-)
-def test_user_error_is_reported_in_one_line(
-    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["robot", *arguments]) == 2
-    err = capsys.readouterr().err
-    assert message in err
-    assert err.count("\n") == 1
 
 
 def test_lost_robot_is_reported_in_one_line(

@@ -1,6 +1,5 @@
 """`khepera-forage robot virtual`: a virtual Khepera for other programs."""
 
-import argparse
 import signal
 import subprocess
 import sys
@@ -11,12 +10,6 @@ from contextlib import contextmanager
 import pytest
 import serial
 
-from khepera_forage.cli.robot import virtual
-
-_MAIN = (
-    "import argparse, sys; from khepera_forage.cli.robot import virtual as command; "
-    "parser = argparse.ArgumentParser(); command.add_arguments(parser); sys.exit(command.run(parser.parse_args()))"
-)
 WAIT = 10.0
 
 
@@ -24,7 +17,10 @@ WAIT = 10.0
 def started(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """The command in another process, and the port that it prints."""
     with subprocess.Popen(
-        [sys.executable, "-c", _MAIN, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-m", "khepera_forage", "robot", "virtual", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     ) as process:
         try:
             assert process.stdout is not None
@@ -65,16 +61,3 @@ def test_virtual_robot_ends_when_unplugged() -> None:
         assert process.returncode == 0
     assert printed == "unplugged\n1 requests, 1 unplug\n"
     assert errors == ""
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [(["--drop", "2"], "drop is 2"), (["--baud", "300"], "300"), (["--lateness", "2", "1"], "lateness")],
-)
-def test_number_out_of_range_is_an_error(arguments: list[str], message: str) -> None:
-    parser = argparse.ArgumentParser()
-    virtual.add_arguments(parser)
-    handlers = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
-    with pytest.raises(ValueError, match=message):
-        virtual.run(parser.parse_args(arguments))
-    assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == handlers

@@ -9,7 +9,7 @@ from site_extension.docstring_markup import to_rst
 from site_extension.generated_parts import commands, filled_in, noise_table
 from site_extension.repository import DOCS, ROOT, module_name, page_of
 
-from khepera_forage.cli.main import SUBCOMMANDS
+from khepera_forage.cli.main import COMMANDS
 from khepera_forage.noise import Noise
 
 
@@ -83,7 +83,7 @@ def test_docstring_of_environment_is_filled_in() -> None:
 
 def test_help_of_commands_has_all_their_subcommands() -> None:
     part = commands()
-    assert [f"## khepera-forage {command.name}" for command in SUBCOMMANDS] == [
+    assert [f"## khepera-forage {command.name}" for command in COMMANDS] == [
         line for line in part.splitlines() if line.startswith("## ")
     ]
     for usage in ("reproduce [-h]", "robot probe [-h]", "camera calibrate [-h]"):

@@ -3,24 +3,15 @@
 import math
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.arena_file import (
-    ArenaFileError,
-    arena_text,
-    plan_of,
-    read_arena,
-    read_plan,
-    write_arena,
-)
+from khepera_forage.sim.arena_file import arena_text, parse_plan, read_arena, write_arena
 from khepera_forage.sim.arenas.named import FAMILY, box, family_arena
 from khepera_forage.sim.arenas.procedural import procedural_arena
-from khepera_forage.toml_table import table_of
 from tests.sim.worlds import ELL, FIELD
 from tests.version_0_1 import CORRIDOR, RECTANGLE
 
@@ -91,9 +82,7 @@ def test_text_of_a_random_arena_reads_as_the_same(arena: Arena) -> None:
 
 
 def read_text(text: str) -> Arena:
-    from decimal import Decimal
-
-    return plan_of(table_of(text, parse_float=Decimal)).arena()
+    return parse_plan(text).arena()
 
 
 @pytest.mark.parametrize("degrees", range(-180, 181, 15))
@@ -121,22 +110,17 @@ def test_obstacles_may_be_left_out_or_empty() -> None:
     [
         ('name = "den"', "name = 3", "name is 3; allowed: a text that is not empty"),
         ('name = "den"\n', "", "name is missing"),
-        ("home_radius = 80\n", "", "home_radius is missing"),
         ("home_radius = 80", "home_radius = -8.5", "home_radius is -8.5; allowed: 1 to 10000 mm"),
-        ("home_radius = 80", "home_radius = nan", "home_radius is NaN; allowed: 1 to 10000 mm"),
         ("home_radius = 80", "home_radius = 80\ncolour = 1", "colour is unknown; allowed: foods, home, home_radius"),
         ("walls =", "wals =", "wals is unknown (did you mean walls?); allowed: foods, home, home_radius, name, "),
         ("[700, 0]", "[700.5]", "walls[1] is [700.5]; allowed: [x mm, y mm]"),
         ("[700, 0]", "[700, inf]", "walls[1] is [700, Infinity]; allowed: [x mm, y mm]"),
-        ("[700, 0]", "[true, 0]", "walls[1] is [True, 0]; allowed: [x mm, y mm]"),
         ("[[0, 0], [700, 0], [700, 500], [0, 500]]", "[]", "walls is []; allowed: a list that is not empty"),
         ("[560, 250]", '"there"', "home is 'there'; allowed: [x mm, y mm]"),
         ("[100, 250, 90]", "[100, 250]", "start is [100, 250]; allowed: [x mm, y mm, heading degrees]"),
-        ("[[350, 200], [350, 300.25]]", "[]", "foods is []; allowed: a list that is not empty"),
         ("[[200, 0], [240, 0]", "[200, [240, 0]", "obstacles[0][0] is 200; allowed: [x mm, y mm]"),
         ("[100, 250, 90]", "[10, 250, 90]", "den: start at (10, 250) mm is 10 mm from a wall"),
         ("[700, 500], [0, 500]", "[0, 500], [700, 500]", "den: walls cross or touch at (350, 250)"),
-        ("[240, 150], [200, 150]", "[240, 150], [200, -150]", "den: walls cross or touch at (220, 0)"),
         ("[[200, 0], [240, 0]", "[[200, -1], [240, 0]", "den: obstacle [(200.0, -1.0), (240.0, 0.0), "),
         ("foods = [[", "foods = [", "not TOML: "),
     ],
@@ -145,7 +129,7 @@ def test_mistake_is_one_error_with_file_and_key(old: str, new: str, message: str
     assert old in DEN
     path = tmp_path / "den.toml"
     path.write_text(DEN.replace(old, new))
-    with pytest.raises(ArenaFileError, match=re.escape(f"{path}: {message}")) as caught:
+    with pytest.raises(ValueError, match=re.escape(f"{path}: {message}")) as caught:
         read_arena(path)
     assert "\n" not in str(caught.value)
 
@@ -153,38 +137,10 @@ def test_mistake_is_one_error_with_file_and_key(old: str, new: str, message: str
 def test_mistake_in_the_toml_names_the_line(tmp_path: Path) -> None:
     path = tmp_path / "den.toml"
     path.write_text(DEN.replace("home_radius = 80", "home_radius 80"))
-    with pytest.raises(ArenaFileError, match=r"den\.toml: not TOML: .*line 4"):
+    with pytest.raises(ValueError, match=r"den\.toml: not TOML: .*line 4"):
         read_arena(path)
     path.write_bytes(b"name = '\xff'")
-    with pytest.raises(ArenaFileError, match=r"den\.toml: not UTF-8 text"):
+    with pytest.raises(ValueError, match=r"den\.toml: not UTF-8 text"):
         read_arena(path)
     with pytest.raises(FileNotFoundError, match="missing"):
         read_arena(tmp_path / "missing.toml")
-
-
-def test_plan_of_an_arena_that_is_not_allowed_can_be_read(tmp_path: Path) -> None:
-    path = tmp_path / "den.toml"
-    path.write_text(DEN.replace("[560, 250]", "[800, 250]"))
-    plan = read_plan(path)
-    assert (plan.name, plan.home) == ("den", Point(800, 250))
-    with pytest.raises(ValueError, match="den: home at"):
-        plan.arena()
-
-
-def test_file_that_exists_stays_whole_when_writing_fails(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "arena.toml"
-    write_arena(ELL, path)
-
-    def full(self: Path, text: str, **kwargs: Any) -> int:
-        with self.open("w", **kwargs) as file:
-            file.write(text[:50])
-        raise OSError(28, "No space left on device")
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Path, "write_text", full)
-        with pytest.raises(OSError, match=r"No space left.*arena\.toml"):
-            write_arena(FIELD, path)
-    assert read_arena(path) == ELL
-    assert list(tmp_path.iterdir()) == [path]

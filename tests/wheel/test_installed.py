@@ -40,7 +40,7 @@ COMMANDS = {
 """Each command, and the extras without which it says what to install."""
 DRAWING = (
     "khepera_forage.envs.rendering.",
-    "khepera_forage.cli.teach.window",
+    "khepera_forage.cli.teach_window",
     "khepera_forage.rollouts.rendered_training",
     "khepera_forage.vision.rendering.",
 )

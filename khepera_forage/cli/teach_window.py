@@ -3,7 +3,7 @@
 import os
 import time
 
-from khepera_forage.cli.teach.keys import Caption, KeyEvent
+from khepera_forage.cli.teach import LETTERS, Caption
 from khepera_forage.envs.rendering import View, palette
 from khepera_forage.task.states import Behaviour
 
@@ -20,6 +20,8 @@ MAX_SCREEN_SHARE = 0.92
 POLL_MILLISECONDS = 200
 """Longest wait for an event; between waits Python handles a Ctrl-C in the shell."""
 COLUMNS = 5
+OTHER_KEYS = "Space: repeat · Backspace: begin again · Esc: end"
+"""Written beside the message, if both fit."""
 MESSAGE_HEIGHT, ROW_HEIGHT = 36, 38
 """Heights in pixels of the message bar and of a row of keys."""
 KEY_CAP = 28
@@ -50,8 +52,11 @@ class TeachingWindow:
             pygame.display.set_caption("khepera-forage teach")
         self._refresh()
 
-    def wait(self, timeout: float | None = None) -> KeyEvent | None:
-        """Wait for the next key that is pressed or released; None after `timeout` seconds."""
+    def wait(self, timeout: float | None = None) -> tuple[str, bool] | None:
+        """Wait for the next key that is pressed (True) or released; None after `timeout` seconds.
+
+        The key is a letter, a digit, or a name such as "space"; closing the window counts as "escape".
+        """
         until = None if timeout is None else time.monotonic() + timeout
         while True:
             left = POLL_MILLISECONDS
@@ -59,10 +64,10 @@ class TeachingWindow:
                 left = max(0, min(left, round(1000 * (until - time.monotonic()))))
             event = pygame.event.wait(left) if left else pygame.event.poll()
             if event.type == pygame.QUIT:
-                return KeyEvent("escape", True)
+                return "escape", True
             if event.type in (pygame.KEYDOWN, pygame.KEYUP):
                 # pygame names the keypad digits [0] to [9].
-                return KeyEvent(pygame.key.name(event.key).strip("[]"), event.type == pygame.KEYDOWN)
+                return pygame.key.name(event.key).strip("[]"), event.type == pygame.KEYDOWN
             if event.type in (pygame.WINDOWEXPOSED, pygame.WINDOWSIZECHANGED):
                 self._refresh()
             if event.type == pygame.NOEVENT and until is not None and time.monotonic() >= until:
@@ -94,13 +99,13 @@ def _shrunk(picture: tuple[int, int], room: tuple[int, int]) -> tuple[int, int]:
 def with_caption(above: pygame.Surface, caption: Caption) -> pygame.Surface:
     """A picture with its caption under it."""
     width, height = above.get_size()
-    rows = -(-len(caption.letters) // COLUMNS)
+    rows = -(-len(LETTERS) // COLUMNS)
     picture = pygame.Surface((width, height + MESSAGE_HEIGHT + rows * ROW_HEIGHT + GAP), 0, 32)
     picture.fill(above.get_at((0, height - 1)))
     picture.blit(above, (0, 0))
     _draw_message(picture, caption, height)
     pitch = (width - 2 * GAP) / COLUMNS
-    for number, behaviour in enumerate(caption.letters):
+    for number, behaviour in enumerate(LETTERS):
         row, column = divmod(number, COLUMNS)
         top = height + MESSAGE_HEIGHT + row * ROW_HEIGHT
         _draw_key(picture, caption, behaviour, GAP + column * pitch, top, pitch)
@@ -108,14 +113,13 @@ def with_caption(above: pygame.Surface, caption: Caption) -> pygame.Surface:
 
 
 def _draw_message(picture: pygame.Surface, caption: Caption, top: float) -> None:
-    """The message, and the hint at the right if both fit."""
     ink, fill = (palette.WARNING, palette.WARNING_FILL) if caption.warning else (palette.INK, palette.TRACK)
     width, middle = picture.get_width() - 2 * GAP, top + (MESSAGE_HEIGHT - 8) / 2
     box(picture, (GAP, top, width, MESSAGE_HEIGHT - 8), fill, 6)
     message = fitted(caption.message, MESSAGE_SIZE, width - 24)
     write(picture, message, GAP + 12, middle, MESSAGE_SIZE, ink)
-    if text_width(message, MESSAGE_SIZE) + text_width(caption.hint, HINT_SIZE) + 60 <= width:
-        write(picture, caption.hint, GAP + width - 12, middle, HINT_SIZE, palette.MUTED, "right")
+    if text_width(message, MESSAGE_SIZE) + text_width(OTHER_KEYS, HINT_SIZE) + 60 <= width:
+        write(picture, OTHER_KEYS, GAP + width - 12, middle, HINT_SIZE, palette.MUTED, "right")
 
 
 def _draw_key(
@@ -130,7 +134,7 @@ def _draw_key(
     elif behaviour == caption.last:
         box(picture, cell, palette.CARD, 6, palette.TEACHER)
     box(picture, (left + 6, middle - KEY_CAP / 2, KEY_CAP, KEY_CAP), palette.CARD, 5, palette.MUTED)
-    letter = caption.letters[behaviour].upper()
+    letter = LETTERS[behaviour].upper()
     write(picture, letter, left + 6 + KEY_CAP / 2, middle, LETTER_SIZE, palette.INK, "centre")
     write(picture, str(int(behaviour)), left + 12 + KEY_CAP, middle, HINT_SIZE, muted)
     name = fitted(sentence_case(behaviour.name), NAME_SIZE, width - KEY_CAP - 42)

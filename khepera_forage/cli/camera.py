@@ -1,0 +1,492 @@
+"""`khepera-forage camera`: calibrate the overhead camera, show its picture, print the markers (3.4, 3.5)."""
+
+import argparse
+import math
+import re
+import time
+from collections import deque
+from collections.abc import Iterator, Sequence
+from contextlib import closing, nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.cli.options import Command, check_ending, command, flag, option, out, seed
+from khepera_forage.extras import require
+from khepera_forage.option_values import given_path, whole_number
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
+from khepera_forage.vision.lens import DEFAULT_SIZE
+from khepera_forage.vision.rendering.marker_sheets import marker_pages, save_pages, tag_pages
+from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
+from khepera_forage.vision.tracker_settings import TrackerSettings
+
+if TYPE_CHECKING:
+    import pygame
+
+    from khepera_forage.vision.calibration_fit import CalibrationFit
+    from khepera_forage.vision.tracker import Tracker
+    from khepera_forage.vision.video import FrameSource
+
+VIRTUAL = "virtual"
+Point = tuple[float, float]
+_ENOUGH_COVERAGE = 0.5
+"""Share of the picture within the points from which the held-out error holds for most of the picture."""
+_CROSS_COLOUR = (255, 60, 60)
+_PAUSE = 0.02
+"""Seconds between two pictures of the window."""
+_FILM_FRAMES = 50
+"""Frames of a film without `--frames`."""
+_POLL_INTERVAL = 0.002
+"""Seconds to wait for a new frame of the camera."""
+_IN_USE = {"holes": (1, 2), "grid": tuple(range(1, 13)), "tags": (1, 2, 3, 4)}
+"""Markers without `--numbers`."""
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, times, height = text.lower().partition("x")
+    if not (times and width.isdecimal() and height.isdecimal()):
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: width x height in pixels, such as 1280x720")
+    return int(width), int(height)
+
+
+def open_source(
+    arguments: argparse.Namespace, paced: bool, size: tuple[int, int] | None = None
+) -> "FrameSource":
+    """Open the picture source of `--source`.
+
+    Args:
+        arguments: As parsed with `SOURCE`.
+        paced: Whether a virtual camera delivers frames in real time, and a file plays at its own speed.
+        size: Of the frames, unless `--size` is given.
+    """
+    require("khepera-forage camera", "camera")
+    if arguments.source == VIRTUAL:
+        from khepera_forage.rollouts.rendered_training import RenderedTraining
+
+        return RenderedTraining(arguments.seed, paced=paced)
+    from khepera_forage.vision.video import VideoSettings, VideoSource
+
+    settings = VideoSettings(arguments.size or size, arguments.rate, arguments.exposure, arguments.focus)
+    return VideoSource(arguments.source, settings=settings, paced=paced)
+
+
+SOURCE = (
+    option(
+        "--source",
+        "number of a device, film file, URL, or `virtual` for rendered pictures of a simulated training (0)",
+        metavar="S",
+        default="0",
+    ),
+    option("--size", "pixels of the camera's frames (640x480)", _size, "WxH"),
+    option("--rate", "frames a second, of a device (its own setting)", float, "N"),
+    option("--exposure", "exposure, off automatic, of a device (its own setting)", float, "N"),
+    option("--focus", "focus, off automatic, of a device (its own setting)", float, "N"),
+    seed("seed of the virtual camera"),
+)
+
+
+class PictureWindow:
+    """A window that shows one picture after the other and reports mouse clicks.
+
+    Attributes:
+        closed: Whether the user closed the window or pressed Escape.
+    """
+
+    def __init__(self, screen: "pygame.Surface") -> None:
+        self.closed = False
+        self._screen = screen
+
+    @classmethod
+    def open(cls, title: str, width: int, height: int) -> "PictureWindow | None":
+        """Open a window; None if there is no display or no pygame."""
+        try:
+            import pygame
+        except ImportError:
+            return None
+        from khepera_forage.envs.rendering.output import open_display
+
+        try:
+            open_display()
+            screen = pygame.display.set_mode((width, height))
+        except (OSError, pygame.error):
+            return None
+        pygame.display.set_caption(title)
+        return cls(screen)
+
+    def show(self, picture: NDArray[np.uint8], title: str = "") -> list[Point]:
+        """Show a picture of height x width x 3 (red, green, blue), and return the clicks since the last one.
+
+        They are in pixels: u to the right, v down. The middle of the upper left pixel is (0.5, 0.5).
+        """
+        import pygame
+
+        if title:
+            pygame.display.set_caption(title)
+        surface = pygame.surfarray.make_surface(picture.swapaxes(0, 1))
+        self._screen.blit(surface, (0, 0))
+        pygame.display.flip()
+        clicks = []
+        for event in pygame.event.get():
+            if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):
+                self.closed = True
+            elif event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
+                clicks.append((event.pos[0] + 0.5, event.pos[1] + 0.5))
+        return clicks
+
+    def close(self) -> None:
+        """Close the window."""
+        import pygame
+
+        pygame.display.quit()
+
+
+def described(scene: Scene, markers: str = "holes") -> str:
+    """One line of text: the kind, position in mm and orientation of each region."""
+    if not scene.regions:
+        return "nothing seen"
+    words = []
+    for region in scene.regions:
+        marker = f"{region.holes}-hole marker" if markers == "holes" else f"marker {region.holes}"
+        what = marker if region.holes else "food"
+        where = f"({region.x * MM_PER_PIXEL:.0f}, {region.y * MM_PER_PIXEL:.0f}) mm"
+        facing = f" {region.orientation} deg" if region.holes else ""
+        words.append(f"{what} {where}{facing}{'' if region.found else ' lost'}")
+    return ", ".join(words)
+
+
+def _add_points(parser: argparse.ArgumentParser) -> None:
+    given = parser.add_mutually_exclusive_group(required=True)
+    lens = "twelve all over the picture calibrate the lens, too"
+    given.add_argument(
+        "--points",
+        nargs="+",
+        metavar="U,V=X,Y",
+        help=f"four or more points: pixels from the picture's upper left corner = mm on the floor; {lens}",
+    )
+    given.add_argument(
+        "--places",
+        nargs="+",
+        metavar="X,Y",
+        help=f"four or more places on the floor in mm, which you then click in a window in this order; {lens}",
+    )
+    given.add_argument(
+        "--tags",
+        nargs="+",
+        metavar="ID=X,Y",
+        help="four or more tags on the floor, better twelve, and the place of the middle of each in mm: nothing "
+        "to click, and the camera is watched from then on",
+    )
+
+
+@command(
+    "calibrate",
+    *SOURCE,
+    _add_points,
+    option(
+        "--camera",
+        "position of the camera in mm, to correct the shift of markers above the floor (no correction)",
+        metavar="X,Y,HEIGHT",
+    ),
+    flag("--check", "take a picture and print the regions found in it, in mm"),
+    out("calibration.toml", "file"),
+)
+def calibrate_command(arguments: argparse.Namespace) -> None:
+    """Measure which point of the floor each pixel shows, and save that as a calibration file."""
+    require("khepera-forage camera calibrate", "camera")
+    from khepera_forage.vision.calibration_fit import fit_calibration, fit_to_tags
+    from khepera_forage.vision.tags import FLOOR_SIZE, find_floor_tags
+    from khepera_forage.vision.tracker import Tracker
+
+    camera = None
+    if arguments.camera:
+        x, y, height = _numbers("--camera", arguments.camera, 3)
+        camera = (x, y, height)
+    by_camera = arguments.places or arguments.tags or arguments.check
+    with closing(open_source(arguments, paced=False)) if by_camera else nullcontext() as source:
+        size = arguments.size or DEFAULT_SIZE
+        if source is not None:
+            rows, columns = source.newest()[0].shape
+            size = (columns, rows)
+        if arguments.tags and source is not None:
+            places = _tags(arguments.tags)
+            found = find_floor_tags(source.newest()[0], sorted(places))
+            fit = fit_to_tags(found, places, FLOOR_SIZE, camera, size)
+            seen = fit.calibration.tags
+            picture, floor = list(seen.values()), [places[tag] for tag in seen]
+        else:
+            if arguments.places and source is not None:
+                floor = [_point("--places", text) for text in arguments.places]
+                _check_count("--places", len(floor))
+                picture = _clicked_points(source, floor)
+            else:
+                picture, floor = _points(arguments.points)
+            fit = fit_calibration(picture, floor, camera, size)
+        _print_errors(fit, picture, floor)
+        if arguments.check and source is not None:
+            scene = Tracker(calibration=fit.calibration).update(source.newest()[0])
+            print(f"seen now: {described(scene)}")
+    fit.calibration.save(arguments.out)
+    print(f"written to {arguments.out}")
+
+
+def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequence[Point]) -> None:
+    """How far each point is off, in the fit and when it is held out; and what the errors mean."""
+    from khepera_forage.vision.calibration_fit import LENS_POINTS, root_mean_square
+
+    def summary(errors: Sequence[float]) -> str:
+        return f"{root_mean_square(errors):.1f} mm (root mean square), {np.nanmax(errors):.1f} mm at most"
+
+    calibration = fit.calibration
+    for i, ((u, v), (x, y), error) in enumerate(zip(picture, floor, fit.residuals, strict=True)):
+        known = fit.held_out and not math.isnan(fit.held_out[i])
+        held_out = f", {fit.held_out[i]:.1f} mm when held out" if known else ""
+        print(f"pixel ({u:.1f}, {v:.1f}) is ({x:.0f}, {y:.0f}) mm: {error:.1f} mm off{held_out}")
+    print(f"residual {summary(fit.residuals)}")
+    if not math.isnan(root_mean_square(fit.held_out)):
+        print(f"held-out error {summary(fit.held_out)}: each point by the calibration from all others")
+    else:
+        print(
+            "held-out error unknown, because four points always fit: give at least five to measure the error"
+        )
+    if calibration.lens is not None:
+        without = root_mean_square(fit.held_out_without_lens)
+        print(
+            f"lens: k1 {calibration.lens.k1:.4f}, k2 {calibration.lens.k2:.4f} "
+            f"(held-out error without it {without:.1f} mm)"
+        )
+    elif len(picture) < LENS_POINTS[0]:
+        print(f"lens not calibrated: that takes at least {LENS_POINTS[0]} points, better 12 or more")
+    else:
+        print("lens without measurable distortion")
+    if fit.coverage < _ENOUGH_COVERAGE:
+        print(
+            f"the points enclose {100 * fit.coverage:.0f} % of the picture: outside of them the error is unknown and "
+            "can be much larger; add points near the corners"
+        )
+    print(f"a pixel in the middle is {calibration.mm_per_pixel():.2f} mm wide")
+
+
+def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point]:
+    """The pixel that the user clicks for each place on the floor; a cross marks each click."""
+    frame = source.newest()[0]
+    window = PictureWindow.open("khepera-forage camera calibrate", frame.shape[1], frame.shape[0])
+    if window is None:
+        raise ValueError("--places needs a display and pygame (extra render); allowed without: --points")
+    points: list[Point] = []
+    with closing(window):
+        while len(points) < len(floor):
+            picture = np.repeat(source.newest()[0][:, :, None], 3, axis=2)
+            for u, v in points:
+                row, column = int(v), int(u)
+                picture[row, max(0, column - 6) : column + 7] = _CROSS_COLOUR
+                picture[max(0, row - 6) : row + 7, column] = _CROSS_COLOUR
+            x, y = floor[len(points)]
+            title = f"click the place at ({x:g}, {y:g}) mm"
+            points += window.show(picture, title)[: len(floor) - len(points)]
+            if window.closed:
+                raise ValueError(
+                    f"window closed after {len(points)} clicks; allowed: one click for each of --places"
+                )
+            time.sleep(_PAUSE)
+    return points
+
+
+def _tags(texts: Sequence[str]) -> dict[int, Point]:
+    """The place of each tag of `--tags`."""
+    places: dict[int, Point] = {}
+    for text in texts:
+        tag, equals, mm = text.partition("=")
+        if not (equals and tag.isdecimal() and 1 <= int(tag) <= 49):
+            raise ValueError(f"--tags has {text!r}; allowed: id=x,y with an id from 1 to 49, and x, y in mm")
+        if int(tag) in places:
+            raise ValueError(f"--tags has {tag} twice; allowed: each tag once")
+        places[int(tag)] = _point("--tags", mm)
+    _check_count("--tags", len(places))
+    return places
+
+
+def _points(texts: Sequence[str]) -> tuple[list[Point], list[Point]]:
+    """The pixels and the places of `--points`."""
+    picture, floor = [], []
+    for text in texts:
+        pixels, equals, mm = text.partition("=")
+        if not equals:
+            raise ValueError(
+                f"--points has {text!r}; allowed: u,v=x,y with u, v in pixels from the upper left corner and x, y in mm"
+            )
+        picture.append(_point("--points", pixels))
+        floor.append(_point("--points", mm))
+    _check_count("--points", len(picture))
+    return picture, floor
+
+
+def _check_count(name: str, count: int) -> None:
+    if count < 4:
+        raise ValueError(f"{name} has {count} points; allowed: four or more")
+
+
+def _point(name: str, text: str) -> Point:
+    x, y = _numbers(name, text, 2)
+    return x, y
+
+
+def _numbers(name: str, text: str, count: int) -> list[float]:
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise ValueError(f"{name} has {text!r}; allowed: {count} numbers with commas between")
+    return values
+
+
+def ids(text: str) -> tuple[int, ...]:
+    """Numbers and ranges: "1-4,7"; none for an empty text."""
+    numbers: list[int] = []
+    for part in text.replace(" ", "").split(",") if text.strip() else ():
+        found = re.fullmatch(r"(\d{1,2})(?:-(\d{1,2}))?", part)
+        if not found:
+            raise argparse.ArgumentTypeError(f"{text!r}; allowed: numbers and ranges, such as 1-4,7")
+        numbers += range(int(found[1]), int(found[2] or found[1]) + 1)
+    return tuple(numbers)
+
+
+@command(
+    "preview",
+    *SOURCE,
+    option("--calibration", "calibration file, from `calibrate`", given_path, "FILE"),
+    option("--markers", "what robots carry (holes)", choices=tuple(_IN_USE), default="holes"),
+    option("--numbers", "markers or tags in use, such as 1-4 (all of the kind; tags: 1-4)", ids, "NUMBERS"),
+    option("--food-tags", "tags on food (none)", ids, "IDS", default=()),
+    option("--frames", f"stop after N frames (no limit; {_FILM_FRAMES} with --out)", whole_number(1), "N"),
+    option(
+        "--out",
+        "save the last picture (.png), or all pictures as a film (.gif, .mp4, .avi), instead of "
+        "opening a window",
+        given_path,
+        "FILE",
+    ),
+)
+def preview_command(arguments: argparse.Namespace) -> None:
+    """Show the camera's picture with the regions that the tracker finds."""
+    path: Path | None = arguments.out
+    if path is not None:
+        check_ending(path, (".png", ".gif", ".mp4", ".avi"))
+    frames = _FILM_FRAMES if arguments.frames is None and path is not None else arguments.frames
+    from khepera_forage.vision.calibration import Calibration
+    from khepera_forage.vision.tracker import Tracker
+
+    calibration = Calibration.load(arguments.calibration) if arguments.calibration else None
+    numbers = arguments.numbers or _IN_USE[arguments.markers]
+    settings = TrackerSettings(markers=arguments.markers, numbers=numbers, food_tags=arguments.food_tags)
+    size = None if calibration is None else calibration.size
+    with closing(open_source(arguments, path is None, size)) as source:
+        pictures = _pictures(source, Tracker(settings, calibration), frames)
+        if path is None:
+            _show(pictures)
+        else:
+            _save(pictures, path, arguments.source == VIRTUAL)
+
+
+def _pictures(source: "FrameSource", tracker: "Tracker", frames: int | None) -> Iterator[NDArray[np.uint8]]:
+    """Frames with the tracker's regions; prints the regions and the picture's quality once a second."""
+    from khepera_forage.vision.image_quality import measure_quality
+    from khepera_forage.vision.overlay import draw_scene
+
+    last, seen, since_print, printed = None, 0, 0, time.monotonic()
+    while frames is None or seen < frames:
+        frame, age = source.newest()
+        if frame is last:
+            time.sleep(_POLL_INTERVAL)
+            continue
+        last, seen, since_print = frame, seen + 1, since_print + 1
+        scene = tracker.update(frame)
+        yield draw_scene(frame, scene, tracker.calibration, tracker.settings)
+        now = time.monotonic()
+        if now - printed >= 1 or seen == frames:
+            rate = since_print / max(now - printed, 1e-9)
+            print(
+                f"{described(scene, tracker.settings.markers)}; {rate:.0f} frames/s, {1000 * age:.0f} ms old"
+            )
+            quality = measure_quality(tracker.reduced(frame))
+            print(f"picture: {quality.described(tracker.settings)}")
+            for text in (quality.warnings(tracker.settings) | tracker.warnings).values():
+                print(f"warning: {text}")
+            printed, since_print = now, 0
+
+
+def _show(pictures: Iterator[NDArray[np.uint8]]) -> None:
+    """In a window, where there is a display; until the user closes it."""
+    first = next(pictures)
+    window = PictureWindow.open("khepera-forage camera", first.shape[1], first.shape[0])
+    if window is None:
+        for _ in pictures:
+            pass
+        return
+    with closing(window):
+        window.show(first)
+        while not window.closed and (picture := next(pictures, None)) is not None:
+            window.show(picture)
+
+
+def _save(pictures: Iterator[NDArray[np.uint8]], path: Path, simulated: bool) -> None:
+    """Write the last picture as PNG, or all of them as a film."""
+    began = time.monotonic()
+    is_film = path.suffix.lower() != ".png"
+    taken = deque(pictures, None if is_film else 1)
+    if not is_film:
+        import cv2
+
+        good, data = cv2.imencode(".png", cv2.cvtColor(taken[-1], cv2.COLOR_RGB2BGR))
+        if not good:
+            raise OSError(f"{path}: OpenCV cannot write a PNG")
+        path.write_bytes(data.tobytes())
+        print(f"{path}: 1 picture")
+        return
+    from khepera_forage.envs.rendering import save_film
+
+    # A virtual camera without a window is not paced; its film shows one frame for each round.
+    rate = len(taken) / max(time.monotonic() - began, 1e-9)
+    fps = 1 / DEFAULT_DECISIONS.round_duration if simulated else min(50.0, max(1.0, rate))
+    save_film(list(taken), path, fps)
+    print(f"{path}: {len(taken)} {'picture' if len(taken) == 1 else 'pictures'}")
+
+
+@command(
+    "markers",
+    option("--grid", "markers of the table of twelve instead, such as 1-12", ids, "NUMBERS", default=()),
+    out("markers.svg", "file, whose name ends in .svg, .png or .pdf"),
+)
+def markers_command(arguments: argparse.Namespace) -> None:
+    """Write a page with the robots' markers at true size, to print."""
+    grid = arguments.grid
+    numbers = TrackerSettings(markers="grid", numbers=grid).numbers if grid else (1, 2)
+    path = save_pages(arguments.out, marker_pages(numbers, bool(grid)))
+    print(f"{path}: {len(numbers)} markers on A4; print it at 100 %")
+
+
+@command(
+    "tags",
+    option("--robots", "ids of the tags for robots (1-4)", ids, "IDS", default=ids("1-4")),
+    option("--food", "ids of the tags for food (none)", ids, "IDS", default=()),
+    option("--floor", "ids of the tags for floor (38-49)", ids, "IDS", default=ids("38-49")),
+    option("--size", "side of a robot's tag (80)", float, "MM", default=TrackerSettings().tag_size),
+    option("--food-size", "side of food's tags (24)", float, "MM", default=TrackerSettings().food_tag_size),
+    out("tags.pdf", "file, whose name ends in .pdf; for a single page also .svg or .png"),
+)
+def tags_command(arguments: argparse.Namespace) -> None:
+    """Write pages with tags for robots, food and the floor at true size, to print."""
+    pages = tag_pages(arguments.robots, arguments.food, arguments.floor, arguments.size, arguments.food_size)
+    if not pages:
+        raise ValueError("no tags to print; allowed: ids for --robots, --food or --floor")
+    path = save_pages(arguments.out, pages)
+    print(f"{path}: {len(pages)} pages of A4; print at 100 %, and measure the line of 100 mm")
+
+
+COMMAND = Command(
+    "camera",
+    "Calibrate the overhead camera, show its picture, or print the markers.",
+    commands=(calibrate_command, preview_command, markers_command, tags_command),
+)

@@ -1,0 +1,234 @@
+"""`khepera-forage lab`: find robots and camera and write `lab.toml`, and say what is wrong with a laboratory."""
+
+import argparse
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+
+from khepera_forage.cli.camera import calibrate_command
+from khepera_forage.cli.options import Command, command, option
+from khepera_forage.envs.laboratories import load_settings
+from khepera_forage.extras import require
+from khepera_forage.lab.settings import LabSettings, RobotSettings
+from khepera_forage.robots.drivers import open_robot
+from khepera_forage.robots.khepera import CONTROL_PERIOD
+from khepera_forage.robots.model import MODELS, TOIO
+from khepera_forage.robots.toio.driver import ToioRobot, find_cubes
+from khepera_forage.sim.arena_file import toml
+from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.sim.arenas.thesis import CORRIDOR
+
+_FLOOR, _MAT = (600, 600, 300), (30, 20, 236)
+"""Offset of the first arena, and mm from one to the next: under a camera, and on a mat."""
+
+
+@command(
+    "new",
+    option("--robot", "kind of the robots", choices=tuple(MODELS)),
+    option("--port", "port of each robot, the teacher first; of toio cubes their names", nargs="+"),
+    option("--food-cube", "names of the toio cubes that are the food, one per robot", nargs="*"),
+    option("--camera", "the camera: a number, a file or a URL; not for toio cubes"),
+    option("--calibration", "file written by `khepera-forage camera calibrate`"),
+    option("--arena", f"the arena ({CORRIDOR})", choices=tuple(ARENAS), default=CORRIDOR),
+    option("--out", "the file to write (lab.toml)", Path, default=Path("lab.toml")),
+)
+def new_command(arguments: argparse.Namespace) -> int:
+    """Find robots and camera, check each, and write lab.toml."""
+    out = arguments.out
+    if out.exists():
+        raise FileExistsError(f"{out} is there already; allowed: another --out")
+    kind = arguments.robot or _answer(f"Kind of robots ({', '.join(MODELS)}): ")
+    if kind not in MODELS:
+        raise ValueError(f"robot {kind!r}; allowed: {', '.join(MODELS)}")
+    is_mat = kind == TOIO.name
+    ports = arguments.port or _answer(
+        f"{_found(is_mat)}\n{'Names' if is_mat else 'Ports'}, the teacher first, separated by spaces: "
+    )
+    ports = ports.split() if isinstance(ports, str) else ports
+    works = [
+        _passes(f"robot {port}", partial(_check_robot, RobotSettings(port, "", type=kind))) for port in ports
+    ]
+    foods, camera, calibration = arguments.food_cube, arguments.camera, arguments.calibration
+    if is_mat:
+        if foods is None:
+            question = "Names of the food cubes, one per robot (Enter if a person places the food): "
+            foods = _answer(question, "").split()
+        works += [
+            _passes(f"food cube {port}", partial(_check_robot, RobotSettings(port, "", type=kind)))
+            for port in foods
+        ]
+    elif camera is None:
+        camera = _answer("Camera (a number, a file or a URL): ")
+    text = partial(lab_text, kind, ports, foods or (), camera or "", arena=arguments.arena)
+    out.write_text(text(calibration), encoding="utf-8")
+    settings = load_settings(out)
+    if not is_mat:
+        picture = out.with_suffix(".png")
+        if _passes("picture", partial(_save_picture, settings, picture)) and calibration is None:
+            calibration = _calibrated(camera, settings)
+            out.write_text(text(calibration), encoding="utf-8")
+            settings = load_settings(out)
+        works.append(_passes("camera", partial(_check_camera, settings)))
+        if calibration is None:
+            print("next: khepera-forage camera calibrate; name its file as calibration under [camera]")
+    print(f"{out} is written")
+    print(f"then: khepera-forage lab check {out}; khepera-forage train --lab {out}")
+    return 0 if all(works) else 1
+
+
+def _save_picture(settings: LabSettings, file: Path) -> str:
+    """Take a picture and save it."""
+    require("a camera", "camera")
+    import cv2
+
+    from khepera_forage.vision.video import VideoSource
+
+    with closing(VideoSource(settings.camera.source)) as source:
+        frame, _ = source.newest()
+    if not cv2.imwrite(str(file), frame):
+        raise OSError(f"{file} cannot be written")
+    return f"{file}: look whether it shows all arenas, without glare"
+
+
+def _calibrated(camera: str, settings: LabSettings) -> str | None:
+    """The file of a calibration by clicks on the corners of all arenas; None if the user wants none now."""
+    corners = [
+        f"{x:g},{y:g}" for arena in settings.arenas for x1, y1, x2, y2 in [arena.bounds]
+        for x, y in ((x1, y1), (x2, y1), (x2, y2), (x1, y2))
+    ]  # fmt: skip
+    question = (
+        f"Calibrate now, by clicks on the {len(corners)} inner corners of the arenas in a window? (y, n) "
+    )
+    if _answer(question, "n").lower() not in ("y", "yes"):
+        return None
+    parser = argparse.ArgumentParser()
+    for add in calibrate_command.options:
+        add(parser)
+    file = "calibration.toml"
+    works = _passes(
+        "calibration",
+        lambda: str(
+            calibrate_command.run(
+                parser.parse_args(["--source", camera, "--out", file, "--places", *corners])
+            )
+            or file
+        ),
+    )
+    return file if works else None
+
+
+def lab_text(
+    kind: str, ports: Sequence[str], foods: Sequence[str], camera: str, calibration: str | None, arena: str
+) -> str:
+    """The text of a `lab.toml` with arenas side by side."""
+    x, y, step = _MAT if kind == TOIO.name else _FLOOR
+    lines = [f"food_cubes = {toml(tuple(foods))}"] if foods else []
+    # Only the slowest speeds at first: what a robot does then can be stopped by hand.
+    lines += ["safe_speed = 6", "", "[arena]", f"name = {toml(arena)}"]
+    for number, port in enumerate(ports):
+        offset = toml((x, y + number * step))
+        lines += ["", "[[robots]]", f"type = {toml(kind)}", f"port = {toml(port)}", f"offset = {offset}"]
+    if camera:
+        lines += ["", "[camera]", f"source = {camera if camera.isdigit() else toml(camera)}"]
+        lines += [f"calibration = {toml(calibration)}"] if calibration else []
+    return "\n".join(lines) + "\n"
+
+
+def _found(is_mat: bool) -> str:
+    """The serial ports of this computer, or the cubes near it, for a question."""
+    if is_mat:
+        found = find_cubes()
+        return f"Cubes near this computer: {', '.join(found) or 'none was found'}"
+    require("a serial port", "robots")
+    from serial.tools.list_ports import comports
+
+    found = [f"  {port.device}   {port.description}" for port in comports()]
+    return "\n".join(["Serial ports of this computer:", *(found or ["  none"])])
+
+
+def _answer(question: str, default: str | None = None) -> str:
+    """What the user types; the default for nothing."""
+    try:
+        answer = input(question).strip()
+    except EOFError:
+        answer = ""
+    if not answer and default is None:
+        raise ValueError(
+            f"{question.splitlines()[-1].rstrip(': ')}: no answer; allowed: an answer, or the option"
+        )
+    return answer or default or ""
+
+
+@command("check", option("file", "the laboratory (lab.toml)", Path, nargs="?", default=Path("lab.toml")))
+def check_command(arguments: argparse.Namespace) -> int:
+    """Check a laboratory in order: file, robots, camera."""
+    settings = load_settings(arguments.file)
+    print(f"{arguments.file}: {len(settings.robots)} robots, arena {settings.arena.name}", flush=True)
+    results = [_passes(f"robot {r.name}", partial(_check_robot, r, settings.period)) for r in settings.robots]
+    for port in settings.food_cubes:
+        food = RobotSettings(port, "food", type=settings.robots[0].type)
+        results.append(_passes(f"food cube {port}", partial(_check_robot, food, settings.period)))
+    if not settings.has_mat:
+        results.append(_passes("camera", partial(_check_camera, settings)))
+    failed = results.count(False)
+    print("all is well" if not failed else f"{failed} to repair; begin with the first", flush=True)
+    return 1 if failed else 0
+
+
+def _passes(name: str, check: Callable[[], str]) -> bool:
+    """Check a part, and print what `check` found or the error that it raised."""
+    try:
+        verdict, found = "pass", check()
+    except (OSError, ValueError, ImportError) as error:
+        verdict, found = "FAIL", str(error)
+    print(f"{name:24s} {verdict}   {found}", flush=True)
+    return verdict == "pass"
+
+
+def _check_robot(entry: RobotSettings, period: float = CONTROL_PERIOD) -> str:
+    """Open a robot and flash its lamps."""
+    with open_robot(
+        entry.type, entry.port, timeout=entry.timeout, watchdog=entry.watchdog, period=period, baud=entry.baud
+    ) as robot:
+        robot.receive()
+        robot.flash()
+        if isinstance(robot, ToioRobot):
+            if not robot.on_mat:
+                raise OSError(f"{entry.port} does not see the mat: put it on the mat")
+            return f"{entry.type} at {entry.port}, on the mat at x {robot.pose.x:.0f} mm, y {robot.pose.y:.0f} mm"
+        return f"{entry.type} at {entry.port}; a round takes at most {1000 * robot.longest_exchange:.0f} ms"
+
+
+def _check_camera(settings: LabSettings) -> str:
+    """Take a picture, and look for the markers of all robots."""
+    require("a camera", "camera")
+    from khepera_forage.lab.localisation import find_marker
+    from khepera_forage.vision.calibration import Calibration
+    from khepera_forage.vision.tracked_camera import TrackedCamera
+    from khepera_forage.vision.tracker import Tracker
+    from khepera_forage.vision.video import VideoSource
+
+    file = settings.camera.calibration
+    calibration = None if file is None else Calibration.load(file)
+    with closing(
+        TrackedCamera(VideoSource(settings.camera.source), Tracker(settings.tracker, calibration))
+    ) as camera:
+        camera.reset()
+        scene = camera.look()
+    missing = [
+        robot.name
+        for robot, arena in zip(settings.robots, settings.arenas, strict=True)
+        if find_marker(scene, arena, robot.holes) is None
+    ]
+    if missing:
+        raise OSError(
+            f"no marker of {', '.join(missing)} is seen in its arena: put each robot into its own arena"
+        )
+    calibrated = "calibrated" if calibration else "without a calibration"
+    return f"source {settings.camera.source}, {calibrated}; all markers seen"
+
+
+COMMAND = Command(
+    "lab", "Set up a laboratory with real robots, and check it.", commands=(new_command, check_command)
+)

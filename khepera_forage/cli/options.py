@@ -1,0 +1,301 @@
+"""Commands as data, the options that several commands share, and what these options choose."""
+
+import argparse
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.paired_arenas_v1 import raw_env
+from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.extras import require
+from khepera_forage.noise import SOURCES, Noise, checked_noise
+from khepera_forage.option_values import given_path, whole_number
+from khepera_forage.robots.model import KHEPERA, MODELS, TOIO
+from khepera_forage.rollouts import recall as recall_rollouts
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arena_file import read_arena
+from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.sim.arenas.thesis import CORRIDOR
+from khepera_forage.sim.world import World
+from khepera_forage.task.decisions import VERSIONS, Decisions, decisions_from_words
+from khepera_forage.task.states import FoodType
+
+VIRTUAL_LAB = "virtual"
+"""Value of `--lab` for the virtual laboratory; `virtual:e-puck2` and `virtual:toio` for one of other robots."""
+ARENA_FILES = ".toml"
+
+Run = Callable[[argparse.Namespace], int | None]
+"""Takes the parsed arguments and returns the exit status, None for 0; its docstring is the help of the command."""
+Option = Callable[[argparse.ArgumentParser], object]
+"""Adds one or more arguments to a parser."""
+
+
+class Command(NamedTuple):
+    """A command, or a group of further commands.
+
+    Attributes:
+        name: What the user types.
+        help: What it does, in one sentence.
+        run: Without effect for a group.
+        options: Its arguments, in the order of the help text.
+        commands: Of a group.
+        description: For `--help`, in place of `help`.
+        epilog: Below the options.
+    """
+
+    name: str
+    help: str
+    run: Run = lambda _: None
+    options: Sequence[Option] = ()
+    commands: Sequence["Command"] = ()
+    description: str = ""
+    epilog: str = ""
+
+
+def command(name: str, *options: Option, description: str = "", epilog: str = "") -> Callable[[Run], Command]:
+    """Make a function a command."""
+    return lambda run: Command(name, run.__doc__ or "", run, options, (), description, epilog)
+
+
+def add_commands(parser: argparse.ArgumentParser, dest: str, commands: Iterable[Command]) -> None:
+    """Add commands, of which the user must choose one; `run` of the parsed arguments is that of the innermost."""
+    subparsers = parser.add_subparsers(dest=dest, required=True, metavar=dest)
+    for each in commands:
+        text, line = each.description or each.help, each.help[:1].lower() + each.help[1:].rstrip(".")
+        added = subparsers.add_parser(each.name, help=line, description=text, epilog=each.epilog or None)
+        if "\n" in text:
+            added.formatter_class = argparse.RawDescriptionHelpFormatter
+        for add in each.options:
+            add(added)
+        if each.commands:
+            add_commands(added, "task", each.commands)
+        else:
+            added.set_defaults(run=each.run, program=added.prog)
+
+
+def option(
+    name: str, help_text: str, read: Callable[[str], Any] | None = None, metavar: Any = None, **about: Any
+) -> Option:
+    """One argument; `read` is its type, and `about` as for `ArgumentParser.add_argument`."""
+    about |= {} if read is None else {"type": read}
+    about |= {} if metavar is None else {"metavar": metavar}
+    return lambda parser: parser.add_argument(name, help=help_text, **about)
+
+
+def flag(name: str, help_text: str, **about: Any) -> Option:
+    """An option without a value."""
+    return option(name, help_text, action="store_true", **about)
+
+
+def seed(help_text: str = "the same seed gives the same results") -> Option:
+    """`--seed`, 0 by default."""
+    return option("--seed", f"{help_text} (0)", whole_number(0), default=0)
+
+
+def out(default: str, help_text: str) -> Option:
+    """`--out`: the file or folder to write."""
+    return option("--out", f"{help_text} ({default})", given_path, default=Path(default))
+
+
+def episodes(default: int, help_text: str) -> Option:
+    """`--episodes`: how many."""
+    text = f"{help_text} ({default})"
+    return option("--episodes", text, whole_number(1, 100_000), default=default)
+
+
+def learners(help_text: str) -> Option:
+    """`--num-learners`. None stands for 1, so that a choice can be told."""
+    return option("--num-learners", help_text, whole_number(1))
+
+
+ARENA = option(
+    "--arena",
+    f"{', '.join(ARENAS)}, or a file as `khepera-forage arena write` writes it ({CORRIDOR})",
+    metavar="NAME|FILE",
+)
+"""None stands for the corridor, so that a choice can be told; likewise for the noise and the food types."""
+NOISE = option(
+    "--noise",
+    f"laboratory, none, or some of {', '.join(SOURCES)}, separated by commas (laboratory)",
+    metavar="SOURCES",
+)
+*_OTHERS, _LAST = (food_type.name for food_type in FoodType if food_type != FoodType.UNKNOWN)
+FOOD_TYPE = option(
+    "--food-type",
+    f"of all food: {', '.join(_OTHERS)} or {_LAST} ({FoodType.PICKABLE.name}; in mixed_foods all of them)",
+)
+LAB = option(
+    "--lab",
+    f"use the real robots and the camera that this lab.toml describes; '{VIRTUAL_LAB}' uses simulated "
+    f"robots behind the real drivers, '{VIRTUAL_LAB}:e-puck2' and '{VIRTUAL_LAB}:toio' other ones",
+    metavar="FILE",
+)
+DECISION = option(
+    "--decision",
+    "decide otherwise what the thesis leaves open, such as next_to_food=22; may be repeated "
+    f"('khepera-forage decisions' lists all names). The first one may be a version, {' or '.join(VERSIONS)}, "
+    "which the others then change",
+    metavar="NAME=VALUE",
+    action="append",
+    default=[],
+)
+ALLOW_OTHER_DECISIONS = flag(
+    "--allow-other-decisions", "accept experience files that were recorded under other decisions"
+)
+
+
+def refuse_ignored(arguments: argparse.Namespace, options: Sequence[str], where: str) -> None:
+    """Refuse options that were given (are not None, False or empty) but have an effect only `where`.
+
+    Raises:
+        ValueError: One of them was given.
+    """
+    for name in options:
+        value = getattr(arguments, name.removeprefix("--").replace("-", "_"))
+        if value is not None and value is not False and value != []:  # 0 is a value that was given
+            raise ValueError(f"{name} has no effect here; allowed: {where}")
+
+
+def refuse_ignored_in_laboratory(
+    arguments: argparse.Namespace, listed: Sequence[str], simulated: Sequence[str] = ()
+) -> None:
+    """Refuse options that a laboratory's file replaces, and those that have an effect in simulations only."""
+    if arguments.lab is not None and arguments.lab.partition(":")[0] != VIRTUAL_LAB:
+        if "--num-learners" in listed:
+            refuse_ignored(arguments, ["--num-learners"], "without --lab; the file lists the learners")
+        others = [name for name in listed if name != "--num-learners"]
+        refuse_ignored(arguments, others, "without --lab; the file names the arena")
+    if arguments.lab is not None:
+        refuse_ignored(arguments, simulated, "without --lab")
+
+
+def check_ending(path: Path, endings: Iterable[str]) -> None:
+    """Refuse a name of `--out` with another ending.
+
+    Raises:
+        ValueError: It has another one.
+    """
+    if path.suffix.lower() not in endings:
+        raise ValueError(f"--out is {str(path)!r}; allowed: a name that ends in {', '.join(endings)}")
+
+
+def experience_files(paths: Sequence[Path]) -> list[Path]:
+    """Experience files, and in place of a folder its g1.csv, g2.csv, ... in the order of their numbers.
+
+    Raises:
+        ValueError: A folder has none.
+    """
+    files: list[Path] = []
+    for path in paths:
+        own = [file for file in path.glob("g*.csv") if file.stem[1:].isdecimal()] if path.is_dir() else [path]
+        if not own:
+            raise ValueError(f"{path} has no g1.csv; allowed: experience files, or a folder of them")
+        files += sorted(own, key=lambda file: int(file.stem[1:])) if path.is_dir() else own
+    return files
+
+
+def arena_of(arguments: argparse.Namespace) -> str | Arena:
+    """The arena that `--arena` names: one of `ARENAS`, or the content of a file."""
+    arena: str = arguments.arena or CORRIDOR
+    if arena in ARENAS:
+        return arena
+    if not arena.endswith(ARENA_FILES):
+        raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ARENAS)}, or a file *{ARENA_FILES}")
+    return read_arena(arena)
+
+
+def decisions_of(arguments: argparse.Namespace) -> Decisions:
+    """The decisions of `--decision`; the defaults without it."""
+    return decisions_from_words(arguments.decision)
+
+
+def noise_of(text: str | None) -> Noise | None:
+    """The noise of `--noise`; None without it."""
+    if text in (None, "laboratory", "none"):
+        return None if text is None else checked_noise(text)
+    try:
+        return Noise.only(*(source.strip() for source in text.split(",")))
+    except ValueError as error:
+        raise ValueError(f"--noise: {error}, laboratory or none") from None
+
+
+def training_env(arguments: argparse.Namespace, **kwargs: Any) -> TrainingEnv:
+    """Teacher and learners in copies of `--arena`, or with `--lab` in a laboratory, whose devices are printed."""
+    decisions, count, arena = decisions_of(arguments), arguments.num_learners or 1, arena_of(arguments)
+    kwargs = {"food_types": arguments.food_type, "decisions": decisions, **kwargs}
+    if arguments.lab is None:
+        return raw_env(arena, num_learners=count, **kwargs)
+    with _laboratory(arguments.lab, arena, count + 1, decisions) as (arena, world):
+        return raw_env(arena, num_learners=len(world.markers) - 1, noise=Noise.none(), world=world, **kwargs)
+
+
+def recall_env(arguments: argparse.Namespace, **kwargs: Any) -> BehavioursEnv:
+    """A recall environment in `--arena`, or with `--lab` in a laboratory, whose devices are printed."""
+    decisions, arena = decisions_of(arguments), arena_of(arguments)
+    given = {"food_types": arguments.food_type, "foods": arguments.foods}
+    kwargs |= {"decisions": decisions, **{key: value for key, value in given.items() if value is not None}}
+    if arguments.lab is None:
+        return recall_rollouts.recall_env(arena, noise_of(arguments.noise), **kwargs)
+    with _laboratory(arguments.lab, arena, 1, decisions) as (arena, world):
+        return recall_rollouts.recall_env(arena, world=world, **kwargs)
+
+
+@contextmanager
+def _laboratory(
+    lab: str, arena: str | Arena, robots: int, decisions: Decisions
+) -> Iterator[tuple[str | Arena, World]]:
+    """The arena and the world of the laboratory of `--lab`, which is closed after an error in the block."""
+    world = _opened(lab, arena, robots, decisions)
+    own = world.arenas[0]
+    try:
+        yield own.name if own.name in ARENAS else own, world  # the settings of a named arena apply
+    except BaseException:
+        world.close()
+        raise
+
+
+def print_late_rounds(env: TrainingEnv | BehavioursEnv) -> None:
+    """Print how many rounds of a laboratory took longer than a control step; print nothing for a simulation."""
+    clock = getattr(env.world, "clock", None)
+    if clock is not None and clock.rounds:
+        worst = f", the worst by {1000 * clock.worst_overrun:.0f} ms" if clock.overruns else ""
+        print(f"{clock.rounds} rounds, {clock.overruns} over their time{worst}")
+
+
+def _opened(lab: str, arena: str | Arena, robots: int, decisions: Decisions) -> World:
+    """The laboratory of `--lab`; one robot means the one that forages in a recall.
+
+    The decisions say how long rounds last and where start, food and home are, where the file leaves this open.
+    """
+    require("--lab", "robots", "camera")
+    name, _, kind = lab.partition(":")
+    if name == VIRTUAL_LAB:
+        from khepera_forage.envs.laboratories import virtual_cubes, virtual_laboratory
+
+        kind = kind or KHEPERA.name
+        if kind not in MODELS:
+            raise ValueError(
+                f"--lab {lab}; allowed: {', '.join(f'{VIRTUAL_LAB}:{model}' for model in MODELS)}"
+            )
+        if kind == TOIO.name:
+            cubes = virtual_cubes(arena, robots, decisions)
+            print(f"virtual laboratory: cubes {', '.join(cubes.port_urls)}, on a mat")
+            return cubes
+        virtual = virtual_laboratory(arena, robots, decisions, robot=kind)
+        print(f"virtual laboratory: robots at {', '.join(virtual.port_urls)}, a tracker on rendered frames")
+        return virtual
+    from khepera_forage.envs.laboratories import load_settings
+    from khepera_forage.lab.laboratory import Laboratory
+
+    settings = load_settings(lab, decisions)
+    if robots == 1:
+        settings = settings.for_recall()
+    elif len(settings.robots) < 2:
+        raise ValueError(f"{lab}: robots has one entry; allowed: a teacher and at least one learner")
+    for robot in settings.robots:
+        print(f"robot {robot.name} at {robot.port}" + (f", {robot.baud} baud" if robot.baud else ""))
+    seen = "a mat" if settings.has_mat else f"camera {settings.camera.source}"
+    print(f"{seen}; arena {settings.arena.name}")
+    return Laboratory(settings)

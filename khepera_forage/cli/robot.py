@@ -1,0 +1,460 @@
+"""`khepera-forage robot`: test a real Khepera, e-puck2 or toio cube, or start a virtual robot."""
+
+import argparse
+import math
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+from khepera_forage.cli.options import Command, command, option
+from khepera_forage.cli.virtual import virtual_command
+from khepera_forage.option_values import real_number, whole_number
+from khepera_forage.robots.drivers import open_robot as open_any
+from khepera_forage.robots.epuck.driver import INFRA_RED
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_RAISED,
+    CONTROL_PERIOD,
+    JAW_CLOSED,
+    JAW_OPEN,
+    MAX_SPEED,
+    PULSE,
+    SPEED_UNIT,
+    Motors,
+    Senses,
+)
+from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS, TOIO
+from khepera_forage.robots.proximity import MAX_READING
+from khepera_forage.robots.real_robot import RealRobot
+from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
+from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT, RequestRejected
+from khepera_forage.robots.serial.serial_robot import SerialRobot
+from khepera_forage.robots.toio.driver import ToioRobot
+
+_REST_TIMEOUT = 4.0
+"""Seconds to wait for the gripper: an arm needs 1 s and a jaw 0.6 s (KNET); the rest is margin."""
+_REST_READINGS = 3
+"""Equal readings in a row, 0.1 s apart, that count as standing still."""
+_MAX_SECONDS = 60.0
+"""Longest drive of one command: an operator does not watch a robot for longer."""
+_GRIPPER_COMMANDS = {
+    "open": ("T,1,D", 0),
+    "close": ("T,1,D", 1),
+    "raise": ("T,1,E", ARM_RAISED),
+    "lower": ("T,1,E", ARM_DOWN),
+}
+_ROUND_TRIPS = 10
+"""Measurements of each response time."""
+_COUNTERS = {KHEPERA.name: "H", E_PUCK.name: "Q"}
+_NAMES = ("left 90", "left 45", "left 10", "right 10", "right 45", "right 90", "back right", "back left")
+_BAR_WIDTH = 50
+_CURSOR_UP, _CLEAR_LINE = "\x1b[{}A", "\x1b[K"
+"""Terminal escape sequences."""
+_UNIT = f"in speed units of {SPEED_UNIT:g} mm/s, -{MAX_SPEED}..{MAX_SPEED}"
+_SPEED, _SECONDS = 6, 0.3
+"""Speed in units and duration of the wheel test: 14 mm each way, within the 0.3 s of a cube's command."""
+_LOWERED = ARM_DOWN - 15
+"""Arm position near the floor, above any object that may lie there."""
+_ARM_TOLERANCE, _JAW_TOLERANCE = 8, 24
+"""Largest deviation of a position that passes."""
+_ROUNDS = 10
+PORT = (
+    option("--robot", f"kind of robot ({KHEPERA.name})", choices=tuple(MODELS), default=KHEPERA.name),
+    option(
+        "--port",
+        "the robot's port: /dev/ttyUSB0, socket://host:port or rfc2217://host:port; or the name of a "
+        "toio cube, such as toio-A1b",
+        required=True,
+    ),
+    option(
+        "--baud",
+        f"as set by a Khepera's mode switch: {', '.join(map(str, BAUD_RATES))} (38400; of an e-puck2 115200)",
+        int,
+    ),
+    option(
+        "--timeout",
+        f"that a reply may take in addition to the transmission time of its bytes ({DEFAULT_TIMEOUT})",
+        real_number(0.0, MAX_TIMEOUT, "seconds"),
+        "SECONDS",
+        default=DEFAULT_TIMEOUT,
+    ),
+    option(
+        "--no-watchdog",
+        "start no process that stops the robot if this program is killed",
+        dest="watchdog",
+        action="store_false",
+    ),
+)
+
+
+def open_robot(arguments: argparse.Namespace) -> RealRobot:
+    """The driver of the robot at the port, on a line with any latency: these commands have no rounds to keep."""
+    given = {name: getattr(arguments, name) for name in ("baud", "timeout", "watchdog")}
+    return open_any(arguments.robot, arguments.port, period=None, **given)
+
+
+def open_serial_robot(arguments: argparse.Namespace) -> SerialRobot:
+    """As `open_robot`, for a robot with a serial line."""
+    if arguments.robot not in (KHEPERA.name, E_PUCK.name):
+        raise ValueError(
+            f"--robot {arguments.robot}; allowed: {KHEPERA.name}, {E_PUCK.name}, which have a serial line"
+        )
+    robot = open_robot(arguments)
+    assert isinstance(robot, SerialRobot)
+    return robot
+
+
+def wait_for_rest(robot: SerialRobot, is_arm: bool) -> int:
+    """Wait until the arm or the jaw stands still, at most 4 s; returns its position."""
+    end = time.monotonic() + _REST_TIMEOUT
+    last, equal = math.nan, 0
+    while True:
+        time.sleep(CONTROL_PERIOD)
+        (position,) = robot.request("T,1,H", int(is_arm))
+        equal = equal + 1 if position == last else 0
+        last = position = int(position)
+        if equal >= _REST_READINGS or time.monotonic() > end:
+            return position
+
+
+@command("probe", *PORT)
+def probe_command(arguments: argparse.Namespace) -> None:
+    """Print the robot's versions, sensor readings and response times."""
+    model = MODELS[arguments.robot]
+    with open_serial_robot(arguments) as robot:
+        print(f"port       {robot.port}, {robot.baud} baud")
+        identity = robot.protocol.identity
+        version = robot.request(identity.command, *identity.values)
+        if model.has_gripper:
+            print(f"robot      BIOS {version[0]}, protocol {version[1]}")
+            print(f"gripper    {_gripper(robot)}")
+        else:
+            print(f"robot      {model.name}, {version[0]}")
+        directions = ", ".join(f"{degrees:g}" for degrees in model.infra_reds)
+        print(f"proximity  {_numbers(robot.request('N'))}   (degrees to the left: {directions})")
+        print(f"light      {_numbers(robot.request('O'))}   (the higher, the darker)")
+        print(
+            f"counters   {_numbers(robot.request(_COUNTERS[model.name]))}   (left, right; {model.pulse:.3g} mm each)"
+        )
+        timed: list[tuple[Any, ...]] = [(identity.command,), ("N",), (_COUNTERS[model.name],)]
+        for command in [*timed, ("T,1,G",), ("T,1,H", 1)] if model.has_gripper else timed:
+            try:
+                print(f"{','.join(map(str, command)):10s} {_round_trips(robot, *command)}")
+            except RequestRejected:
+                continue
+        timing, counts = robot.timing, robot.statistics
+        print(
+            f"latency    {1000 * timing.latency:.1f} ms in addition to the transmission; a round takes "
+            f"{1000 * timing.round_time:.0f} ms: at most {1 / timing.round_time:.1f} rounds a second"
+            f"{'' if timing.pipelined else ', because the robot answers only one request at a time'}"
+        )
+        print(f"line       {counts.sent} requests, {counts.timeouts} unanswered, {counts.garbled} garbled")
+
+
+def _gripper(robot: SerialRobot) -> str:
+    """The gripper's version and state, or why it does not answer."""
+    try:
+        version, revision = robot.request("T,1,B")
+        (jumpers,) = robot.request("T,1,J")
+        (arm,) = robot.request("T,1,H", 1)
+        (barrier,) = robot.request("T,1,G")
+        (jaw,) = robot.request("T,1,H", 0)
+    except RequestRejected as error:
+        return f"none: {error.reason}"
+    return (
+        f"version {version}.{revision}, jumpers {jumpers}; arm {arm} (255 down), jaw {jaw} (200 open), "
+        f"barrier {barrier} (above 100: an object)"
+    )
+
+
+def _round_trips(robot: SerialRobot, command: str, *values: int) -> str:
+    """Median and range of the response time of one command."""
+    taken = []
+    for _ in range(_ROUND_TRIPS):
+        # Alternate with another command: the driver sends a query of its own before it repeats a command.
+        robot.request("E")
+        begin = time.perf_counter()
+        robot.request(command, *values)
+        taken.append(1000 * (time.perf_counter() - begin))
+    return f"{statistics.median(taken):.1f} ms round trip [{min(taken):.1f}, {max(taken):.1f}]"
+
+
+def _numbers(values: tuple[int | str, ...]) -> str:
+    return " ".join(f"{value:>4}" for value in values)
+
+
+@command(
+    "sensors",
+    *PORT,
+    option("--rounds", "number of rounds of 0.1 s; 0 runs until Ctrl-C (0)", whole_number(0), default=0),
+)
+def sensors_command(arguments: argparse.Namespace) -> None:
+    """Show the sensor readings as they change."""
+    live = sys.stdout.isatty()
+    with open_robot(arguments) as robot:
+        if not live:
+            print("L90 L45 L10 R10 R45 R90 backR backL | left right pulses | arm jaw present")
+        shown = 0
+        due = time.monotonic()
+        while not arguments.rounds or shown < arguments.rounds:
+            robot.receive()
+            proximity, left, right, arm, jaw, presence = senses = robot.sense()
+            text = f"{_numbers(proximity)} | {left} {right} | {arm} {jaw} {presence}"
+            text = bars(senses) if live else text
+            if live and shown:
+                print(_CURSOR_UP.format(text.count("\n") + 1), end="")
+            print(text, flush=True)
+            shown += 1
+            due = max(due + CONTROL_PERIOD, time.monotonic())
+            time.sleep(max(0.0, due - time.monotonic()))
+
+
+def bars(senses: Senses) -> str:
+    """One bar for each infra-red sensor, and the other readings below; each line clears its predecessor."""
+    lines = []
+    for name, reading in zip(_NAMES, senses.proximity, strict=True):
+        bar = "█" * round(_BAR_WIDTH * reading / MAX_READING)
+        lines.append(f"{name:>10} {reading:5d} {bar:<{_BAR_WIDTH}}")
+    lines.append(
+        f"{'arm':>10} {senses.arm:5d}   jaw {senses.jaw}   {'object' if senses.object_presence else 'nothing'} between "
+        f"the fingers   wheels {senses.left_pulses} {senses.right_pulses}"
+    )
+    return "\n".join(f"{text}{_CLEAR_LINE}" for text in lines)
+
+
+@command(
+    "drive",
+    *PORT,
+    option("--left", f"left wheel, {_UNIT} (3)", whole_number(-MAX_SPEED, MAX_SPEED), default=3),
+    option("--right", f"right wheel, {_UNIT} (3)", whole_number(-MAX_SPEED, MAX_SPEED), default=3),
+    option(
+        "--seconds",
+        f"duration, at most {_MAX_SECONDS:g} (2)",
+        real_number(0.0, _MAX_SECONDS, "seconds"),
+        default=2.0,
+    ),
+)
+def drive_command(arguments: argparse.Namespace) -> None:
+    """Turn the wheels for some seconds, then stop."""
+    with open_robot(arguments) as robot:
+        robot.receive()
+        before = robot.sense()
+        end = time.monotonic() + arguments.seconds
+        while (rest := end - time.monotonic()) > 0:
+            # Again and again: a robot that restarts meanwhile drives on, and one that is lost raises an error.
+            robot.turn_wheels(arguments.left, arguments.right)
+            robot.receive()
+            time.sleep(max(0.0, min(rest, CONTROL_PERIOD)))
+        robot.stop()
+        robot.receive()
+        after = robot.sense()
+        restarts = robot.statistics.restarts if isinstance(robot, SerialRobot) else 0
+        scale = robot.model.scale
+    left, right = after.left_pulses - before.left_pulses, after.right_pulses - before.right_pulses
+    if restarts:
+        print(f"the robot restarted {restarts} time{'s' * (restarts > 1)}: check its power supply")
+    left_mm, right_mm = (pulses * PULSE * scale for pulses in (left, right))
+    print(f"left {left} pulses, {left_mm:.0f} mm; right {right} pulses, {right_mm:.0f} mm")
+
+
+@command("grip", *PORT, option("action", "the movement", choices=tuple(_GRIPPER_COMMANDS)))
+def grip_command(arguments: argparse.Namespace) -> None:
+    """Open, close, raise or lower the gripper."""
+    model = MODELS[arguments.robot]
+    if not model.has_gripper:
+        raise ValueError(f"--robot {model.name} has no gripper; allowed: {KHEPERA.name}")
+    with open_serial_robot(arguments) as robot:
+        command, value = _GRIPPER_COMMANDS[arguments.action]
+        robot.request(command, value)
+        is_arm = command == "T,1,E"
+        position = wait_for_rest(robot, is_arm)
+        (barrier,) = robot.request("T,1,G")
+        print(f"{'arm' if is_arm else 'jaw'} at {position}, barrier {barrier}")
+
+
+class CheckError(Exception):
+    """A check failed; the message says what was measured."""
+
+
+@command("selftest", *PORT)
+def selftest_command(arguments: argparse.Namespace) -> int:
+    """Test every part with small movements, and print which ones work."""
+    failed, checks = 0, CHECKS[arguments.robot]
+    with open_robot(arguments) as robot:
+        moving = "wheels, arm and jaw" if robot.model.has_gripper else "the wheels"
+        print(f"Keep 30 mm free around the robot: {moving} will move a little.", flush=True)
+        for name, check in checks.items():
+            try:
+                verdict, measured = "pass", check(robot)
+            except CheckError as failure:
+                verdict, measured = "FAIL", str(failure)
+            except RequestRejected as refusal:
+                verdict, measured = "FAIL", f"{refusal.command}: {refusal.reason}"
+            failed += verdict == "FAIL"
+            print(f"{name:18s} {verdict}   {measured}", flush=True)
+    print(f"{len(checks) - failed} of {len(checks)} passed")
+    return 1 if failed else 0
+
+
+def _versions(robot: SerialRobot) -> str:
+    return ", ".join(map(str, robot.request(robot.protocol.identity.command)))
+
+
+def _lamps(robot: SerialRobot) -> str:
+    lamps = (0, 1) if robot.model is KHEPERA else range(8)
+    for lamp in lamps:
+        for action in (1, 0):
+            robot.request("L", lamp, action)
+            time.sleep(CONTROL_PERIOD)
+    return f"all {len(lamps)} were switched on and off; check that you saw them"
+
+
+def _mat(robot: ToioRobot) -> str:
+    robot.receive()
+    if not robot.on_mat:
+        raise CheckError(
+            "it does not see the mat: put it on the simple mat, and check that its sensor is clean"
+        )
+    x, y, heading = robot.pose
+    return f"at x {x:.0f} mm, y {y:.0f} mm of the plan, heading {math.degrees(heading):.0f} degrees"
+
+
+def _infra_reds(robot: SerialRobot) -> str:
+    rounds = [_readings(robot, "N") for _ in range(5)]
+    highest = MAX_READING if robot.model is KHEPERA else INFRA_RED.high
+    if any(set(readings) == {highest} for readings in rounds):
+        raise CheckError(f"all eight read {rounds[0][0]}")
+    medians = [int(statistics.median(column)) for column in zip(*rounds, strict=True)]
+    return f"proximity {' '.join(map(str, medians))}"
+
+
+def _light(robot: SerialRobot) -> str:
+    light = _readings(robot, "O")
+    if max(light) == 0:
+        raise CheckError("all eight read 0, the value of the brightest light")
+    return f"{min(light)}..{max(light)} (about 500 is dark)"
+
+
+def _wheels(robot: RealRobot) -> str:
+    start = _counters(robot)
+    forth = _travel(robot, _SPEED)
+    back = _travel(robot, -_SPEED)
+    off = [b - a for a, b in zip(start, _counters(robot), strict=True)]
+    # A virtual robot moves in rounds of a third of the time.
+    if max(map(abs, off)) > 0.5 * _SPEED * SPEED_UNIT / PULSE * _SECONDS:
+        raise CheckError(f"forward {forth} and back {back} pulses end {off} pulses from the start")
+    return f"forward {forth}, back {back} pulses, {off} from the start"
+
+
+def _travel(robot: RealRobot, speed: int) -> list[int]:
+    """Turn both wheels and return their pulses; half to one and a half times the expected number passes.
+
+    The range is wide because a low supply voltage slows the motors, and a cube has few speeds. A wheel that turns the
+    wrong way fails.
+    """
+    before = _counters(robot)
+    begin = time.monotonic()
+    robot.turn_wheels(speed, speed)
+    time.sleep(_SECONDS)
+    robot.stop()
+    expected = speed * SPEED_UNIT / PULSE * (time.monotonic() - begin)
+    time.sleep(2 * CONTROL_PERIOD)
+    gone = [after - b for after, b in zip(_counters(robot), before, strict=True)]
+    if any(not 0.5 < pulses / expected < 1.5 for pulses in gone):
+        raise CheckError(f"{gone} pulses at speed {speed}; expected: about {expected:.0f}")
+    return gone
+
+
+def _counters(robot: RealRobot) -> tuple[int, int]:
+    """The encoder counts of the left and right wheel, in pulses."""
+    robot.receive()
+    return robot.sense()[1:3]
+
+
+def _arm(robot: SerialRobot) -> str:
+    positions = []
+    for target in (ARM_RAISED, _LOWERED, ARM_RAISED):
+        robot.request("T,1,E", target)
+        positions.append(wait_for_rest(robot, True))
+        if abs(positions[-1] - target) > _ARM_TOLERANCE:
+            raise CheckError(f"sent to {target}, it stopped at {positions[-1]}")
+    return f"at {', '.join(map(str, positions))}"
+
+
+def _jaw(robot: SerialRobot) -> str:
+    positions = []
+    for closed, target in ((1, JAW_CLOSED), (0, JAW_OPEN)):
+        robot.request("T,1,D", closed)
+        positions.append(wait_for_rest(robot, False))
+        if abs(positions[-1] - target) > _JAW_TOLERANCE:
+            raise CheckError(
+                f"{'closed' if closed else 'opened'}, it stopped at {positions[-1]}; expected: about {target}"
+            )
+    return f"closed at {positions[0]}, open at {positions[1]}"
+
+
+def _barrier(robot: SerialRobot) -> str:
+    (barrier,) = robot.request("T,1,G")
+    if int(barrier) > 100:
+        raise CheckError(f"{barrier} with nothing between the fingers")
+    return f"{barrier} with nothing between the fingers"
+
+
+def _rounds(robot: RealRobot) -> str:
+    taken = []
+    for _ in range(_ROUNDS):
+        begin = time.monotonic()
+        robot.drive(Motors(0, 0, ARM_RAISED, JAW_OPEN))
+        robot.transmit()
+        robot.receive()
+        taken.append(1000 * (time.monotonic() - begin))
+    limit = 1000 * CONTROL_PERIOD
+    measured = f"{statistics.median(taken):.0f} ms, the longest {max(taken):.0f}; allowed: {limit:.0f}"
+    if statistics.median(taken) > limit:
+        raise CheckError(measured)
+    return measured
+
+
+def _line(robot: SerialRobot) -> str:
+    counts = robot.statistics
+    if counts.timeouts + counts.garbled + counts.rejected + counts.restarts:
+        raise CheckError(f"{counts}")
+    return f"{counts.sent} requests, all answered"
+
+
+def _readings(robot: SerialRobot, command: str) -> list[int]:
+    return [int(value) for value in robot.request(command)]
+
+
+_SERIAL: dict[str, Callable[[Any], str]] = {
+    "infra-reds": _infra_reds,
+    "ambient light": _light,
+    "wheels": _wheels,
+    "a round": _rounds,
+    "line": _line,
+}
+CHECKS: dict[str, dict[str, Callable[[Any], str]]] = {
+    KHEPERA.name: {
+        "versions": _versions,
+        "lamps": _lamps,
+        "arm": _arm,
+        "jaw": _jaw,
+        "optical barrier": _barrier,
+        **_SERIAL,
+    },
+    E_PUCK.name: {"version": _versions, "lamps": _lamps, **_SERIAL},
+    TOIO.name: {"mat": _mat, "wheels": _wheels, "a round": _rounds},
+}
+"""By the kind of robot and the part; each returns what it measured, or raises `CheckError`.
+
+The arm comes before the infra-reds: raised, it does not cover them.
+"""
+
+
+COMMAND = Command(
+    "robot",
+    "Test a real robot, or start a virtual one.",
+    commands=(probe_command, sensors_command, drive_command, grip_command, selftest_command, virtual_command),
+)

@@ -1,0 +1,103 @@
+"""`khepera-forage robot virtual`: a simulated Khepera at a serial port, for programs that control a real one."""
+
+import argparse
+import signal
+import threading
+import time
+
+import numpy as np
+
+from khepera_forage.cli.options import command, option, seed
+from khepera_forage.envs.arguments import checked_arena, timing_of
+from khepera_forage.option_values import whole_number
+from khepera_forage.robots.epuck.virtual import EPuckFirmware
+from khepera_forage.robots.khepera import CONTROL_PERIOD
+from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS
+from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
+from khepera_forage.robots.virtual.faults import FAULTS, Faults
+from khepera_forage.robots.virtual.firmware import Firmware
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from khepera_forage.sim.arenas.thesis import CORRIDOR
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
+
+
+@command(
+    "virtual",
+    option(
+        "--tcp",
+        "listen on this port of 127.0.0.1 (0 for any free port) instead of a pseudo-terminal",
+        whole_number(0, 65535),
+        "PORT",
+    ),
+    option(
+        "--baud",
+        f"speed of the line: {', '.join(map(str, BAUD_RATES))}, or 0 for no limit (38400; of an e-puck2 "
+        "115200)",
+        int,
+    ),
+    *(
+        option(f"--{fault}", "share of replies with this fault (0)", float, "RATE", default=0.0)
+        for fault in FAULTS
+    ),
+    option(
+        "--lateness",
+        "range of the delay of a delayed reply, in seconds (0.3 1.0)",
+        float,
+        ("FROM", "TO"),
+        nargs=2,
+        default=Faults().lateness,
+    ),
+    option(
+        "--robot",
+        f"kind of robot ({KHEPERA.name})",
+        choices=(KHEPERA.name, E_PUCK.name),
+        default=KHEPERA.name,
+    ),
+    seed("seed of the simulation and of the faults"),
+)
+def virtual_command(arguments: argparse.Namespace) -> None:
+    """Start a virtual Khepera at a serial port."""
+    faults = Faults(
+        **{fault: getattr(arguments, fault) for fault in FAULTS}, lateness=tuple(arguments.lateness)
+    )
+    world_rng, fault_rng = np.random.default_rng(arguments.seed).spawn(2)
+    decisions = DEFAULT_DECISIONS
+    arena = checked_arena(CORRIDOR, decisions)
+    # A robot has no rounds: its firmware has a control period.
+    timing = timing_of(decisions)._replace(round_duration=CONTROL_PERIOD)
+    world = PymunkWorld([arena], (decisions.recall_marker,), timing=timing, model=MODELS[arguments.robot])
+    world.reset(world_rng, Layout((arena.start,), arena.foods))
+    lock = threading.RLock()
+    is_khepera = arguments.robot == KHEPERA.name
+    firmware = Firmware(world.robots[0], lock) if is_khepera else EPuckFirmware(world.robots[0], lock)
+    baud = arguments.baud if arguments.baud is not None else 38400 if is_khepera else 115200
+    signals: list[int] = []  # a handler that raises an error could do so while the world is locked
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda number, _: signals.append(number))
+    due, overruns = time.monotonic(), 0
+    with VirtualKhepera(
+        firmware, tcp=arguments.tcp, baud=baud or None, faults=faults, rng=fault_rng
+    ) as khepera:
+        name = "Khepera" if is_khepera else E_PUCK.name
+        print(f"a virtual {name} at {khepera.url}; Ctrl-C ends it", flush=True)
+        while khepera.connected and not signals:
+            due += CONTROL_PERIOD
+            late = time.monotonic() - due
+            if late > CONTROL_PERIOD:
+                # Skip the missed rounds: a robot does not drive faster because its computer was busy.
+                due += late
+                overruns += 1
+            else:
+                time.sleep(max(0.0, -late))
+            with lock:
+                world.advance()
+                firmware.tick()
+        print("stopped" if khepera.connected else "unplugged", flush=True)
+    world.close()
+    counts = khepera.fault_counts
+    happened = [f"{getattr(counts, fault)} {fault}" for fault in FAULTS if getattr(counts, fault)]
+    print(", ".join([f"{counts.replies} requests", *happened]))
+    if overruns:
+        print(f"{overruns} rounds began late")

@@ -1,0 +1,373 @@
+"""`khepera-forage teach`: scripts look at the pictures and press keys in pygame's queue; the rest is the program."""
+
+import shlex
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pygame
+import pytest
+
+from khepera_forage.cli.main import main
+from khepera_forage.cli.teach import (
+    BEHAVIOUR_OF,
+    LETTERS,
+    SEPARATED_WARNING,
+    Caption,
+    HumanTeacher,
+    QuitRequest,
+    RestartRequest,
+)
+from khepera_forage.cli.teach_window import COLUMNS, TeachingWindow, with_caption
+from khepera_forage.envs.rendering import View
+from khepera_forage.envs.rendering.palette import TEACHER as TEACHER_COLOUR
+from khepera_forage.envs.rendering.picture import Painter, to_array
+from khepera_forage.envs.training import TEACHER, TrainingEnv
+from khepera_forage.experience import Experience
+from khepera_forage.policies import NearestNeighbourImitator
+from khepera_forage.rollouts import training
+from khepera_forage.rollouts.row_files import read_rows
+from khepera_forage.rollouts.rows import RecallRow
+from khepera_forage.task.states import Behaviour, behaviour_for, classify
+
+Script = Callable[[TrainingEnv, View], None]
+"""Looks at a new picture and presses keys."""
+FAST = ("--pace", "1000")
+
+
+@pytest.fixture(autouse=True)
+def invisible_window(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
+    """Use an invisible window, and close it after 300 s if a test waits for keys that never come."""
+    pygame.display.quit()
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.chdir(tmp_path)
+    timer = threading.Timer(300, pygame.event.post, [pygame.event.Event(pygame.QUIT)])
+    timer.daemon = True
+    timer.start()
+    yield
+    timer.cancel()
+    pygame.display.quit()
+
+
+@pytest.fixture
+def run_script(monkeypatch: pytest.MonkeyPatch) -> Callable[[Script], None]:
+    """A function that installs a script, which is called with every new picture."""
+    view = TrainingEnv.view
+
+    def install(script: Script) -> None:
+        def view_and_run(env: TrainingEnv) -> View:
+            shown = view(env)
+            script(env, shown)
+            return shown
+
+        monkeypatch.setattr(TrainingEnv, "view", view_and_run)
+
+    return install
+
+
+def press(key: int) -> None:
+    pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=key))
+
+
+def release(key: int) -> None:
+    pygame.event.post(pygame.event.Event(pygame.KEYUP, key=key))
+
+
+def tap(key: int) -> None:
+    press(key)
+    release(key)
+
+
+def key_of(behaviour: Behaviour) -> int:
+    return ord(LETTERS[behaviour])
+
+
+def teachers_behaviour(env: TrainingEnv, view: View) -> Behaviour:
+    """The behaviour of the hand-coded teacher for the state vector in the picture."""
+    vector = view.robots[0].vector
+    assert vector is not None
+    return behaviour_for(classify(vector, env.home_radius, env.decisions.values()))
+
+
+def is_start(env: TrainingEnv) -> bool:
+    return bool(env.infos[TEACHER]["steps"] == 0)
+
+
+def is_over(env: TrainingEnv) -> bool:
+    return env.terminations[TEACHER]
+
+
+def is_separated(view: View) -> bool:
+    return view.robots[1].separated
+
+
+class HoldingScript:
+    """Holds the key of the teacher's behaviour until the behaviour changes."""
+
+    def __init__(self) -> None:
+        self.held: int | None = None
+
+    def __call__(self, env: TrainingEnv, view: View) -> None:
+        if is_start(env) or is_over(env):
+            press(pygame.K_RETURN)
+        wanted = key_of(teachers_behaviour(env, view))
+        if is_start(env) or (wanted != self.held and not is_separated(view)):
+            if self.held is not None:
+                release(self.held)
+            press(wanted)
+            self.held = wanted
+
+
+class TappingScript:
+    """Taps the key of the teacher's behaviour (its letter, its digit or the space bar), and six wrong keys.
+
+    It restarts the first two attempts after eight rounds.
+    """
+
+    def __init__(self) -> None:
+        self.chosen: list[Behaviour] = []
+        self.wrong = 0
+        self.restarts = 0
+
+    def __call__(self, env: TrainingEnv, view: View) -> None:
+        if is_start(env):
+            tap(pygame.K_SPACE)
+            tap(key_of(Behaviour.RELEASE_FOOD))  # Keys before Enter have no effect.
+            tap(pygame.K_RETURN)
+            tap(pygame.K_SPACE)  # There is no behaviour to repeat yet.
+            self.chosen, self.wrong = [], 0
+        if is_over(env):
+            tap(pygame.K_RETURN)
+        if is_over(env) or is_separated(view):
+            return
+        tap(pygame.K_F5)
+        wanted, steps = teachers_behaviour(env, view), len(self.chosen)
+        if steps == 8 and self.restarts < 2:
+            self.restarts += 1
+            tap(pygame.K_BACKSPACE)
+            return
+        if steps < 36 and steps % 6 == 5:
+            wanted = Behaviour((wanted + 1 + steps % 9) % 10)
+            self.wrong += 1
+        if self.chosen and wanted == self.chosen[-1]:
+            tap(pygame.K_SPACE)
+        else:
+            tap((key_of(wanted), pygame.K_0 + wanted, pygame.K_KP0)[steps % 2 if wanted else 2])
+        self.chosen.append(wanted)
+
+
+@pytest.mark.parametrize("decision", [[], ["--decision", "next_to_food=22"]])
+def test_person_with_the_teachers_behaviours_records_the_same_file(
+    decision: list[str], run_script: Callable[[Script], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    run_script(HoldingScript())
+    assert main(["teach", "--seed", "1", *FAST, *decision]) == 0
+    printed = capsys.readouterr().out
+    assert main(["train", "--episodes", "1", "--seed", "1", "--out", "trained", *decision]) == 0
+    assert Path("taught/g1.csv").read_bytes() == Path("trained/g1.csv").read_bytes()
+    experience = Experience.load("taught/g1.csv")
+    assert f"1 episode(s), {len(experience)} experience vectors, 100 %" in printed
+    (next_command,) = [line for line in printed.splitlines() if line.startswith("next: ")]
+    program, *command = shlex.split(next_command.removeprefix("next: "))
+    assert program == "khepera-forage"
+    assert main([*command, "--episodes", "1", "--out", "rows.csv"]) == 0
+    (row,) = read_rows(Path("rows.csv"), RecallRow)
+    assert row.experience_size == len(experience)
+
+
+def test_wrong_behaviours_are_recorded_and_a_restart_discards_them(
+    run_script: Callable[[Script], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    script = TappingScript()
+    run_script(script)
+    assert main(["teach", *FAST]) == 0
+    assert script.restarts == 2
+    experience = Experience.load("taught/g1.csv")
+    assert list(experience.behaviours) == script.chosen
+    share = 100 * (len(script.chosen) - script.wrong) / len(script.chosen)
+    assert f"{share:.0f} % of the behaviours as the hand-coded teacher's" in capsys.readouterr().out
+    assert script.wrong == 6
+    imitator = NearestNeighbourImitator(diagonal=138).fit(*experience.arrays())
+    rng = np.random.default_rng(0)
+    assert {imitator.act(vector, rng) for vector in experience.vectors} <= set(script.chosen)
+    assert main(["recall", "--experience", "taught/g1.csv", "--episodes", "1", "--out", "rows.csv"]) == 0
+    assert [path.name for path in Path("taught").iterdir()] == ["g1.csv"]
+
+
+def test_escape_keeps_only_complete_episodes(
+    run_script: Callable[[Script], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    holding = HoldingScript()
+
+    def script(env: TrainingEnv, view: View) -> None:
+        if Path("taught/g2.csv").exists() and env.infos[TEACHER]["steps"] == 5:
+            tap(pygame.K_ESCAPE)
+        else:
+            holding(env, view)
+
+    run_script(script)
+    assert main(["teach", "--episodes", "3", *FAST]) == 0
+    assert [path.name for path in Path("taught").iterdir()] == ["g1.csv"]
+    experience = Experience.load("taught/g1.csv")
+    assert f"1 episode(s), {len(experience)} experience vectors" in capsys.readouterr().out
+    assert not pygame.display.get_init()
+
+
+def test_escape_at_the_start_leaves_no_file(
+    run_script: Callable[[Script], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    run_script(lambda env, view: tap(pygame.K_ESCAPE))
+    assert main(["teach"]) == 0
+    assert capsys.readouterr().out.endswith("no episode is complete, so no file is kept\n")
+    assert list(Path("taught").iterdir()) == []
+
+
+def test_crash_leaves_a_file_that_can_be_recovered(run_script: Callable[[Script], None]) -> None:
+    tapping = TappingScript()
+
+    def script(env: TrainingEnv, view: View) -> None:
+        if len(tapping.chosen) == 12:
+            raise MemoryError
+        tapping(env, view)
+
+    run_script(script)
+    with pytest.raises(MemoryError):
+        main(["teach", *FAST])
+    with pytest.warns(UserWarning, match="closing line"):
+        experience = Experience.load("taught/g1.csv", recover=True)
+    assert list(experience.behaviours) == tapping.chosen
+
+
+class RecordingWindow(TeachingWindow):
+    """The window, which also records its pictures and captions."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.captions: list[Caption] = []
+        self.views: list[View] = []
+
+    def show(self, view: View, caption: Caption) -> None:
+        super().show(view, caption)
+        self.captions.append(caption)
+        self.views.append(view)
+
+
+@pytest.fixture
+def window() -> Iterator[RecordingWindow]:
+    window = RecordingWindow()
+    yield window
+    window.close()
+
+
+def human_teacher(env: TrainingEnv, window: RecordingWindow, hints: bool = False) -> HumanTeacher:
+    env.reset(seed=1)
+    return HumanTeacher(env, window, episodes=1, pace=1000, hints=hints)
+
+
+@pytest.mark.parametrize("hints", [False, True])
+def test_keys_have_no_effect_while_the_learner_is_separated(hints: bool, window: RecordingWindow) -> None:
+    env = TrainingEnv()
+    teacher = human_teacher(env, window, hints)
+    observation = env.observe(TEACHER)
+    observation[6] = 1
+    tap(pygame.K_RETURN)
+    press(pygame.K_s)
+    assert teacher.act(observation) == Behaviour.WAIT
+    assert window.captions[-1].message == SEPARATED_WARNING
+    assert window.captions[-1].warning
+    assert teacher.choices == 0
+    observation[6] = 0
+    env.infos[TEACHER]["steps"] = 1
+    assert teacher.act(observation) == Behaviour.SEARCH_FOR_FOOD, "the key is still held"
+    assert not window.captions[-1].warning
+    assert teacher.choices == teacher.agreed == 1
+    assert all((robot.state is not None) is hints for robot in window.views[-1].robots)
+    assert all(robot.vector is not None for robot in window.views[-1].robots)
+
+
+def test_caption_shows_the_held_and_the_last_behaviour(window: RecordingWindow) -> None:
+    env = TrainingEnv()
+    teacher = human_teacher(env, window)
+    for post, key in ((tap, pygame.K_RETURN), (press, pygame.K_s), (press, pygame.K_o)):
+        post(key)
+    observation = env.observe(TEACHER)
+    assert teacher.act(observation) == Behaviour.SEARCH_FOR_FOOD
+    env.infos[TEACHER]["steps"] = 1
+    assert teacher.act(observation) == Behaviour.ORIENT_WITH_FOOD
+    assert (window.captions[-1].held, window.captions[-1].last) == (2, 0)
+    release(pygame.K_o)
+    assert teacher.act(observation) == Behaviour.SEARCH_FOR_FOOD, "that key is still held"
+    release(pygame.K_s)
+    tap(pygame.K_SPACE)
+    assert teacher.act(observation) == Behaviour.SEARCH_FOR_FOOD
+    assert [caption.held for caption in window.captions[-3:]] == [0, None, 0]
+    tap(pygame.K_BACKSPACE)
+    with pytest.raises(RestartRequest):
+        teacher.act(observation)
+    assert (window.captions[-1].held, window.captions[-1].last) == (None, 0)
+    tap(pygame.K_ESCAPE)
+    with pytest.raises(QuitRequest):
+        teacher.act(observation)
+    pygame.event.post(pygame.event.Event(pygame.QUIT))
+    with pytest.raises(QuitRequest):
+        teacher.act(observation)
+
+
+def test_attempt_after_a_failure_begins_with_the_reason(
+    window: RecordingWindow, run_script: Callable[[Script], None]
+) -> None:
+    env = TrainingEnv(max_cycles=3)
+    teacher = human_teacher(env, window)
+
+    def script(env: TrainingEnv, view: View) -> None:
+        tap(pygame.K_RETURN)
+        tap(pygame.K_v)
+
+    run_script(script)
+    with pytest.raises(training.IncompleteTrainingError):
+        training.train(
+            env, np.random.SeedSequence(0), callback=teacher.after_round, teacher=teacher, attempts=2
+        )
+    messages = [caption.message for caption in window.captions if "Enter" in caption.message]
+    assert messages[0] == "Press Enter to begin."
+    assert messages[-1] == "That attempt is discarded: 3 rounds were not enough. Press Enter to begin."
+
+
+def test_window_fits_the_screen_and_shows_the_whole_picture(window: RecordingWindow) -> None:
+    env = TrainingEnv()
+    teacher = human_teacher(env, window)
+    tap(pygame.K_RETURN)
+    press(pygame.K_s)
+    teacher.act(env.observe(TEACHER))
+    screen, (desktop,) = pygame.display.get_surface(), pygame.display.get_desktop_sizes()
+    assert screen is not None
+    assert all(side < limit for side, limit in zip(screen.get_size(), desktop, strict=True))
+    shown = np.frombuffer(pygame.image.tobytes(screen, "RGB"), np.uint8).reshape(*screen.get_size()[::-1], 3)
+    height, width = shown.shape[:2]
+    lower_left = shown[int(0.85 * height) :, : width // 5].astype(int)
+    lit = (abs(lower_left - TEACHER_COLOUR) <= 3).all(axis=2)
+    assert lit.mean() > 0.15, "the key of SEARCH is lit"
+
+
+def test_every_behaviour_has_a_letter_and_a_number_and_its_key_is_marked() -> None:
+    assert list(LETTERS) == list(Behaviour)[:10]
+    assert len(set(LETTERS.values())) == 10
+    view, painter = View(TrainingEnv().arenas), Painter()
+    above = to_array(painter.paint(view))
+    before = to_array(with_caption(painter.paint(view), Caption()))
+    np.testing.assert_array_equal(before[: len(above)], above)
+    for behaviour, letter in LETTERS.items():
+        assert letter.upper() in behaviour.name
+        assert BEHAVIOUR_OF[letter] == BEHAVIOUR_OF[str(int(behaviour))] == behaviour
+        row, column = divmod(int(behaviour), COLUMNS)
+        for marked in (Caption(held=behaviour), Caption(last=behaviour)):
+            after = to_array(with_caption(painter.paint(view), marked))
+            rows, columns = np.nonzero((before != after).any(axis=2))
+            middle = (columns.min() + columns.max()) / 2 / before.shape[1]
+            assert abs(middle - (column + 0.5) / COLUMNS) < 0.03
+            assert 36 + 38 * row <= rows.min() - len(above) <= rows.max() - len(above) < 36 + 38 * (row + 1)
+    for changed in (Caption("Wait."), Caption(warning=True), Caption("word " * 60)):
+        after = to_array(with_caption(painter.paint(view), changed))
+        rows = np.nonzero((before != after).any(axis=2))[0]
+        assert len(above) <= rows.min() <= rows.max() < len(above) + 36

@@ -1,0 +1,162 @@
+"""What every command says about a mistake: one line that quotes the value and says what is allowed, and status 2."""
+
+import shlex
+from pathlib import Path
+
+import pytest
+
+from khepera_forage.cli.main import main
+from khepera_forage.experience import Experience
+
+CORNERS = "0,0=0,2400 640,0=3200,2400 640,480=3200,0"
+NOTHING = "has no effect here; allowed: "
+
+
+@pytest.fixture(autouse=True)
+def folder_without_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.chdir(tmp_path)
+    Path("there").mkdir()
+    Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18)], [0, 2]).save("there/g1.csv")
+    Path("mine.toml").touch()
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        ("tran", "invalid choice: 'tran'"),
+        ("recall --experience nowhere.csv", "nowhere.csv"),
+        ("recall --experience .", "has no g1.csv; allowed: experience files, or a folder of them"),
+        ("recall --noise wind", "noise source 'wind' is unknown; allowed: wheels, infra-reds"),
+        ("recall --learner tree", f"--learner {NOTHING}with --experience"),
+        ("recall --learner ppo --experience there", "--learner is 'ppo'; allowed: imitator, k_nearest"),
+        ("recall --learner nowhere:f --experience there", "--learner is 'nowhere:f': No module named 'nowhere'"),
+        ("recall --learner sklearn.svm:LinearSVC --experience there", "LinearSVC has no predict_proba"),
+        ("recall --allow-other-decisions", f"--allow-other-decisions {NOTHING}with --experience"),
+        ("recall --foods 17", "foods is 17; allowed: a whole number from 1 to 16"),
+        ("recall --food-type CHEESE", "'CHEESE' is unknown; allowed: PICKABLE"),
+        ("recall --episodes 0", "--episodes: '0'; allowed: a whole number from 1 to 100,000"),
+        ("recall --lab virtual --noise none", f"--noise {NOTHING}without --lab"),
+        ("recall --lab lab.toml --arena corridor", f"--arena {NOTHING}without --lab"),
+        ("recall --arena circle", "arena is 'circle'; allowed: corridor, rectangle, t_maze, l_room, doors, "),
+        ("recall --arena missing.toml", "No such file or directory: 'missing.toml'"),
+        ("train --seed -1", "--seed: '-1'; allowed: a whole number of at least 0"),
+        ("train --num-learners 0", "--num-learners: '0'; allowed: a whole number of at least 1"),
+        ("train --lab virtual:cat", "--lab virtual:cat; allowed: virtual:khepera, virtual:e-puck2, virtual:toio"),
+        ("train --lab lab.toml --num-learners 2", f"--num-learners {NOTHING}without --lab; the file lists the"),
+        ("train --lab lab.toml --arena corridor", f"--arena {NOTHING}without --lab; the file names the arena"),
+        ("train --patience 5 --decision patience=7", "--patience is 5, --decision patience=7; allowed: one of them"),
+        ("teach --pace 0", "--pace: '0'; allowed: more than 0, at most 1000 rounds a second"),
+        ("teach --pace nan", "--pace: 'nan'; allowed: more than 0, at most"),
+        ("teach --out there", "g1.csv exists; choose another --out"),
+        ("teach", "no display to open a window on"),
+        ("watch training", "no display to open a window on"),
+        ("watch recall", "no display to open a window on"),
+        ("watch training --foods 2", f"--foods {NOTHING}with `watch recall`"),
+        ("watch recall --num-learners 3", f"--num-learners {NOTHING}with `watch training`"),
+        ("watch recall --every 3", f"--every {NOTHING}with --out"),
+        ("watch recall --out f.gif --every 9999", "--every: '9999'; allowed: a whole number from 1 to 1,000"),
+        ("watch recall --out film.mov", "'film.mov'; allowed: a name that ends in .gif, .mp4, .avi"),
+        ("reproduce --replications 1e9", "--replications: '1e9'; allowed: a whole number from 1 to 100,000"),
+        ("reproduce --jobs 0", "--jobs: '0'; allowed: a whole number of at least 1, or -1"),
+        ("reproduce --jobs 2", f"--jobs {NOTHING}with --backend pymunk"),
+        ("reproduce --out ''", "--out: ''; allowed: the name of a file or folder"),
+        ("compare --track nowhere", "invalid choice: 'nowhere' (choose from"),
+        ("compare --track offline", f"--track {NOTHING}with --protocol"),
+        ("compare --protocol --steps 7", f"--steps {NOTHING}without --protocol"),
+        ("infer --tables thesis --quick", f"--quick {NOTHING}without --tables"),
+        ("arena show missing.toml", "No such file or directory: 'missing.toml'"),
+        ("arena show mine.toml", "mine.toml: name is missing"),
+        ("arena show circle", "arena is 'circle'; allowed: corridor, rectangle, t_maze"),
+        ("arena show doors --level 0", f"--level {NOTHING}with the arena procedural"),
+        ("arena show doors --out doors.gif", "--out is 'doors.gif'; allowed: a name that ends in .png"),
+        ("arena show procedural --difficulty brutal", "invalid choice: 'brutal'"),
+        ("arena write doors doors.txt", "file is 'doors.txt'; allowed: a name that ends in .toml"),
+        ("arena write doors mine.toml", "mine.toml exists; choose another name"),
+        ("dataset --name mine", "--name: 'mine'; allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER"),
+        ("dataset --name ../mine-v1", "--name: '../mine-v1'; allowed: NAME-vNUMBER"),
+        ("dataset --experience g.csv --episodes 2", f"--episodes {NOTHING}without --experience"),
+        ("dataset --experience nowhere.csv", "nowhere.csv"),
+        ("dataset --protocol --decision v1", f"--decision {NOTHING}without --protocol"),
+        ("dataset --arena nowhere", "arena is 'nowhere'; allowed: corridor, rectangle, t_maze"),
+        ("lab check missing.toml", "No such file or directory: 'missing.toml'"),
+        ("lab check mine.toml", "mine.toml: robots is empty; allowed: at least one table [[robots]]"),
+        ("lab new --out mine.toml", "mine.toml is there already; allowed: another --out"),
+        ("robot probe --port /dev/nowhere", "/dev/nowhere cannot be opened"),
+        ("robot probe --port /dev/nowhere --baud 300", "baud 300; allowed: 9600"),
+        ("robot probe --port x --robot toio", "--robot toio; allowed: khepera, e-puck2, which have a serial line"),
+        ("robot grip --port x open --robot toio", "--robot toio has no gripper; allowed: khepera"),
+        ("robot drive --port x --left 50", "--left: '50'; allowed: a whole number from -20 to 20"),
+        ("robot drive --port x --seconds 0", "--seconds: '0'; allowed: more than 0, at most 60 seconds"),
+        ("robot virtual --drop 2", "drop is 2"),
+        ("robot virtual --baud 300", "300"),
+        ("robot virtual --lateness 2 1", "lateness"),
+        ("camera preview --frames 0", "--frames: '0'; allowed: a whole number of at least 1"),
+        ("camera preview --out film.mov", "'film.mov'; allowed: a name that ends in .png, .gif, .mp4, .avi"),
+        ("camera preview --source nowhere.avi", "nowhere.avi: there is no such file or device"),
+        ("camera preview --source virtual --calibration nowhere.toml", "nowhere.toml"),
+        ("camera preview --size 7", "'7'; allowed: width x height in pixels"),
+        (f"camera calibrate --points {CORNERS}", "--points has 3 points; allowed: four or more"),
+        (f"camera calibrate --points {CORNERS} 0,0=0,2400", "has the point"),
+        (f"camera calibrate --points {CORNERS} 0,1=0,0 --camera 1,2,nan", "--camera has '1,2,nan'; allowed: 3 numbers"),
+        ("camera calibrate --points 1,2", "--points has '1,2'; allowed: u,v=x,y"),
+        ("camera calibrate --points 1=2,3", "--points has '1'; allowed: 2 numbers with commas between"),
+        ("camera calibrate --source virtual --places 0,0 1,0 1,1 0,1", "needs a display"),
+        ("camera calibrate --source virtual --tags 38=0,0 38=1,0", "--tags has 38 twice"),
+        ("camera calibrate --source virtual --tags 0=0,0", "--tags has '0=0,0'; allowed: id=x,y"),
+        ("camera calibrate --source virtual --tags 38=0,0 39=1,0 40=1,1 41=0,1", "0 of 4 floor tags are seen"),
+        ("camera tags --robots 1-60", "tag is 50; allowed: ids 1 to 49"),
+        ("camera tags --out tags.svg", "would have 7 pages; allowed: a name that ends in .pdf"),
+        ("camera markers --grid 13", "tracker numbers is [13]"),
+        ("camera markers --out markers.doc", "'markers.doc'; allowed: a name that ends in .svg, .png, .pdf"),
+    ],
+)  # fmt: skip
+def test_mistake_is_reported_in_one_line_and_changes_nothing(
+    command: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = shlex.split(command)
+    assert main(words) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.startswith("khepera-forage")
+    assert error.count("\n") == 1
+    files = {path.name for path in Path().iterdir() if not path.is_dir() or any(path.iterdir())}
+    assert files == {"there", "mine.toml"}
+
+
+COMMON = ("--seed", "--out")
+OPTIONS = {
+    "reproduce": (*COMMON, "--decision"),
+    "train": (*COMMON, "--decision", "--lab", "--continue"),
+    "teach": (*COMMON, "--decision", "--pace"),
+    "recall": (*COMMON, "--decision", "--lab", "--allow-other-decisions"),
+    "watch": (*COMMON, "--decision", "--lab", "--allow-other-decisions"),
+    "compare": (*COMMON, "{offline,teaching,wheels,vocabulary}", "--against"),
+    "infer": (*COMMON, "--tables"),
+    "dataset": (*COMMON, "--decision", "--wheels"),
+    "robot selftest": ("--port", "--baud", "--no-watchdog"),
+    "robot virtual": ("--tcp", "--baud", "--seed"),
+    "camera calibrate": (
+        *COMMON,
+        "--source",
+        "--size",
+        "--points",
+        "--places",
+        "--tags",
+        "--camera",
+        "--check",
+    ),
+    "camera preview": (*COMMON, "--source", "--calibration", "--frames"),
+    "camera tags": ("--robots", "--food", "--floor", "--size", "--food-size", "--out"),
+    "lab new": ("--robot", "--out"),
+}
+
+
+@pytest.mark.parametrize("command", OPTIONS)
+def test_help_has_the_options(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main([*command.split(), "--help"])
+    assert stop.value.code == 0
+    text = capsys.readouterr().out
+    assert all(option in text for option in OPTIONS[command])
