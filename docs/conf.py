@@ -1,11 +1,12 @@
 """Settings of Sphinx for this site; `make docs` builds it."""
 
+import os
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))  # for site_extension
 
-from site_extension.source_links import code_link
+from site_extension import code_link
 
 import khepera_forage
 
@@ -14,12 +15,27 @@ author = "the khepera_forage contributors"
 release = version = khepera_forage.__version__
 extensions = [
     "myst_nb",
+    "sphinx.ext.apidoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.linkcode",
     "sphinx.ext.napoleon",
-    "site_extension.extension",
+    "site_extension",
 ]
-exclude_patterns = ["site_extension"]
+exclude_patterns = ["api/modules.rst"]
+os.environ["SPHINX_APIDOC_OPTIONS"] = (
+    "members,show-inheritance,ignore-module-all"  # read by sphinx.ext.apidoc
+)
+apidoc_modules = [
+    {
+        "path": "../khepera_forage",
+        "destination": "api",
+        # The commands have a page of their own; nobody calls the compiler.
+        "exclude_patterns": [
+            f"../khepera_forage/{name}" for name in ("cli", "__main__.py", "compilation.py")
+        ],
+    }
+]
+apidoc_module_first = True
 
 html_theme = "furo"
 html_title = "khepera_forage"

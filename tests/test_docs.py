@@ -1,5 +1,6 @@
 """The examples of the documentation run, its tables are up to date, and its links lead to files."""
 
+import argparse
 import re
 import shlex
 import tomllib
@@ -14,24 +15,25 @@ import pytest
 import khepera_forage
 from khepera_forage.cli.main import main
 from khepera_forage.noise import SOURCES, Noise
+from khepera_forage.option_values import OneLineParser
 from khepera_forage.policies.learners import LEARNERS
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.task.decisions import decision_table, markdown_table
 
 DOCS = Path(__file__).parent.parent / "docs"
-PAGES = {path.name: path.read_text(encoding="utf-8") for path in sorted(DOCS.glob("*.md"))}
+PAGES = {
+    path.relative_to(DOCS).as_posix(): path.read_text(encoding="utf-8") for path in sorted(DOCS.rglob("*.md"))
+}
 LEARNER_PAGE = PAGES["plug_in_a_learner.md"]
-GENERATED = {"agreement.md", "kheperax.md"}
 INDEX = "index.md"
 INCLUDED = {"contributing.md", "changelog.md"}
 """Pages that consist of a file of the repository's own folder."""
 EXTRAS = {"baselines": "stable_baselines3", "minari": "minari"}
 LINKS = [
-    (page.relative_to(DOCS).as_posix(), link)
-    for page in sorted(DOCS.rglob("*.md"))
-    if page.parent != DOCS / "api"  # made by `make docs`
-    for link in re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8"))
+    (page, link)
+    for page, text in PAGES.items()
+    for link in re.findall(r"\]\(([^)]+)\)", text)
     if not link.startswith("http")
 ]
 
@@ -46,16 +48,11 @@ def run_blocks(name: str) -> dict[str, Any]:
     return names
 
 
-def read(page: str) -> str:
-    return (DOCS / page).read_text(encoding="utf-8")
-
-
 def run_block(page: str, number: int) -> dict[str, Any]:
     """Run one Python block of a page, alone."""
     names: dict[str, Any] = {}
-    exec(
-        compile(re.findall(r"```python\n(.*?)```", read(page), flags=re.DOTALL)[number], page, "exec"), names
-    )
+    blocks = re.findall(r"```python\n(.*?)```", PAGES[page], flags=re.DOTALL)
+    exec(compile(blocks[number], page, "exec"), names)
     return names
 
 
@@ -211,7 +208,7 @@ def test_blocks_for_extras_name_their_extra(page: str, extras: list[str]) -> Non
 
 @pytest.mark.parametrize("page", ["environments/behaviours.md", "environments/wheels.md"])
 def test_environment_page_states_foods_and_limits(page: str) -> None:
-    rows = re.findall(r"^\| `(.+?)` \| .+? \| (\d) \| (\d+) steps \|$", read(page), flags=re.MULTILINE)
+    rows = re.findall(r"^\| `(.+?)` \| .+? \| (\d) \| (\d+) steps \|$", PAGES[page], flags=re.MULTILINE)
     assert len(rows) == 2
     for name, foods, limit in rows:
         own: Any = gym.make(name).unwrapped
@@ -236,8 +233,7 @@ def test_learner_page_lists_all_learners() -> None:
 
 
 def test_decisions_page_has_the_current_table() -> None:
-    page = (DOCS / "decisions" / "fields.md").read_text(encoding="utf-8")
-    assert page.endswith(f"\n\n{markdown_table()}"), (
+    assert PAGES["decisions/fields.md"].endswith(f"\n\n{markdown_table()}"), (
         "replace the table by what python -m khepera_forage.task.decisions prints"
     )
 
@@ -250,6 +246,19 @@ def test_decision_table_has_no_empty_cell() -> None:
         assert "|" not in "".join(row), row.name
 
 
+@pytest.mark.parametrize("page", [page for page, text in PAGES.items() if "\nkhepera-forage " in text])
+def test_commands_of_page_and_their_options_exist(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def parse_only(parser: OneLineParser, *args: Any) -> None:
+        argparse.ArgumentParser.parse_args(parser, *args)
+        parser.exit()
+
+    monkeypatch.setattr(OneLineParser, "parse_args", parse_only)
+    lines = PAGES[page].replace("\\\n", " ")
+    for command in re.findall(r"^(?: {4})?khepera-forage (.*)$", lines, flags=re.MULTILINE):
+        with pytest.raises(SystemExit, match=r"^0$"):
+            main(shlex.split(command, comments=True))
+
+
 @pytest.mark.parametrize(("page", "link"), LINKS)
 def test_link_leads_to_a_file_and_heading(page: str, link: str) -> None:
     path, _, heading = link.partition("#")
@@ -260,7 +269,9 @@ def test_link_leads_to_a_file_and_heading(page: str, link: str) -> None:
         assert heading in {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}, link
 
 
-@pytest.mark.parametrize("page", sorted(PAGES.keys() - GENERATED - INCLUDED - {INDEX}))
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if "/" not in page and page not in {*INCLUDED, INDEX}]
+)
 def test_page_begins_with_what_its_reader_can_do(page: str) -> None:
     assert "\n\nAfter reading this page you can " in PAGES[page][:200], page
 
@@ -268,14 +279,12 @@ def test_page_begins_with_what_its_reader_can_do(page: str) -> None:
 def test_folders_of_the_package_are_in_the_architecture_page() -> None:
     package = Path(khepera_forage.__file__).parent
     folders = {path.parent.name for path in package.glob("*/__init__.py")}
-    listed = re.findall(
-        r"^\| \[`\w+`\]\(\.\./khepera_forage/(\w+)\)", PAGES["architecture.md"], flags=re.MULTILINE
-    )
-    assert folders == set(listed)
+    table = PAGES["architecture.md"].partition("| folder |")[2].partition("\n\n")[0]
+    assert folders | {"benchmarks"} == set(re.findall(r"^\| \[?`(\w+)`", table, flags=re.MULTILINE))
 
 
 def test_benchmarks_are_in_the_architecture_page() -> None:
-    row = re.search(r"^\| \[`benchmarks`\].*$", PAGES["architecture.md"], flags=re.MULTILINE)
+    row = re.search(r"^\| `benchmarks`.*$", PAGES["architecture.md"], flags=re.MULTILINE)
     assert row is not None
     scripts = {path.name for path in (DOCS.parent / "benchmarks").glob("*.py")}
     assert set(re.findall(r"`(\w+\.py)`", row[0])) == scripts - {"arguments.py"}

@@ -216,9 +216,7 @@ def test_code_on_the_page_about_learners_runs(capsys: pytest.CaptureFixture[str]
     page = (Path(__file__).parents[2] / "docs" / "plug_in_a_learner.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"```python\n(# needs the extra: baselines\n.*?)```", page, flags=re.DOTALL)
     corridor = recall_env("corridor", limit=50)
-    names: dict[str, Any] = {"LEARNERS": LEARNERS, "recall": recall, "corridor": corridor, "gym": gym}
-    exec(block, names)
-    assert names["model"].num_timesteps == 4_096
+    exec(block, {"LEARNERS": LEARNERS, "recall": recall, "corridor": corridor})
     assert re.findall(r"after (\d+) steps", capsys.readouterr().out) == ["2560", "5120"]
 
 
