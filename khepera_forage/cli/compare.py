@@ -67,8 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
         ValueError: A learner or a file that cannot be used, or options that do not go together.
         ImportError: matplotlib is not installed.
     """
-    from khepera_forage.comparison.compare import compare, known_learners, tune
-    from khepera_forage.comparison.workers import unavailable
+    from khepera_forage.comparison.compare import compare, known_learners, tune, unavailable
 
     if arguments.list:
         print(known_learners())

@@ -11,8 +11,7 @@ from khepera_forage.cli.arguments import (
 )
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.option_values import processes, whole_number
-from khepera_forage.thesis.report import SUMMARY
-from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, reproduce
+from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, SUMMARY, reproduce
 
 MOST_REPLICATIONS = 100_000
 

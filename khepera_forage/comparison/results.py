@@ -20,7 +20,7 @@ infinite.
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -86,8 +86,6 @@ class Curve:
         points: In increasing order of the amount.
         steps_to_success: Steps after which a replication first delivered the share `SUCCESS` of the food; the median
             over replications, infinite if more than half never did.
-        amount_to_success: The requested amount by then, the median again. Algorithms overshoot the requested amount
-            differently, so this number, and not the steps, ranks learners.
         gain: Percentage points of the food delivered after all of the learning, minus those after the first amount.
     """
 
@@ -95,18 +93,12 @@ class Curve:
     arena: str
     points: tuple[Point, ...]
     steps_to_success: Estimate
-    amount_to_success: float
     gain: Estimate
 
     @property
     def end(self) -> Point:
         """After all of the learning."""
         return self.points[-1]
-
-
-class _First(NamedTuple):
-    replication: int
-    steps: float
 
 
 def curves(rows: Sequence[RecallBatch], seed: int) -> list[Curve]:
@@ -129,20 +121,23 @@ def _curve(rows: Sequence[RecallBatch], rng: np.random.Generator) -> Curve:
         for amount, own in parts.items()
     )
     first, *_, last = (*parts.values(), *parts.values())
-    steps = [_First(*item) for item in _firsts(rows, lambda row: row.steps).items()]
-    to_success = bootstrap_quantile(steps, lambda row: row.steps, 0.5, rng)
-    amounts = sorted(_firsts(rows, lambda row: row.amount).values())
+    to_success = bootstrap_quantile(_firsts(rows), lambda row: row.steps, 0.5, rng)
     gain = difference(last, first, DELIVERED, rng) if len(parts) > 1 else UNKNOWN
-    return Curve(rows[0].learner, rows[0].arena, points, to_success, amounts[(len(amounts) - 1) // 2], gain)
+    return Curve(rows[0].learner, rows[0].arena, points, to_success, gain)
 
 
-def _firsts(rows: Sequence[RecallBatch], measure: Callable[[RecallBatch], float]) -> dict[int, float]:
-    """A measure at the first success of each replication; infinite without success."""
+class _First(NamedTuple):
+    replication: int
+    steps: float
+
+
+def _firsts(rows: Sequence[RecallBatch]) -> list[_First]:
+    """Steps to the first success of each replication; infinite without success."""
     firsts = {row.replication: math.inf for row in rows}
     for row in rows:
         if row.delivered >= SUCCESS * row.foods:
-            firsts[row.replication] = min(firsts[row.replication], measure(row))
-    return firsts
+            firsts[row.replication] = min(firsts[row.replication], row.steps)
+    return [_First(*item) for item in firsts.items()]
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,10 +274,7 @@ def _curve_of(value: Any, learners: Mapping[str, ReadLearner]) -> Curve:
     )
     if not points:
         raise ValueError(f"points of {name} are empty; allowed: one or more")
-    # The amount to success ranks the learners of one run, which is not done again here.
-    return Curve(
-        name, arena, points, _estimate(value, "steps_to_success"), math.nan, _estimate(value, "gain")
-    )
+    return Curve(name, arena, points, _estimate(value, "steps_to_success"), _estimate(value, "gain"))
 
 
 def _count(value: Any, key: str) -> int:

@@ -200,22 +200,20 @@ class CompiledBaseline:
             "recall": list(range(self.forages)) * self.blocks,
             "seed": seeds.tolist(),
         }
-        return [
-            *(
-                recall_rows(
-                    played,
-                    arena,
-                    own,
-                    self.decisions,
-                    episodes=0,
-                    file_id="-",
-                    learner=self.learner,
-                    noise=LABORATORY,
-                    limit=limit,
-                    experience_size=0,
-                )
+        return list(
+            recall_rows(
+                played,
+                arena,
+                own,
+                self.decisions,
+                episodes=0,
+                file_id="-",
+                learner=self.learner,
+                noise=LABORATORY,
+                limit=limit,
+                experience_size=0,
             )
-        ]
+        )
 
 
 def _experience(

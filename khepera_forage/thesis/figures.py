@@ -43,34 +43,11 @@ _PALE = 0.35
 """Opacity of bars."""
 
 
-def fig_5_2(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
-    """Average scores in the corridor against the number of training episodes."""
-    return _score_figure(results, v0_1_results, "corridor", "Figure 5.2: recall score in the corridor")
-
-
-def fig_5_3(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
-    """Food carried home in the corridor, of 20."""
-    return _food_figure(
-        results, v0_1_results, "corridor", 20, "Figure 5.3: food carried home in the corridor"
-    )
-
-
-def fig_5_5(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
-    """Average scores in the rectangle against the number of training episodes."""
-    return _score_figure(results, v0_1_results, "rectangle", "Figure 5.5: recall score in the rectangle")
-
-
-def fig_5_6(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
-    """Food carried home in the rectangle, of 24."""
-    return _food_figure(
-        results, v0_1_results, "rectangle", 24, "Figure 5.6: food carried home in the rectangle"
-    )
-
-
-def _score_figure(
-    results: Sequence[CellResult], v0_1_results: Sequence[CellResult], arena: str, title: str
+def score_figure(
+    number: str, arena: str, results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()
 ) -> "Figure":
-    figure, axes = _episode_axes(title)
+    """Average scores against the number of training episodes: figures 5.2 and 5.5."""
+    figure, axes = _episode_axes(f"Figure {number}: recall score in the {arena}")
     ours, thesis = _OF_THREE if v0_1_results else _OF_TWO
     for result in _in_arena(v0_1_results, arena):
         mark(axes, result.cell.episodes + _V0_1, result.score.value, result.score, GREY)
@@ -87,10 +64,12 @@ def _score_figure(
     return figure
 
 
-def _food_figure(
-    results: Sequence[CellResult], v0_1_results: Sequence[CellResult], arena: str, maximum: int, title: str
+def food_figure(
+    number: str, arena: str, results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()
 ) -> "Figure":
-    figure, axes = _episode_axes(title)
+    """Food carried home against the number of training episodes: figures 5.3, of 20 objects, and 5.6, of 24."""
+    figure, axes = _episode_axes(f"Figure {number}: food carried home in the {arena}")
+    maximum = 20 if arena == CORRIDOR else 24
     ours, thesis = _OF_THREE if v0_1_results else _OF_TWO
     for result in _in_arena(v0_1_results, arena):
         _food_mark(axes, result.cell.episodes + _V0_1, result, maximum, GREY)

@@ -6,14 +6,14 @@ import pytest
 from khepera_forage.estimates import UNKNOWN, Estimate
 from khepera_forage.thesis.claims import Verdict, claims
 from khepera_forage.thesis.claims.claim import (
-    Above,
-    AtMost,
-    Beyond,
     Rule,
-    Within,
+    above,
+    at_most,
+    beyond,
     percent,
     percent_change,
     points,
+    within,
 )
 from tests.thesis.claim_rows import NOT, NUMBER, SUPPORTED, UNDECIDED, always, claim_from, recalls_with_scores
 from tests.thesis.synthetic import recall
@@ -47,19 +47,19 @@ def test_claims_from_two_noise_conditions_are_an_error() -> None:
 @pytest.mark.parametrize(
     ("rule", "estimate", "verdict"),
     [
-        (Above(0.5), Estimate(0.6, 0.51, 0.7), SUPPORTED),
-        (Above(0.5), Estimate(0.6, 0.5, 0.7), UNDECIDED),
-        (Above(0.5), Estimate(0.4, 0.3, 0.49), NOT),
-        (Above(0), Estimate(0, 0, 0), NOT),
-        (AtMost(500.0), Estimate(480.0, 470.0, 500.0), SUPPORTED),
-        (AtMost(500.0), Estimate(520.0, 501.0, 600.0), NOT),
-        (Within(10.0), Estimate(0.0, -9.0, 9.0), SUPPORTED),
-        (Within(10.0), Estimate(0.0, -11.0, 9.0), UNDECIDED),
-        (Within(10.0), Estimate(-20.0, -30.0, -11.0), NOT),
-        (Beyond(0.1), Estimate(-0.3, -0.5, -0.11), SUPPORTED),
-        (Beyond(0.1), Estimate(0.0, -0.05, 0.05), NOT),
-        (Beyond(0.1), Estimate(0.0, -0.5, 0.5), UNDECIDED),
-        *((rule, UNKNOWN, UNDECIDED) for rule in (Above(0), AtMost(0), Within(1), Beyond(1))),
+        (above(0.5), Estimate(0.6, 0.51, 0.7), SUPPORTED),
+        (above(0.5), Estimate(0.6, 0.5, 0.7), UNDECIDED),
+        (above(0.5), Estimate(0.4, 0.3, 0.49), NOT),
+        (above(0), Estimate(0, 0, 0), NOT),
+        (at_most(500.0), Estimate(480.0, 470.0, 500.0), SUPPORTED),
+        (at_most(500.0), Estimate(520.0, 501.0, 600.0), NOT),
+        (within(10.0), Estimate(0.0, -9.0, 9.0), SUPPORTED),
+        (within(10.0), Estimate(0.0, -11.0, 9.0), UNDECIDED),
+        (within(10.0), Estimate(-20.0, -30.0, -11.0), NOT),
+        (beyond(0.1), Estimate(-0.3, -0.5, -0.11), SUPPORTED),
+        (beyond(0.1), Estimate(0.0, -0.05, 0.05), NOT),
+        (beyond(0.1), Estimate(0.0, -0.5, 0.5), UNDECIDED),
+        *((rule, UNKNOWN, UNDECIDED) for rule in (above(0), at_most(0), within(1), beyond(1))),
     ],
 )
 def test_rule_gives_its_verdict(rule: Rule, estimate: Estimate, verdict: Verdict) -> None:
@@ -67,9 +67,9 @@ def test_rule_gives_its_verdict(rule: Rule, estimate: Estimate, verdict: Verdict
 
 
 def test_rules_and_effects_have_a_text() -> None:
-    assert Above(0.5).text(percent) == "supported above 50 %, not supported below"
+    assert above(0.5).words(percent) == "supported above 50 %, not supported below"
     assert (
-        Within(10.0).text(points) == "supported between -10.0 points and +10.0 points, not supported beyond"
+        within(10.0).words(points) == "supported between -10.0 points and +10.0 points, not supported beyond"
     )
     assert percent_change.estimate(Estimate(0.125, -0.02, 0.3)) == "+12 [-2, +30] points"
     assert points.estimate(Estimate(0.0, float("nan"), float("nan"))) == "0 points"

@@ -14,16 +14,13 @@ from khepera_forage.figures import GREY, OURS
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.thesis import figures
 from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.design import LABORATORY, THESIS
-from khepera_forage.thesis.jobs import comparison_counts, pymunk_jobs
-from khepera_forage.thesis.replication import Replication
-from khepera_forage.thesis.report import PAGE, SUMMARY, V0_1_RECALLS, write_report
-from khepera_forage.thesis.reproduce import reproduce
+from khepera_forage.thesis.replication import Replication, comparison_counts, pymunk_jobs
+from khepera_forage.thesis.reproduce import PAGE, SUMMARY, V0_1_RECALLS, reproduce, write_report
 from khepera_forage.thesis.tables import cell_table, summary_table
 from tests.thesis import synthetic
-from tests.thesis.synthetic import recall
+from tests.thesis.synthetic import BY_EPISODES, recall
 
 V0_1 = Decisions.v0_1()
 OTHER = replace(V0_1, next_to_food=22)
@@ -149,12 +146,7 @@ def test_tables_have_version_0_1_beside_ours(
 def test_figures_show_version_0_1_in_grey_left_of_ours(
     results: list[CellResult], v0_1_results: list[CellResult]
 ) -> None:
-    for draw, arena, maximum in (
-        (figures.fig_5_2, "corridor", None),
-        (figures.fig_5_3, "corridor", 20),
-        (figures.fig_5_5, "rectangle", None),
-        (figures.fig_5_6, "rectangle", 24),
-    ):
+    for draw, arena, maximum in BY_EPISODES:
         (axes,) = draw(results, v0_1_results).axes
         marks = [(to_hex(line.get_color()).upper(), line) for line in axes.lines if line.get_marker() == "o"]
         grey, ours = (

@@ -17,10 +17,9 @@ from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.claims import claims
 from khepera_forage.thesis.design import Cell, Subset, training_distance
-from khepera_forage.thesis.jobs import compiled_jobs, job_counts, pymunk_jobs
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
-from khepera_forage.thesis.replication import Baseline, Replication
-from khepera_forage.thesis.report import PAGE, write_report
+from khepera_forage.thesis.replication import Baseline, Replication, compiled_jobs, job_counts, pymunk_jobs
+from khepera_forage.thesis.reproduce import PAGE, write_report
 from tests.thesis.synthetic import recall, training
 
 V0_1 = Decisions.v0_1()

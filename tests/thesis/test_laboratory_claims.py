@@ -20,7 +20,7 @@ from khepera_forage.thesis.inference.claims import (
     claims_of,
 )
 from khepera_forage.thesis.inference.prior import Laboratory
-from khepera_forage.thesis.jobs import JobCounts, compiled_jobs
+from khepera_forage.thesis.replication import JobCounts, compiled_jobs
 
 numba = pytest.importorskip("numba")
 from khepera_forage.thesis.compiled_replications import CompiledBaseline, CompiledReplications  # noqa: E402

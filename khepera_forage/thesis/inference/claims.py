@@ -16,7 +16,7 @@ from khepera_forage.thesis.claims import Claim, Verdict, claims
 from khepera_forage.thesis.design import NO_LOSSES
 from khepera_forage.thesis.inference.posterior import Floats
 from khepera_forage.thesis.inference.prior import Laboratory, laboratory_text
-from khepera_forage.thesis.jobs import compiled_jobs, job_counts
+from khepera_forage.thesis.replication import compiled_jobs, job_counts
 
 RESAMPLES = 500
 """For each interval."""
