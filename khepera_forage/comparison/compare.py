@@ -35,7 +35,7 @@ from khepera_forage.comparison.results import (
     curves,
     read_results,
 )
-from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, difference, pick
+from khepera_forage.estimates import UNKNOWN, Estimate, Table, difference, pick, table_of
 from khepera_forage.files import replacing
 from khepera_forage.policies.learner_registry import installed_learners, learner_at
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors, Learner
@@ -316,33 +316,24 @@ def _tuning_table(rows: Sequence[RecallBatch], learners: Mapping[str, Compared],
     for curve in own:
         if _success(curve) > _success(best.setdefault(_base(curve.learner), curve)):
             best[_base(curve.learner)] = curve
-    lines = [
-        (
-            learners[curve.learner].title,
-            settings_of(learners[curve.learner]),
-            curve.end.delivered,
-            gains.get(curve.learner, UNKNOWN),
-            curve.end.score,
-            "best" if best[_base(curve.learner)] is curve else "",
-        )
-        for curve in own
-    ]
-    return Table(
+    return table_of(
         "tuning",
         "Settings compared",
         "In the corridor, after the largest amount of learning, with 95 % intervals over replications that the "
         "comparison of learners does not use. The first line of each learner has the settings of the registry. More: "
         "points of the food delivered more than with those. Best: most food, then score. Without any true difference, "
         "one setting in forty would be clearly better by chance.",
-        (
-            Column("learner"),
-            Column("settings"),
-            Column("food delivered (%)", estimate=True),
-            Column("more (points)", estimate=True),
-            Column("score (%)", estimate=True),
-            Column("best"),
-        ),
-        lines,
+        [
+            {
+                "learner": learners[curve.learner].title,
+                "settings": settings_of(learners[curve.learner]),
+                "food delivered (%)": curve.end.delivered,
+                "more (points)": gains.get(curve.learner, UNKNOWN),
+                "score (%)": curve.end.score,
+                "best": "best" if best[_base(curve.learner)] is curve else "",
+            }
+            for curve in own
+        ],
     )
 
 

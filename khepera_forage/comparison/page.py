@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from khepera_forage.comparison.learning import ARENAS, settings_of
 from khepera_forage.comparison.results import SUCCESS, Curve, ReadLearner, Shown
-from khepera_forage.estimates import Column, Table
+from khepera_forage.estimates import Column, Table, Value, table_of
 from khepera_forage.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure, padded
 from khepera_forage.policies.learners import Needs
 from khepera_forage.study import Page, Picture
@@ -32,58 +32,59 @@ SMOKE_TEST = "A run with --quick is a smoke test: it supports no claim about any
 
 def main_table(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> Table:
     """Every learner in both arenas, after all of its learning."""
-    rows = []
+    rows: list[dict[str, Value]] = []
     for curve in curves:
         learner, end = learners[curve.learner], curve.end
-        values = (end.delivered, end.score, end.steps, curve.steps_to_success, curve.gain, end.recall_steps)
-        kind = learner.needs.value if learner.needs else "-"
-        rows.append((learner.title, curve.arena, *values, end.vectors, end.seconds, kind, end.batches))
-    return Table(
+        rows.append(
+            {
+                "learner": learner.title,
+                "arena": curve.arena,
+                "food delivered (%)": end.delivered,
+                "score (%)": end.score,
+                "steps of learning": end.steps,
+                f"steps to {SHARE} of the food": curve.steps_to_success,
+                "gain (points)": curve.gain,
+                "steps a recall": end.recall_steps,
+                "vectors": end.vectors,
+                "learning (s)": end.seconds,
+                "learns from": learner.needs.value if learner.needs else "-",
+                "seeds": end.batches,
+            }
+        )
+    whole = ("steps of learning", f"steps to {SHARE} of the food", "steps a recall", "vectors")
+    return table_of(
         "learners",
         "After all of the learning",
         f"Means with 95 % bootstrap intervals over replications. Steps to {SHARE} of the food: environment steps when "
         "a batch of recalls first delivered this share, the median over replications; ∞ if more than half never did. "
         "Gain: food delivered minus that after the first amount of learning.",
-        (
-            Column("learner"),
-            Column("arena"),
-            Column("food delivered (%)", estimate=True),
-            Column("score (%)", estimate=True),
-            Column("steps of learning", 0, estimate=True),
-            Column(f"steps to {SHARE} of the food", 0, estimate=True),
-            Column("gain (points)", estimate=True),
-            Column("steps a recall", 0, estimate=True),
-            Column("vectors", 0, estimate=True),
-            Column("learning (s)", 2, estimate=True),
-            Column("learns from"),
-            Column("seeds"),
-        ),
         rows,
+        dict.fromkeys(whole, 0) | {"learning (s)": 2},
     )
 
 
 def amounts_table(curves: Sequence[Curve]) -> Table:
     """The values of the picture: after every amount of learning."""
-    return Table(
+    return table_of(
         "amounts",
         "After every amount of learning",
         "The values of the picture.",
-        (
-            Column("learner"),
-            Column("arena"),
-            Column("amount"),
-            Column("seeds"),
-            Column("steps of learning", 0, estimate=True),
-            Column("vectors", 0, estimate=True),
-            Column("score (%)", estimate=True),
-            Column("food delivered (%)", estimate=True),
-            Column("learning (s)", 2, estimate=True),
-        ),
         [
-            (c.learner, c.arena, p.amount, p.batches, p.steps, p.vectors, p.score, p.delivered, p.seconds)
-            for c in curves
-            for p in c.points
+            {
+                "learner": curve.learner,
+                "arena": curve.arena,
+                "amount": point.amount,
+                "seeds": point.batches,
+                "steps of learning": point.steps,
+                "vectors": point.vectors,
+                "score (%)": point.score,
+                "food delivered (%)": point.delivered,
+                "learning (s)": point.seconds,
+            }
+            for curve in curves
+            for point in curve.points
         ],
+        {"steps of learning": 0, "vectors": 0, "learning (s)": 2},
     )
 
 

@@ -37,7 +37,7 @@ from khepera_forage.comparison.compiled_learning import (
 )
 from khepera_forage.comparison.learning import REFERENCES, Compared, LearnerUnit, Size, settings_of, unable
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.estimates import UNKNOWN, Column, Estimate, Measure, Table, Value, mean, pick, plain
+from khepera_forage.estimates import UNKNOWN, Estimate, Measure, Table, Value, mean, pick, plain, table_of
 from khepera_forage.experience import Experience
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.features import wheels_features
@@ -555,49 +555,55 @@ def _mean(rows: Sequence[Tested], seed: int) -> Estimate:
 def _table(name: str, question: str, rows: Sequence[Tested], seed: int) -> Table:
     """Food delivered by learner, condition and amount, in every group of places."""
     groups = {group: set(GROUPS[group]) for group in TRACKS[name].places}
-    lines: list[tuple[Value, ...]] = []
+    lines: list[dict[str, Value]] = []
     for learner, condition, amount in _kinds(rows):
         own = pick(rows, learner=learner, condition=condition, amount=amount)
-        shares = [_mean([row for row in own if row.place in group], seed) for group in groups.values()]
-        trainings = len({(row.replication, row.seconds) for row in own})
-        measured = float(np.mean([row.vectors for row in own])), float(np.mean([row.seconds for row in own]))
-        lines.append((learner, condition or "-", amount, trainings, *shares, *map(plain, measured)))
-    columns = [Column("learner"), Column("condition"), Column("amount"), Column("trainings")]
-    columns += [Column(f"{group} (%)", estimate=True) for group in groups]
-    columns += [Column("vectors", 0, estimate=True), Column("seconds", 2, estimate=True)]
+        lines.append(
+            {
+                "learner": learner,
+                "condition": condition or "-",
+                "amount": amount,
+                "trainings": len({(row.replication, row.seconds) for row in own}),
+                **{
+                    f"{g} (%)": _mean([r for r in own if r.place in group], seed)
+                    for g, group in groups.items()
+                },
+                "vectors": plain(float(np.mean([row.vectors for row in own]))),
+                "seconds": plain(float(np.mean([row.seconds for row in own]))),
+            }
+        )
     note = (
         f"{question} Food delivered that is not poisonous, with 95 % intervals over replications; every place of a "
         "group counts alike. `teacher` is the upper bound and `random` the lower one."
     )
-    return Table(name, f"Track: {name}", note, tuple(columns), lines)
+    return table_of(name, f"Track: {name}", note, lines, {"vectors": 0, "seconds": 2})
 
 
 def _transfer(rows: Sequence[Tested], seed: int) -> Table:
     """How much of the gap to 100 % demonstrations close, by learner and teacher."""
-    lines = []
+    few = TRACKS[TEACHING].amounts[THESIS][0]
+    lines: list[dict[str, Value]] = []
     for learner, condition, amount in _kinds(rows):
-        if (
-            learner not in REFERENCES
-            and amount == TRACKS[TEACHING].amounts[THESIS][0]
-            and condition != THESIS
-        ):
+        if learner not in REFERENCES and amount == few and condition != THESIS:
             share = _mean(pick(rows, learner=learner, condition=condition, amount=amount), seed)
             usual = _mean(pick(rows, learner=learner, condition=THESIS, amount=amount), seed).value
-            gap = Estimate(*(100 * (value - usual) / max(100 - usual, 1e-9) for value in share))
-            lines.append((learner, condition, plain(usual), share, gap))
-    columns = (
-        Column("learner"),
-        Column("teacher"),
-        Column("thesis's teacher (%)", estimate=True),
-        Column("this teacher (%)", estimate=True),
-        Column("gap closed (%)", estimate=True),
-    )
+            lines.append(
+                {
+                    "learner": learner,
+                    "teacher": condition,
+                    "thesis's teacher (%)": plain(usual),
+                    "this teacher (%)": share,
+                    "gap closed (%)": Estimate(
+                        *(100 * (value - usual) / max(100 - usual, 1e-9) for value in share)
+                    ),
+                }
+            )
     note = (
         "Five demonstrations. Gap closed: 0 is the thesis's teacher, 100 is all food. Best for: demonstrations "
         "that were searched for one learner, tested with each. Intervals are over replications, or over searches, "
         "with the mean of the thesis's teacher held."
     )
-    return Table("transfer", "Five demonstrations", note, columns, lines)
+    return table_of("transfer", "Five demonstrations", note, lines)
 
 
 def _kinds(rows: Sequence[Tested]) -> list[tuple[str, str, int]]:
