@@ -18,7 +18,6 @@ from khepera_forage.comparison.learning import (
     all_learners,
     plan,
     settings_of,
-    unable,
 )
 from khepera_forage.comparison.results import curves
 from khepera_forage.policies.learners import LEARNERS, FromVectors, Needs
@@ -176,12 +175,6 @@ def test_an_additional_learner_takes_part(monkeypatch: pytest.MonkeyPatch) -> No
         (amount, arena) for amount in (1, 2) for arena in ("corridor", "rectangle")
     ]
     assert all(row.learner == "forest" and row.seconds > 0 for row in rows)
-
-
-def test_learners_that_need_a_unable_are_left_out() -> None:
-    for learner in LEARNERS.values():
-        fits = learner.needs is not Needs.STEPS or find_spec("stable_baselines3") is not None
-        assert bool(unable(learner)) is not fits
 
 
 def test_unavailable_backends_have_a_reason() -> None:

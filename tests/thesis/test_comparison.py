@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
-from khepera_forage.envs.backends import COMPILED, PYMUNK
+from khepera_forage.envs.backends import COMPILED
 from khepera_forage.figures import GREY, OURS
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
@@ -57,13 +57,6 @@ def test_reproduction_compares_with_version_0_1(tmp_path: Path) -> None:
     assert not (old / V0_1_RECALLS).exists()
     for name in ("recalls.csv", V0_1_RECALLS, "table_cells.csv", PAGE, SUMMARY):
         assert (first / name).read_bytes() == (second / name).read_bytes()
-
-
-@pytest.mark.usefixtures("no_pictures")
-def test_pymunk_compares_with_version_0_1_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("khepera_forage.thesis.reproduce.pymunk_jobs", synthetic.one_row_jobs)
-    reproduce(0, 1, tmp_path, n_jobs=1, backend=PYMUNK, decisions=OTHER)
-    assert [row.decisions for row in read_rows(tmp_path / V0_1_RECALLS, RecallRow)] == ["v0.1"]
 
 
 @pytest.mark.usefixtures("one_job")

@@ -15,11 +15,10 @@ from khepera_forage.study import Rows
 from khepera_forage.task import decisions as decisions_module
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis import reproduce as reproduction
-from khepera_forage.thesis.claims import claims
-from khepera_forage.thesis.design import Cell, Subset, training_distance
+from khepera_forage.thesis.design import Cell, Subset
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
 from khepera_forage.thesis.replication import Baseline, Replication, compiled_jobs, job_counts, pymunk_jobs
-from khepera_forage.thesis.reproduce import PAGE, write_report
+from khepera_forage.thesis.reproduce import write_report
 from tests.thesis.synthetic import recall, training
 
 V0_1 = Decisions.v0_1()
@@ -27,11 +26,6 @@ OTHER = replace(V0_1, next_to_food=22, food_to_home=200)
 TEXT = "v0.1;food_to_home=200;next_to_food=22"
 DIFFERENCES = "food_to_home is 200, not 180; next_to_food is 22, not 20"
 SMALL = (Cell("corridor", 1, (Subset((1,)),), 1, foods=1, limit=500),)
-
-
-def test_training_distance_follows_the_decisions() -> None:
-    assert training_distance(V0_1) == 36
-    assert training_distance(OTHER) == 40
 
 
 def test_arrival_vectors_follow_the_decisions() -> None:
@@ -64,13 +58,6 @@ def test_every_job_has_the_decisions(backend: str) -> None:
     assert {job.decisions for job in jobs} == {OTHER}
 
 
-@pytest.mark.usefixtures("no_pictures")
-def test_report_names_its_decisions(tmp_path: Path) -> None:
-    rows = [recall(decisions=TEXT)]
-    write_report(tmp_path, rows, [training(decisions=TEXT)], [], [], np.random.default_rng(0), resamples=10)
-    assert "decisions: v0.1, food_to_home=200, next_to_food=22, backend" in (tmp_path / PAGE).read_text()
-
-
 @pytest.mark.parametrize("table", ["recalls", "trainings", "teachers", "noise_rows", "orient_rows"])
 def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) -> None:
     rows: dict[str, list[Any]] = {
@@ -95,11 +82,6 @@ def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) 
         )
     assert str(error.value).endswith("allowed: rows of the same decisions in one report")
     assert not list(tmp_path.iterdir())
-
-
-def test_claims_refuse_rows_of_different_decisions() -> None:
-    with pytest.raises(ValueError, match=f"rows of different decisions: {DIFFERENCES}; allowed"):
-        claims([recall(), recall(decisions=TEXT)], [], [], np.random.default_rng(1))
 
 
 def reproduce(out: Path, decisions: Decisions | None) -> Path:

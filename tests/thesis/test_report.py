@@ -76,18 +76,6 @@ def test_figures_without_rows_can_be_drawn() -> None:
         figure.draw_without_rendering()
 
 
-def test_noise_figure_has_a_panel_for_each_cell(
-    noise_rows: list[RecallRow], trainings: list[TrainingRow]
-) -> None:
-    table = noise_table(noise_rows, gather([], trainings, [], np.random.default_rng(1)))
-    labels = [axes.get_xlabel() for axes in noise_figure(table).axes]
-    assert labels == [
-        "score (%)\ncorridor, 10 episodes",
-        "score (%)\nrectangle, 10 episodes",
-        "attempts per complete\ntraining episode",
-    ]
-
-
 def test_report_has_page_tables_and_figures(
     tmp_path: Path,
     recalls: list[RecallRow],
@@ -126,14 +114,6 @@ def test_report_on_one_replication_has_no_supported_claim(tmp_path: Path) -> Non
     assert "| undecided |" in page
     assert "| supported |" not in page
     assert "Effect of each source of noise" not in page
-
-
-def test_report_with_the_same_generator_is_the_same(tmp_path: Path, recalls: list[RecallRow]) -> None:
-    pages = []
-    for name in ("a", "b"):
-        write_report(tmp_path / name, recalls, [], [], [], np.random.default_rng(9), resamples=200)
-        pages.append((tmp_path / name / PAGE).read_text(encoding="utf-8"))
-    assert pages[0] == pages[1]
 
 
 @pytest.mark.parametrize("draw", [figure for figure, _, scale in BY_EPISODES if scale is None])
