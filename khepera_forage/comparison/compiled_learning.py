@@ -92,12 +92,7 @@ def recalls_after(
 
 
 def recalls_on_wheels(policy: Callable[[NDArray[Any]], NDArray[Any]], seeds: Seeds) -> dict[str, Foraged]:
-    """Recalls of a policy that commands motors.
-
-    Args:
-        policy: From `wheels_features`, one row a world, to four numbers in -1..1 each.
-        seeds: Of the recalls.
-    """
+    """Recalls of a policy from `wheels_features`, one row a world, to motors, four numbers in -1..1 each."""
     return _together(WheelsVectorEnv, seeds, lambda shown, _: wheels_features(shown), policy)
 
 
@@ -148,14 +143,7 @@ def _together(
     features: Callable[[Mapping[str, Any], RecallVectorEnv], NDArray[Any]],
     decide: Callable[[NDArray[Any]], NDArray[Any]],
 ) -> dict[str, Foraged]:
-    """Run the recalls of all places, round by round.
-
-    Args:
-        kind: Of environments.
-        seeds: Of the recalls.
-        features: From observations of a place's worlds to a row a world.
-        decide: From such rows to an action each.
-    """
+    """Run the recalls of all places, round by round: `features` makes a row for each world, `decide` acts on rows."""
     envs = {place: kind(len(some), **settings_at(place)) for place, some in seeds.items()}
     shown = {place: env.reset(seed=list(seeds[place]))[0] for place, env in envs.items()}
     found = {

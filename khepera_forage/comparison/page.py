@@ -99,7 +99,7 @@ def page(
 
     Args:
         curves: One a learner and arena.
-        learners: All learners, by name.
+        learners: By name.
         missing: Why some are left out.
         tuned: Whether the comparison of settings has a page in the folder `tuning`.
         quick: Whether the run is a smoke test.

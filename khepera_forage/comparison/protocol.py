@@ -331,12 +331,9 @@ _ALL_PLACES = tuple(place for group in GROUPS.values() for place in group)
 def spoken(training: Training, vocabulary: str, rng: np.random.Generator) -> Training:
     """Experience as if the teacher had spoken in another way; what the robots did does not change.
 
-    Args:
-        training: As it was heard.
-        vocabulary: `PERMUTED`: each behaviour has the name of another one; `LATE`: words arrive three experience
-            vectors later, and the last three of an episode never; `SILENT`: half of the words are not heard; `WRONG`: a
-            fifth of the words are drawn from the nine others.
-        rng: Of the draws.
+    `PERMUTED`: each behaviour has the name of another one. `LATE`: words arrive three experience vectors later, and the
+    last three of an episode never. `SILENT`: half of the words are not heard. `WRONG`: a fifth of the words are drawn
+    from the nine others.
     """
     vectors, heard, episodes = training
     size = len(heard)
@@ -375,15 +372,9 @@ def _followed(amount: int, key: int) -> Training:
 def wheels_learner(
     name: str, episodes: Sequence[RawEpisode], seed: int
 ) -> Callable[[NDArray[Any]], NDArray[Any]]:
-    """An offline learner of motors from raw data: regression, without memory.
+    """An offline learner of motors, from rows of `wheels_features` to actions: regression, without memory.
 
-    Args:
-        name: `network`, a multi-layer perceptron, or `trees`, extremely randomised ones.
-        episodes: To learn from.
-        seed: Of its random choices.
-
-    Returns:
-        From rows of `wheels_features` to actions.
+    Its name is `network`, a multi-layer perceptron, or `trees`, extremely randomised ones.
     """
     from sklearn.ensemble import ExtraTreesRegressor
     from sklearn.neural_network import MLPRegressor
@@ -446,16 +437,7 @@ def plan(
     most: int,
     found: Sequence[Demonstrations] = (),
 ) -> Iterator[Learning]:
-    """The units of a track.
-
-    Args:
-        name: Of the track.
-        learners: That may take part, by name.
-        seed: Of the run.
-        quick: Whether it is done in small.
-        most: Replications at most.
-        found: Demonstrations of the searches.
-    """
+    """The units of a track, in at most so many replications, with the demonstrations that searches found."""
     track = track_of(name, quick)
     own: dict[str, Compared | None] = {
         key: one
@@ -541,8 +523,8 @@ def page(rows: Sequence[Tested], seed: int, quick: bool) -> Page:
         own = pick(rows, track=name)
         if own:
             tables.append(_table(name, track.question, own, seed))
-            if name == TEACHING:
-                tables.append(_transfer(own, seed))
+            if name == TEACHING and (transfer := _transfer(own, seed)).rows:
+                tables.append(transfer)
     if quick:
         return Page(f"{NAME}, in small", ["With `--quick` this is a smoke test: it says nothing.", *tables])
     return Page(NAME, tables)

@@ -102,11 +102,9 @@ class Curve:
 
 
 def curves(rows: Sequence[RecallBatch], seed: int) -> list[Curve]:
-    """A curve for each learner and arena, in the order of the rows.
+    """A curve for each learner and arena, in the order of the rows, which is that of `in_order`.
 
-    Args:
-        rows: In the order of `in_order`.
-        seed: Of the resamples. Every curve has the same, so that it does not depend on which others there are.
+    The resamples of every curve have the same seed, so that it does not depend on which others there are.
     """
     groups: dict[tuple[str, str], list[RecallBatch]] = {}
     for row in rows:
@@ -142,13 +140,7 @@ def _firsts(rows: Sequence[RecallBatch]) -> list[_First]:
 
 @dataclass(frozen=True, slots=True)
 class ReadLearner:
-    """A learner of a results file.
-
-    Attributes:
-        title: For tables and figures.
-        needs: What it learned from; None if it learns nothing.
-        settings: In one line.
-    """
+    """A learner of a results file; `needs` is None if it learns nothing."""
 
     title: str
     needs: Needs | None
@@ -224,13 +216,7 @@ def read_results(source: str) -> Results:
 def beside(
     own: Sequence[Curve], learners: Mapping[str, Compared], other: Results | None
 ) -> tuple[list[Curve], dict[str, Shown]]:
-    """The curves and learners of a run, and behind them those of a results file, with its origin in their titles.
-
-    Args:
-        own: Of this run.
-        learners: Theirs.
-        other: What was read; None for nothing.
-    """
+    """The curves and learners of a run, and behind them those of a results file, with its origin in their titles."""
     if other is None:
         return list(own), dict(learners)
     mark = f"({other.origin})"

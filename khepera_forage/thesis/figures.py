@@ -18,8 +18,7 @@ from khepera_forage.figures import (
     new_figure,
     padded,
 )
-from khepera_forage.rollouts.rows import IMITATOR, RecallRow
-from khepera_forage.rollouts.same_decisions import common_decisions
+from khepera_forage.rollouts.rows import IMITATOR, RecallRow, common_decisions
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.thesis.cells import CellResult
@@ -122,14 +121,7 @@ def _episode_axes(title: str) -> tuple["Figure", "Axes"]:
 
 
 def _experiments(axes: "Axes", x: float, values: Sequence[float], step: float) -> None:
-    """Draw single experiments as dots: the more have about the same value, the wider they are spread.
-
-    Args:
-        axes: Where.
-        x: The middle.
-        values: One an experiment.
-        step: Values in the same multiple of it are spread.
-    """
+    """Draw single experiments as dots: the more have values in the same multiple of a step, the wider they spread."""
     if not values:
         return
     classes = np.floor(np.asarray(values) / step + 1e-9).astype(int)

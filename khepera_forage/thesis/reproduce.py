@@ -13,8 +13,13 @@ from khepera_forage.estimates import MIN_REPLICATIONS, RESAMPLES, Table, replica
 from khepera_forage.extras import require
 from khepera_forage.figures import save
 from khepera_forage.files import NamingFile
-from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
-from khepera_forage.rollouts.same_decisions import common_decisions, refuse_other_decisions
+from khepera_forage.rollouts.rows import (
+    TEACHER,
+    RecallRow,
+    TrainingRow,
+    common_decisions,
+    refuse_other_decisions,
+)
 from khepera_forage.study import Arguments, Rows, Tables, collect, done, in_processes
 from khepera_forage.task.decisions import Decisions, decisions_text, differences
 from khepera_forage.thesis import figures, tables

@@ -111,14 +111,7 @@ def page(given: Arguments, drawn: Drawn) -> Page:
 
 
 def tables_page(given: Arguments, sets: Sets, observed: Floats, name: str) -> Page:
-    """What tables of any experiment say, from simulated sets that were kept.
-
-    Args:
-        given: With the seed of the forest.
-        sets: Admissible sets.
-        observed: The fitted statistics of the experiment.
-        name: Of the tables.
-    """
+    """What the fitted statistics of any experiment's tables say, from simulated sets that were kept."""
     posterior = infer(sets.parameters, sets.statistics, observed, given.seed)
     return Page(f"Which readings of the thesis do {name} support?", posterior_parts(posterior, sets))
 
@@ -450,13 +443,7 @@ class Explained(NamedTuple):
 
 
 def explained(posterior: Posterior, statistics: NDArray[np.float32], rng: Generator) -> list[Explained]:
-    """How much of the variance of the fourteen means each decision explains, most first.
-
-    Args:
-        posterior: Weights of the sets.
-        statistics: Of the sets, shape (sets, experiments, statistics).
-        rng: Draws the permutations that show what chance explains.
-    """
+    """How much of the variance of the fourteen means each decision explains, most first; `rng` permutes classes."""
     if effective_number(posterior.weights) < ENOUGH:
         return [Explained(one.name, np.nan, np.nan) for one in posterior.parameters]
     means = np.asarray(statistics[:, :, MEANS].mean(axis=1), dtype=np.float64)
