@@ -8,7 +8,7 @@ import pytest
 from further_experiments import alternatives
 from further_experiments import state_vectors as new
 from further_experiments.action_level import CopiedMotorsEnv, LearnedBehavioursEnv, hand_coded
-from further_experiments.alternatives import PATIENCE, StateLabels, UntilGoal, first_vectors, goal_reached
+from further_experiments.alternatives import PATIENCE, StateLabels, UntilGoal, goal_reached
 from further_experiments.episodes import ObservingTeacher
 from further_experiments.state_vectors import FIXED
 from further_experiments.teachers import SimulatedPerson
@@ -236,14 +236,6 @@ def test_a_behaviour_runs_until_its_goal_or_for_a_limited_time() -> None:
     assert len(decisions) == 3
 
 
-def test_first_vectors_are_the_first_vector_of_every_behaviour() -> None:
-    heard = [0, 0, 1, 1, 0, 2]
-    vectors = [FAR._replace(robot_home_distance=90 - i) for i in range(6)]
-    first = first_vectors(Experience(vectors, heard))
-    assert [vector.robot_home_distance for vector in first.vectors] == [90, 88, 86, 85]
-    assert list(first.behaviours) == [0, 1, 0, 2]
-
-
 def test_state_labels_draw_any_behaviour_in_a_state_without_record() -> None:
     learner = StateLabels.heard([Experience([FAR, CLOSE], [0, 1])], 20)
     rng = np.random.default_rng(0)
@@ -351,23 +343,6 @@ def test_without_noise_copied_motors_are_the_teachers() -> None:
     assert len(told) > 50
     assert [learner for _, learner in told] == [teacher for teacher, _ in told]
     assert [moment.motors for moment in teacher.moments()] == [learner for _, learner in told]
-
-
-def test_copied_motors_are_the_teachers_unless_following_bends_them() -> None:
-    """In the laboratory's noise the learner's motors are the teacher's, unless following bends them."""
-    env = CopiedMotorsEnv()
-    shown = []
-
-    def watch() -> None:
-        teacher, learner = env.foragers
-        shown.append((teacher.applied[2:], learner.applied[2:]))
-        same_mean.append(sum(teacher.applied[:2]) == pytest.approx(sum(learner.applied[:2]), abs=1.01))
-
-    same_mean: list[bool] = []
-    attempt(env, 4, lambda *_: None, callback=watch)
-    env.close()
-    assert all(teacher == learner for teacher, learner in shown)
-    assert np.mean(same_mean) > 0.9, "only a learner that recovers goes at a speed of its own"
 
 
 def test_recall_with_the_given_behaviours_is_recall() -> None:

@@ -9,18 +9,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sklearn.ensemble import RandomForestClassifier
 
 from khepera_forage.comparison.compare import CANDIDATES, candidates, differences, unavailable
 from khepera_forage.comparison.learning import (
     RecallBatch,
     Size,
-    all_learners,
-    plan,
     settings_of,
 )
 from khepera_forage.comparison.results import curves
-from khepera_forage.policies.learners import LEARNERS, FromVectors, Needs
+from khepera_forage.policies.learners import LEARNERS, Needs
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import quick, quick_here, read, refused
 from tests.benchmarks.test_scripts import LEARNERS_RUN
@@ -160,21 +157,6 @@ def test_learners_are_tested_in_the_arenas_that_are_named(tmp_path: Path) -> Non
     told = refused("learners", "--arenas", "kitchen")
     assert "'kitchen'" in told
     assert "t_maze" in told
-
-
-def test_an_additional_learner_takes_part(monkeypatch: pytest.MonkeyPatch) -> None:
-    settings: dict[str, Any] = {"n_estimators": 5}
-    monkeypatch.setitem(
-        LEARNERS, "forest", FromVectors("forest", RandomForestClassifier, settings, seeded=True)
-    )
-    forest = all_learners()["forest"]
-    assert settings_of(forest) == "RandomForestClassifier(n_estimators=5)"
-    (unit,) = plan({"forest": forest}, range(1), SIZE, 0)
-    rows = unit.run()
-    assert [(row.amount, row.arena) for row in rows] == [
-        (amount, arena) for amount in (1, 2) for arena in ("corridor", "rectangle")
-    ]
-    assert all(row.learner == "forest" and row.seconds > 0 for row in rows)
 
 
 def test_unavailable_backends_have_a_reason() -> None:

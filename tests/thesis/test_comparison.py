@@ -18,7 +18,6 @@ from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.design import LABORATORY, THESIS
 from khepera_forage.thesis.replication import Replication, comparison_counts, pymunk_jobs
 from khepera_forage.thesis.reproduce import PAGE, SUMMARY, V0_1_RECALLS, reproduce, write_report
-from khepera_forage.thesis.tables import cell_table, summary_table
 from tests.thesis import synthetic
 from tests.thesis.synthetic import BY_EPISODES, recall
 
@@ -116,24 +115,6 @@ def test_comparison_does_not_change_the_other_results(tmp_path: Path, recalls: l
         write_report(tmp_path / name, recalls, [], [], [], rng, resamples=200, v0_1_recalls=v0_1_recalls)
     claims = [(tmp_path / name / "table_claims.csv").read_bytes() for name in ("alone", "beside")]
     assert claims[0] == claims[1]
-
-
-def test_tables_have_version_0_1_beside_ours(
-    results: list[CellResult], v0_1_results: list[CellResult]
-) -> None:
-    table = cell_table(results, v0_1_results)
-    for row, ours, old in zip(table.rows, results, v0_1_results, strict=True):
-        named = dict(zip((column.name for column in table.columns), row, strict=True))
-        assert named["ours: score (%)"] == ours.score
-        assert named["v0.1: score (%)"] == old.score
-        assert named["v0.1: score percentile"] == old.score_rank.percentile
-        assert named["v0.1: food"] == old.food
-        assert named["v0.1: food percentile"] == old.food_rank.percentile
-    row, ours, old = summary_table(results, v0_1_results).rows[1], results[1], v0_1_results[1]
-    scores, foods = (ours.score.value, old.score.value), (ours.food.value, old.food.value)
-    assert row == ("corridor", 3, ours.thesis_score, *scores, "11 of 20", *foods)
-    alone = ("corridor", 3, ours.thesis_score, scores[0], "11 of 20", foods[0])
-    assert summary_table(results).rows[1] == alone
 
 
 def test_figures_show_version_0_1_in_grey_left_of_ours(

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from khepera_forage.envs.backends import COMPILED, PYMUNK
-from khepera_forage.rollouts.row_files import read_rows, write_rows
-from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
+from khepera_forage.envs.backends import COMPILED
+from khepera_forage.rollouts.row_files import write_rows
+from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow
 from khepera_forage.study import Rows
 from khepera_forage.task import decisions as decisions_module
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.design import Cell, Subset
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
-from khepera_forage.thesis.replication import Baseline, Replication, compiled_jobs, job_counts, pymunk_jobs
+from khepera_forage.thesis.replication import Baseline, Replication
 from khepera_forage.thesis.reproduce import write_report
 from tests.thesis.synthetic import recall, training
 
@@ -48,16 +48,6 @@ def test_rows_of_a_baseline_name_its_decisions(learner: str) -> None:
     assert row.score == 100 or learner == RANDOM, "the teacher classifies states with the same thresholds"
 
 
-@pytest.mark.parametrize("backend", [PYMUNK, COMPILED])
-def test_every_job_has_the_decisions(backend: str) -> None:
-    if backend == COMPILED:
-        pytest.importorskip("numba")
-    make: Any = pymunk_jobs if backend == PYMUNK else compiled_jobs
-    jobs = make(0, job_counts(6, backend), OTHER)
-    assert len(jobs) > 10
-    assert {job.decisions for job in jobs} == {OTHER}
-
-
 @pytest.mark.parametrize("table", ["recalls", "trainings", "teachers", "noise_rows", "orient_rows"])
 def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) -> None:
     rows: dict[str, list[Any]] = {
@@ -86,14 +76,6 @@ def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) 
 
 def reproduce(out: Path, decisions: Decisions | None) -> Path:
     return reproduction.reproduce(0, 1, out, backend=COMPILED, decisions=decisions)
-
-
-@pytest.mark.usefixtures("one_job")
-def test_reproduction_replaces_rows_of_the_same_decisions(tmp_path: Path) -> None:
-    for _ in range(2):
-        page = reproduce(tmp_path, OTHER)
-        assert "decisions: v0.1, food_to_home=200, next_to_food=22" in page.read_text()
-        assert [row.decisions for row in read_rows(tmp_path / "trainings.csv", TrainingRow)] == [TEXT]
 
 
 @pytest.mark.usefixtures("one_job")
