@@ -67,8 +67,7 @@ from khepera_forage.task.food_tracking import is_finished
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.thesis.cells import in_cell
 from khepera_forage.thesis.design import THESIS as DESIGN
-from khepera_forage.thesis.jobs import JobCounts, compiled_jobs
-from khepera_forage.thesis.replication import Replication
+from khepera_forage.thesis.replication import JobCounts, Replication, compiled_jobs
 
 COUNTS = (
     Count("forages", 500, 15, "teacher: random starts of each line", adds_units=True),

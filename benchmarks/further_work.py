@@ -2,48 +2,38 @@
 
     python benchmarks/further_work.py --help
 
-Each experiment is a file in `benchmarks/further_experiments/`. Its page, picture, tables and rows go to a folder of its
+The experiments are in `benchmarks/further_experiments/`. Page, picture, tables and rows of each go to a folder of its
 name.
 """
 
 import argparse
 import sys
 
-import numpy as np
-from further_experiments import (
-    action_level,
-    alternatives,
-    attribute_weights,
-    chains_of_learners,
-    different_robots,
-    human_teacher,
-    push_and_avoid,
-    several_learners,
-    spatial_variety,
-    state_vector,
-)
-from further_experiments.analysis import Analysis
-from further_experiments.experiment import Size
-from further_experiments.rows import TABLES, RecallEpisode, TrainingEpisode
+from further_experiments.action_level import ACTION_LEVEL
+from further_experiments.alternatives import ALTERNATIVES
+from further_experiments.arenas_and_food import DIFFERENT_ROBOTS, PUSH_AND_AVOID, SPATIAL_VARIETY
+from further_experiments.experiment import TABLES, Analysis, RecallEpisode, Size, TrainingEpisode
+from further_experiments.state_vectors import ATTRIBUTE_WEIGHTS, STATE_VECTOR
+from further_experiments.teachers import CHAINS_OF_LEARNERS, HUMAN_TEACHER, SEVERAL_LEARNERS
 
 from khepera_forage.study import Count, collect, parse, write
 
 EXPERIMENTS = {
-    module.EXPERIMENT.name: module.EXPERIMENT
-    for module in (
-        push_and_avoid,
-        attribute_weights,
-        spatial_variety,
-        state_vector,
-        action_level,
-        different_robots,
-        chains_of_learners,
-        human_teacher,
-        alternatives,
-        several_learners,
+    experiment.name: experiment
+    for experiment in (
+        PUSH_AND_AVOID,
+        ATTRIBUTE_WEIGHTS,
+        SPATIAL_VARIETY,
+        STATE_VECTOR,
+        ACTION_LEVEL,
+        DIFFERENT_ROBOTS,
+        CHAINS_OF_LEARNERS,
+        HUMAN_TEACHER,
+        ALTERNATIVES,
+        SEVERAL_LEARNERS,
     )
 }
-"""In the order of the pages. To add an experiment, add a file and a line here."""
+"""In the order of the pages. To add an experiment, add it to a file of the folder, and a line here."""
 QUICK = Size(files=2, recalls=1, generations=2, attempts=25, patience=2, steps=250, rounds=250)
 
 
@@ -69,9 +59,7 @@ def main() -> int:
         experiment = EXPERIMENTS[name]
         given.out = results / name
         rows = collect(given, experiment.trials(given.seed, given.replications, size), TABLES)
-        rng = np.random.default_rng(given.seed)
-        report = experiment.report(Analysis(rows.of(TrainingEpisode), rows.of(RecallEpisode), rng))
-        written = experiment.page(report)
+        written = experiment.page(Analysis(rows.of(TrainingEpisode), rows.of(RecallEpisode), given.seed))
         write(given.out, name, written)
         print(f"# {experiment.title}: {experiment.question}\n")
         print("\n".join(table.markdown() for table in written.tables))

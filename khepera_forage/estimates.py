@@ -308,6 +308,30 @@ class Table:
         return out.getvalue()
 
 
+def table_of(
+    stem: str,
+    title: str,
+    note: str,
+    rows: Sequence[Mapping[str, Value]],
+    digits: Mapping[str, int] | None = None,
+) -> Table:
+    """A table of rows that have the same columns, in the same order.
+
+    Args:
+        stem: As in `Table`, like `title` and `note`.
+        title: Heading.
+        note: Explanation.
+        rows: Values by the name of their column. Estimates have three columns in CSV.
+        digits: After the decimal point, by the name of the column; by default 1.
+    """
+    first = rows[0] if rows else {}
+    columns = [
+        Column(name, (digits or {}).get(name, 1), isinstance(value, Estimate))
+        for name, value in first.items()
+    ]
+    return Table(stem, title, note, tuple(columns), [tuple(row.values()) for row in rows])
+
+
 def interval(estimate: Estimate, digits: int = 1) -> str:
     """An estimate with its interval in brackets, if it has one."""
     value, low, high = (_number(v, digits) for v in estimate)

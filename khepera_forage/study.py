@@ -118,11 +118,11 @@ def parse(
     add: Callable[[argparse.ArgumentParser], None] = lambda _: None,
     given: Sequence[str] | None = None,
 ) -> Arguments:
-    """Read the command line.
+    """Read the command line of a script of `benchmarks/`.
 
     Args:
-        script: Name of a script of `benchmarks/`; results go to `results/<script>` by default.
-        description: The script's docstring.
+        script: Its name; results go to `results/<script>` by default.
+        description: Its docstring.
         *counts: How much work is done.
         jobs: Processes by default, -1 for one a core. None for a benchmark that measures time: it runs in one process,
             has no `--jobs`, and never continues an earlier run.
@@ -156,12 +156,7 @@ def add_study_arguments(
 
 
 def completed(parsed: argparse.Namespace, *counts: Count) -> Arguments:
-    """The parsed arguments, with the counts' defaults filled in.
-
-    Args:
-        parsed: From a parser with `add_study_arguments`, and with `program`.
-        *counts: Those of the parser.
-    """
+    """The arguments of a parser with `add_study_arguments` and `program`, with the counts' defaults filled in."""
     arguments = Arguments(**vars(parsed))
     arguments.counts = {}
     arguments.settings = {"seed": str(arguments.seed), "quick": "yes" if arguments.quick else "no"}
@@ -187,20 +182,15 @@ def command_line() -> str:
 
 
 class Unit(Protocol):
-    """A piece of work that can be done in any process, and in any order."""
+    """A piece of work that can be done in any process, and in any order.
+
+    Its key names it; no other unit of the folder has the same. `run` returns rows of one or several types.
+    """
 
     @property
-    def key(self) -> str:
-        """Its name; no other unit of the folder has it."""
-        ...
+    def key(self) -> str: ...  # noqa: D102
 
-    def run(self) -> Sequence[Any]:
-        """Do the work.
-
-        Returns:
-            Its rows, of one or several types.
-        """
-        ...
+    def run(self) -> Sequence[Any]: ...  # noqa: D102
 
 
 Done = tuple[str, Sequence[Any]]
@@ -372,13 +362,7 @@ def collect(
 
 
 class Picture(NamedTuple):
-    """A picture on a page.
-
-    Attributes:
-        name: Of its file, without `.png`.
-        caption: What it shows.
-        image: A figure.
-    """
+    """A picture on a page; its file is `<name>.png`."""
 
     name: str
     caption: str
@@ -405,13 +389,7 @@ class Page(NamedTuple):
 
 
 def write(folder: Path, name: str, page: Page) -> None:
-    """Write a page with the command and the machine that made it, its tables and its pictures.
-
-    Args:
-        folder: Where to.
-        name: Of the page's file, without `.md`.
-        page: What was found.
-    """
+    """Write `<name>.md` with the command and the machine that made it, and its tables and pictures."""
     folder.mkdir(parents=True, exist_ok=True)
     text = [f"# {page.title}"]
     for part in page.parts:
@@ -427,15 +405,7 @@ def write(folder: Path, name: str, page: Page) -> None:
 
 
 def finish(given: Arguments, page: Page) -> int:
-    """Write the page, print its tables, and say where everything is.
-
-    Args:
-        given: Folder, and the name of the study, which the page has too.
-        page: What was found.
-
-    Returns:
-        The status of the process.
-    """
+    """Write the page of a study, print its tables, and say where everything is; returns the process's status."""
     write(given.out, given.name, page)
     print("\n".join(table.markdown() for table in page.tables))
     print(f"Page, pictures, tables and rows are in {given.out}")

@@ -32,10 +32,6 @@ for number, usual in (
 
 SCRIPT_TESTS = ("tests/benchmarks/test_scripts.py", "tests/benchmarks/test_pictures.py")
 """Each of their tests has a script as parameter."""
-SAME_RUN = {
-    "tests/benchmarks/test_further_work_learning.py": "tests/benchmarks/test_further_work.py",
-}
-"""Files whose tests need the quick run of another file's script."""
 FIRST = tuple(
     f"tests/benchmarks/test_{script}.py"
     for script in ("backends", "virtual_lab", "further_work", "wire", "tracker", "lab_faults")
@@ -49,7 +45,7 @@ def group_of(nodeid: str) -> str:
     script = test.partition("[")[2].removesuffix("]")
     if file in SCRIPT_TESTS and script:
         file = f"tests/benchmarks/test_{script}.py"
-    return SAME_RUN.get(file, file)
+    return file
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -59,14 +59,6 @@ def walk(out: Path, names: str, *more: str) -> list[str]:
     return [row.unit for row in rows.of(Step)]
 
 
-def test_counts_have_defaults_of_their_own_with_quick(tmp_path: Path) -> None:
-    arguments = given(tmp_path)
-    assert (arguments.walks, arguments.length, arguments.counts) == (9, 5, {"walks": 9, "length": 5})
-    assert arguments.settings == {"seed": "0", "quick": "no", "length": "5"}
-    arguments = given(tmp_path, "--quick", "--walks", "4")
-    assert (arguments.walks, arguments.length) == (4, 2)
-
-
 def test_processes_are_counted_as_joblib_does() -> None:
     assert parse("walking", "", given=["--jobs", "-1"]).jobs == -1
     timed = parse("walking", "", jobs=None, given=[])
@@ -140,11 +132,6 @@ def test_a_file_of_another_kind_is_named(tmp_path: Path) -> None:
     (tmp_path / UNITS).write_text("unit,number\n")
     with pytest.raises(ValueError, match=r"units\.jsonl\.gz: .*; allowed: as this program wrote it"):
         RowStore(tmp_path, TABLES, {})
-
-
-def test_two_units_with_one_key_are_a_mistake(tmp_path: Path) -> None:
-    with pytest.raises(AssertionError, match="same key"):
-        walk(tmp_path, "aa")
 
 
 FALLS = [Fall(condition, number, number + (condition == "b")) for condition in "ba" for number in range(6)]

@@ -1,20 +1,136 @@
 """Alternatives: what the thesis decided against (4.2.1, 4.5.1, 4.6.1, 4.6.2)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import groupby
 
-from further_experiments.alternative_policies import StateLabels, UntilGoal, first_vectors
-from further_experiments.analysis import DELIVERED, SCORE, STEPS, Analysis, claim
+import numpy as np
+
 from further_experiments.episodes import ARENAS, Files, imitator, recall_all, thesis_files
-from further_experiments.experiment import Experiment, Report, Trial
-from further_experiments.pictures import INTERVALS
-from further_experiments.rows import RecallEpisode, Row
+from further_experiments.experiment import (
+    DELIVERED,
+    INTERVALS,
+    SCORE,
+    STEPS,
+    Analysis,
+    Experiment,
+    RecallEpisode,
+    Report,
+    Row,
+    Trial,
+    claim,
+)
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.estimates import UNKNOWN, pick
+from khepera_forage.experience import Experience
 from khepera_forage.figures import legend, levels, panels
-from khepera_forage.policies import Policy, Teacher
+from khepera_forage.policies import Observation, Policy, Teacher
 from khepera_forage.policies.adapters import ClassifierPolicy
+from khepera_forage.policies.policy import state_vector_of
 from khepera_forage.rollouts.recall import recall_env
-from khepera_forage.thesis.claims.claim import Above, Claim, Within, points
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import (
+    BEHAVIOURS,
+    Behaviour,
+    FoodType,
+    State,
+    StateVector,
+    classify,
+    is_raised,
+)
+from khepera_forage.thesis.claims.claim import Claim, above, points, within
+
+DECISIONS = Decisions().values()
+PATIENCE = 100
+"""Steps after which a behaviour without success ends: ten seconds. Our decision (4.2.1)."""
+
+
+def goal_reached(behaviour: int, vector: StateVector, home_radius: int) -> bool:
+    """Whether the local goal of a behaviour is reached (4.2.1): the robot is where the next behaviour begins."""
+    presence, home, food_type, arm, food = vector
+    if behaviour == Behaviour.SEARCH_FOR_FOOD:
+        return bool(food <= DECISIONS.close_to_food)
+    if behaviour == Behaviour.MOVE_SLOWLY:
+        return bool(food <= DECISIONS.next_to_food)
+    if behaviour == Behaviour.ORIENT_WITH_FOOD:
+        return bool(presence)
+    if behaviour == Behaviour.EXPLORE_FOOD:
+        return food_type != FoodType.UNKNOWN
+    if behaviour == Behaviour.PICK_UP_FOOD:
+        return bool(presence) and is_raised(arm, DECISIONS)
+    if behaviour in (Behaviour.PUSH_FOOD, Behaviour.GO_HOME):
+        return home <= home_radius
+    if behaviour == Behaviour.AVOID_HOME:
+        return home > home_radius
+    return not presence  # RELEASE FOOD and AVOID FOOD
+
+
+@dataclass
+class UntilGoal:
+    """A policy whose behaviours run until their goal is reached or `PATIENCE` steps have passed.
+
+    It remembers the running behaviour, so every episode needs a new copy.
+
+    Attributes:
+        policy: Decides on the next behaviour.
+        home_radius: In pixels.
+    """
+
+    policy: Policy
+    home_radius: int
+    _running: int | None = field(default=None, init=False)
+    _steps: int = field(default=0, init=False)
+
+    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
+        """The behaviour that runs, or the next one."""
+        vector = state_vector_of(observation)
+        running = self._running
+        if running is None or self._steps >= PATIENCE or goal_reached(running, vector, self.home_radius):
+            running = self._running = self.policy.act(observation, rng)
+            self._steps = 0
+        self._steps += 1
+        return running
+
+
+def first_vectors(experience: Experience) -> Experience:
+    """The first vector of every behaviour that the teacher began: the one perceptual experience of 4.2.1."""
+    first = [next(run) for _, run in groupby(experience, key=lambda pair: pair[1])]
+    return Experience([vector for vector, _ in first], [heard for _, heard in first], arena=experience.arena)
+
+
+@dataclass(frozen=True, slots=True)
+class StateLabels:
+    """The learner of the first draft (4.5.1): it classifies states, and learns which behaviour belongs to which.
+
+    Attributes:
+        home_radius: Of the arena it forages in, in pixels.
+        counts: How often each behaviour was heard in each state.
+    """
+
+    home_radius: int
+    counts: Mapping[State, Mapping[Behaviour, int]]
+
+    @classmethod
+    def heard(cls, files: Sequence[Experience], home_radius: int) -> "StateLabels":
+        """The learner of these files: behaviours tell the states, as the two correspond one to one (4.4.1)."""
+        heard: dict[State, dict[Behaviour, int]] = {}
+        for experience in files:
+            for behaviour in experience.behaviours:
+                counts = heard.setdefault(State(int(behaviour)), {})
+                counts[behaviour] = counts.get(behaviour, 0) + 1
+        return cls(home_radius, heard)
+
+    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
+        """A behaviour heard in the present state, drawn with its share; any behaviour if none was heard."""
+        assert rng is not None
+        state = classify(state_vector_of(observation), self.home_radius, DECISIONS)
+        counts = self.counts.get(state)
+        if counts is None:
+            return BEHAVIOURS[int(rng.integers(len(BEHAVIOURS) - 1))]
+        behaviours = list(counts)
+        shares = np.cumsum(list(counts.values()))
+        return behaviours[int(np.searchsorted(shares, rng.random() * shares[-1], side="right"))]
+
 
 THESIS, HIGHEST, LABELS = "as in the thesis", "highest confidence", "state labels"
 GOAL, GOAL_ALL = "until the goal, one vector each", "until the goal, all vectors"
@@ -92,60 +208,34 @@ def report(found: Analysis) -> Report:
     return Report(claims, [found.recall_table(note, (SCORE, DELIVERED, STEPS))], figure)
 
 
-def _claims(found: Analysis, arena: str, last: int) -> list[Claim]:
-    def rows(name: str, amount: int = last) -> list[RecallEpisode]:
-        count = 0 if name in (TEACHER, TEACHER_GOAL) else amount
-        return pick(found.recalls, condition=name, amount=count, arena=arena)
+def _claims(found: Analysis, arena: str, last: int) -> Iterator[Claim]:
+    def rows(name: str) -> list[RecallEpisode]:
+        amount = 0 if name == TEACHER else last
+        return pick(found.recalls, condition=name, amount=amount, arena=arena)
 
-    def result(name: str, amount: int = last) -> str:
-        own = rows(name, amount)
-        return f"scores {found.percent(own, SCORE)} and delivers {found.percent(own)}"
-
-    def compared(name: str, statement: str, section: str, better: bool) -> Claim:
-        """That an alternative is better than the thesis's choice, or worse."""
-        pair = (rows(name), rows(THESIS)) if better else (rows(THESIS), rows(name))
-        return claim(
-            f"{arena}: {statement}",
-            section,
-            found.difference(*pair, SCORE),
-            Above(0.0),
-            points,
-            f"After {last} episodes the learner with *{name}* {result(name)}; the learner {THESIS} {result(THESIS)}.",
-        )
-
-    return [
-        compared(HIGHEST, "the highest confidence is better than a random draw", "4.6.2", True),
-        *(
-            compared(threshold_name(t), f"a threshold of {t:g} is worse than exact ties", "4.6.1", False)
-            for t in THRESHOLDS
-        ),
-        compared(GOAL, "deciding at every step is better than running until the goal", "4.2.1", False),
-        compared(GOAL_ALL, "deciding at every step is better with the same vectors, too", "4.2.1", False),
-        claim(
-            f"{arena}: with state labels the learner is a copy of the teacher",
-            "4.5.1",
-            found.difference(rows(LABELS), rows(TEACHER), SCORE),
-            Within(EQUAL),
-            points,
-            f"The learner with *{LABELS}* {result(LABELS)} after {last} episodes, and {result(LABELS, 1)} after one; "
-            f"the teacher {result(TEACHER)}.",
-        ),
-    ]
+    for better, worse, statement in (
+        (HIGHEST, THESIS, "the highest confidence is better than a random draw"),
+        *((THESIS, threshold_name(t), f"a threshold of {t:g} is worse than exact ties") for t in THRESHOLDS),
+        (THESIS, GOAL, "deciding at every step is better than running until the goal"),
+        (THESIS, GOAL_ALL, "deciding at every step is better with the same vectors, too"),
+    ):
+        effect = found.difference(rows(better), rows(worse), SCORE)
+        yield claim(f"{arena}: {statement}", effect, above(0.0), points)
+    effect = found.difference(rows(LABELS), rows(TEACHER), SCORE)
+    name = f"{arena}: with state labels the learner is a copy of the teacher"
+    yield claim(name, effect, within(EQUAL), points)
 
 
-EXPERIMENT = Experiment(
+ALTERNATIVES = Experiment(
     "alternatives",
     "Alternatives that the thesis rejected",
     "4.2.1, 4.5.1, 4.6.1, 4.6.2",
     "Did the thesis choose well where it names an alternative?",
     "One set of training files a replication, and learners that use it in different ways. *Highest confidence*: the "
     "behaviour with most votes instead of a random draw. *Threshold*: all vectors within the minimum distance plus a "
-    "threshold vote (a pixel is 1/138 in the corridor). *Until the goal*: a behaviour runs until its own goal is "
-    "reached or ten seconds have passed. The learner keeps one vector for every behaviour that the teacher began, or, "
-    "as a control, all vectors. The goals are written by hand with the thresholds of the teacher's tree, so these "
-    "behaviours contain knowledge that a learner that decides at every step has to learn. *State labels*: the first "
-    "draft of the thesis, in which the learner has the tree of figure 4.2 and learns only which behaviour was heard "
-    "in which state. In a state without any record it draws any behaviour.",
+    "threshold vote. *Until the goal*: a behaviour runs until its hand-written goal is reached or ten seconds have "
+    "passed; the learner keeps one vector for every behaviour that the teacher began, or, as a control, all vectors. "
+    "*State labels*: the learner has the tree of figure 4.2 and learns only which behaviour was heard in which state.",
     ("all",),
     run,
     report,

@@ -1,22 +1,24 @@
-"""Training and recall with the rows that they leave: what all experiments do, each in its own way."""
+"""Training and recall with the rows that they leave, and training with a record of what the learner perceives."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from further_experiments.experiment import Trial
-from further_experiments.rows import RecallEpisode, TrainingEpisode
+from further_experiments.experiment import RecallEpisode, TrainingEpisode, Trial
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.recalls import Forager
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
-from khepera_forage.policies import NearestNeighbourImitator, Policy
+from khepera_forage.policies import NearestNeighbourImitator, Observation, Policy, Teacher
+from khepera_forage.robots.khepera import Motors
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
-from khepera_forage.task.states import FoodType, behaviour_for, classify
+from khepera_forage.task.perception import RawData
+from khepera_forage.task.states import Behaviour, FoodType, behaviour_for, classify
 from khepera_forage.thesis.design import training_distance
 
 ARENAS = ("corridor", "rectangle")
@@ -176,3 +178,79 @@ def _true(experience: Experience, env: TrainingEnv) -> int:
     """Vectors whose behaviour the teacher of section 4.4 would have chosen."""
     radius, decisions = env.home_radius, env.decisions.values()
     return sum(behaviour_for(classify(vector, radius, decisions)) == heard for vector, heard in experience)
+
+
+class Moment(NamedTuple):
+    """One step of the learner.
+
+    Attributes:
+        raw: Its raw data when it hears the behaviour.
+        heard: The behaviour.
+        motors: The motor command that was really applied then.
+    """
+
+    raw: RawData
+    heard: Behaviour
+    motors: Motors
+
+
+class Observed(NamedTuple):
+    """One complete training episode.
+
+    Attributes:
+        experience: The learner's experience file.
+        row: For the table.
+        moments: Every step with a behaviour.
+    """
+
+    experience: Experience
+    row: TrainingEpisode
+    moments: list[Moment]
+
+
+class ObservingTeacher:
+    """The teacher of section 4.4, which also records the steps of its first learner.
+
+    Only the last attempt is kept, as in experience files: an attempt begins with new robots, and the record of the
+    attempt before is dropped.
+
+    Args:
+        env: The environment that it teaches in.
+    """
+
+    def __init__(self, env: TrainingEnv) -> None:
+        self._env = env
+        self._teacher = Teacher.of(env)
+        self._learner: Forager | None = None
+        self._heard: list[tuple[RawData, Behaviour]] = []
+        self._motors: list[Motors] = []
+
+    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
+        """The teacher's behaviour; called before anything else in a round."""
+        learner = self._env.foragers[1]
+        if learner is self._learner:
+            self._motors.append(learner.applied)
+        else:
+            self._learner, self._heard, self._motors = learner, [], []
+        heard = self._teacher.act(observation, rng)
+        self._heard.append((learner.raw, heard))
+        return heard
+
+    def moments(self) -> list[Moment]:
+        """The steps of the last attempt in which the learner heard a behaviour."""
+        assert self._learner is not None, "there was no training"
+        motors = [*self._motors, self._learner.applied]
+        return [
+            Moment(raw, heard, applied)
+            for (raw, heard), applied in zip(self._heard, motors, strict=True)
+            if heard != Behaviour.WAIT
+        ]
+
+
+def observe(
+    env: TrainingEnv, trial: Trial, seeds: Sequence[np.random.SeedSequence], setups: Setups | None = None
+) -> list[Observed]:
+    """Training episodes with their steps, one a seed; see `train_files`."""
+    teacher = ObservingTeacher(env)
+    episodes = train_files(env, trial, seeds, teacher=teacher, setups=setups)
+    return [Observed(experience, row, teacher.moments()) for experience, row in episodes]

@@ -72,8 +72,7 @@ continues."""
 )
 def compare_command(arguments: argparse.Namespace) -> int:
     """Compare all learners, and yours with them."""
-    from khepera_forage.comparison.compare import compare, known_learners, tune
-    from khepera_forage.comparison.workers import unavailable
+    from khepera_forage.comparison.compare import compare, known_learners, tune, unavailable
 
     if arguments.list:
         print(known_learners())

@@ -17,8 +17,7 @@ from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, processes, whole_number
 from khepera_forage.study import Count, add_study_arguments, completed, finish
 from khepera_forage.task.decisions import decision_table
-from khepera_forage.thesis.report import SUMMARY
-from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, reproduce
+from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, SUMMARY, reproduce
 
 COUNTS = (
     Count("sets", 10_000, 3, "admissible sets", adds_units=True, least=3),

@@ -1,9 +1,16 @@
-"""The comparison of learners: who takes part, the rows that are missing, and what is written."""
+"""The comparison of learners: who takes part, where the work is done, and what is written; and of settings."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import replace
+from functools import partial
+from importlib.util import find_spec
 from shutil import get_terminal_size
+from typing import Any
 
-from khepera_forage.comparison import tuning
+import numpy as np
+from joblib import Parallel, cpu_count, delayed, parallel_config
+
 from khepera_forage.comparison.learning import (
     ARENAS,
     Compared,
@@ -19,6 +26,8 @@ from khepera_forage.comparison.learning import (
 )
 from khepera_forage.comparison.page import SMOKE_TEST, page
 from khepera_forage.comparison.results import (
+    DELIVERED,
+    Curve,
     ReadLearner,
     Results,
     as_json,
@@ -26,11 +35,23 @@ from khepera_forage.comparison.results import (
     curves,
     read_results,
 )
-from khepera_forage.comparison.workers import BACKENDS
+from khepera_forage.estimates import UNKNOWN, Estimate, Table, difference, pick, table_of
 from khepera_forage.files import replacing
 from khepera_forage.policies.learner_registry import installed_learners, learner_at
-from khepera_forage.rollouts.row_files import read_rows
-from khepera_forage.study import UNITS, Arguments, Page, collect, command_line, machine, write
+from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors, Learner
+from khepera_forage.study import (
+    UNITS,
+    Arguments,
+    Done,
+    Execute,
+    Page,
+    Unit,
+    collect,
+    command_line,
+    done,
+    machine,
+    write,
+)
 
 TUNING = "tuning"
 """The folder in `--out` that `--tune` writes to."""
@@ -39,6 +60,80 @@ BASELINES = ("teacher", "imitator")
 """What a learner of `--learner` is compared with, without `--only`."""
 EPISODES, QUICK_EPISODES = (1, 2, 3, 5, 10), (1, 2)
 QUERIES, QUICK_QUERIES = (100, 200, 300, 500, 1_000), (100, 200)
+
+
+def _execute(title: str, number: int, streams: bool, units: Sequence[Unit]) -> Iterator[Done]:
+    """Do units with joblib's present backend, which streams rows as soon as they are there, or returns all at once."""
+    print(f"{len(units)} units for {number} {title}", flush=True)
+    if streams:
+        yield from Parallel(return_as="generator_unordered", batch_size=1)(map(delayed(done), units))
+        return
+    with Parallel(batch_size=1) as workers:
+        # In portions: a run that is killed loses one portion at most.
+        for start in range(0, len(units), 2 * number):
+            yield from workers(map(delayed(done), units[start : start + 2 * number]))
+
+
+@contextmanager
+def _loky(jobs: int, address: str | None) -> Iterator[Execute]:
+    """Processes of this machine; they have no address."""
+    with parallel_config("loky", n_jobs=jobs):
+        yield partial(_execute, "processes of this machine", _count(jobs), True)
+
+
+@contextmanager
+def _ray(jobs: int, address: str | None) -> Iterator[Execute]:
+    import ray
+    from ray.util.joblib import register_ray
+
+    register_ray()
+    here: dict[str, Any] = {} if address else {"num_cpus": _count(jobs), "include_dashboard": False}
+    ray.init(address=address, log_to_driver=False, logging_level="error", **here)
+    try:
+        workers = int(ray.cluster_resources()["CPU"])
+        with parallel_config("ray", n_jobs=workers):
+            yield partial(_execute, "workers of Ray", workers, False)
+    finally:
+        ray.shutdown()
+
+
+@contextmanager
+def _dask(jobs: int, address: str | None) -> Iterator[Execute]:
+    from distributed import Client, LocalCluster
+
+    with ExitStack() as stack:
+        here = {"n_workers": _count(jobs), "threads_per_worker": 1, "dashboard_address": None}
+        cluster = address or stack.enter_context(LocalCluster(**here))
+        client = stack.enter_context(Client(cluster))
+        threads = list(client.nthreads().values())
+        if max(threads, default=1) > 1:  # learners whose libraries use global random numbers would share them
+            raise ValueError(
+                f"a worker of Dask has {max(threads)} threads; allowed: 1 (dask worker --nthreads 1)"
+            )
+        stack.enter_context(parallel_config("dask", n_jobs=len(threads)))
+        yield partial(_execute, "workers of Dask", len(threads), True)
+
+
+BACKENDS: dict[str, Callable[[int, str | None], AbstractContextManager[Execute]]] = {
+    "loky": _loky,
+    "ray": _ray,
+    "dask": _dask,
+}
+"""By name; each takes a number of processes and the address of a cluster, by default a temporary one on this machine.
+The workers of a cluster need `khepera_forage` installed, and the packages of all learners."""
+
+
+def unavailable(backend: str, address: str | None) -> str:
+    """Why a backend cannot be used with this address; empty if it can."""
+    if backend == "loky":
+        return "" if address is None else f"--address is {address!r}; allowed: with --backend ray or dask"
+    if find_spec(backend) is None or (backend == "dask" and find_spec("distributed") is None):
+        return f"--backend {backend} needs the extra {backend}: pip install 'khepera-forage[{backend}]'"
+    return ""
+
+
+def _count(jobs: int) -> int:
+    return cpu_count() if jobs < 0 else jobs
 
 
 def known_learners() -> str:
@@ -71,9 +166,11 @@ def compare(given: Arguments) -> int:
             raise ValueError(f"--only is {name!r}; allowed: {', '.join(known)}")
     chosen = [*(given.only or (BASELINES if own else known)), *own]
     if given.protocol:
-        from khepera_forage.comparison.protocol_page import run as run_protocol  # needs numba
+        from khepera_forage.comparison.protocol import run  # needs numba
 
-        return run_protocol(given, {name: one for name, one in known.items() if name in chosen})
+        taking_part = {name: one for name, one in known.items() if name in chosen}
+        with BACKENDS[given.backend](given.jobs, given.address) as execute:
+            return run(given, taking_part, execute)
     missing = {name: reason for name in chosen if (reason := unable(known[name], given.arenas or ARENAS))}
     if not given.only and not own:
         missing |= installed_learners().broken
@@ -90,32 +187,10 @@ def compare(given: Arguments) -> int:
         {name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in shown.items()},
         found,
     )
-    written = page(*beside(found, shown, against), missing, _tuning_result(given), given.quick)
+    written = page(*beside(found, shown, against), missing, (given.out / TUNING).exists(), given.quick)
     write(given.out, given.name, written)
     with replacing(given.out / RESULTS) as path:
         path.write_text(as_json(results), encoding="utf-8")
-    return _printed(given, written)
-
-
-def tune(given: Arguments) -> int:
-    """Compare settings with those of the registry.
-
-    Raises:
-        ValueError: No learner of `--only` has other settings.
-    """
-    known = tuning.candidates()
-    wanted = given.only or list(known)
-    learners = {name: learner for name, learner in known.items() if name.split(".")[0] in wanted}
-    if not learners:
-        allowed = ", ".join(tuning.CANDIDATES)
-        raise ValueError(f"--only is {', '.join(wanted)}; allowed with --tune: {allowed}")
-    given.out /= TUNING
-    size = _size(given)
-    size = size._replace(episodes=size.episodes[-1:], queries=size.queries[-1:], arenas=ARENAS)
-    first = tuning.FIRST_REPLICATION
-    rows = _rows(learners, known, range(first, first + given.seeds), size, given)
-    written = tuning.page(rows, known, given.seed)
-    write(given.out, TUNING, written)
     return _printed(given, written)
 
 
@@ -151,36 +226,17 @@ def _rows(
     size: Size,
     given: Arguments,
 ) -> list[RecallBatch]:
-    """All rows of the folder, after the missing ones have been made.
-
-    Args:
-        learners: To be done now.
-        known: All that may have rows in the folder.
-        replications: Of each.
-        size: Of the run.
-        given: Folder, processes and settings.
-    """
+    """All rows of the folder, of any known learner, after the missing ones of some learners have been made."""
     units = plan(learners, replications, size, given.seed)
     settings = {f"learner {name}": settings_of(learner) for name, learner in learners.items()}
     settings["arenas"] = " ".join(size.arenas)
-    with BACKENDS[given.backend](given.jobs, given.address) as workers:
-        rows = collect(given, units, {RecallBatch: "rows"}, workers.execute, settings, others=True)
+    with BACKENDS[given.backend](given.jobs, given.address) as execute:
+        rows = collect(given, units, {RecallBatch: "rows"}, execute, settings, others=True)
     found = rows.of(RecallBatch)
     for row in found:
         if row.learner not in known:
             raise ValueError(f"{given.out / UNITS}: learner is {row.learner!r}; allowed: {', '.join(known)}")
     return in_order(found, list(known))
-
-
-def _tuning_result(given: Arguments) -> str:
-    """The result of an earlier run with `--tune` in the same folder; empty without one."""
-    folder = given.out / TUNING
-    if not (folder / "tuning.md").exists():
-        return ""
-    known = tuning.candidates()
-    kept = [row for row in read_rows(folder / "rows.csv", RecallBatch) if row.learner in known]
-    gains = tuning.differences(in_order(kept, list(known)), given.seed)
-    return tuning.result(gains, known)
 
 
 def _printed(given: Arguments, written: Page) -> int:
@@ -189,3 +245,108 @@ def _printed(given: Arguments, written: Page) -> int:
     print(written.tables[0].text(get_terminal_size().columns))
     print(f"Page, picture, all tables and rows are in {given.out}")
     return 0
+
+
+FIRST_REPLICATION = 1_000
+"""Replications from this number on are for tuning, those before it for the comparison of learners."""
+CANDIDATES: dict[str, tuple[Mapping[str, Any], ...]] = {
+    "k_nearest": ({"k": 3}, {"k": 9}, {"k": 15}),
+    "distance_weighted": ({"k": 3}, {"k": 9}, {"k": 15}),
+    "attribute_weights": ({"choices": (1, 2)}, {"choices": (0, 1, 2, 4, 8)}, {"search_size": 300}),
+    "growing_memory": ({"reach": 0.01}, {"reach": 0.05}, {"habituation": 0.1}),
+    "tree": ({"min_samples_leaf": 3}, {"min_samples_leaf": 10}, {"max_depth": 6}),
+    "boosting": ({"n_estimators": 100}, {"max_depth": 2}, {"learning_rate": 0.03}),
+    "cloning": ({"hidden_layer_sizes": (64, 64)}, {"alpha": 0.01}, {"alpha": 0.1}),
+    "dagger": ({"queries_a_round": 25}, {"queries_a_round": 50}, {"queries_a_round": 200}),
+    "dagger_tree": ({"queries_a_round": 25}, {"queries_a_round": 50}, {"queries_a_round": 200}),
+}
+"""Changes to the settings of each learner. The thesis's imitator has none."""
+
+
+def candidates() -> dict[str, Compared]:
+    """Every learner that is tuned: as it is, with each other setting, and with its most probable behaviour."""
+    found: dict[str, Compared] = {}
+    for name, changes in CANDIDATES.items():
+        learner = LEARNERS[name]
+        found[name] = learner
+        for number, change in enumerate(changes, 1):
+            found[f"{name}.{number}"] = replace(learner, settings={**learner.settings, **change})
+        found[f"{name}.{len(changes) + 1}"] = _most_probable(learner)
+    return found
+
+
+def differences(rows: Sequence[RecallBatch], seed: int) -> dict[str, Estimate]:
+    """Points of the food that each other setting delivers more than the registry's, over the same replications."""
+    own: dict[str, list[RecallBatch]] = {}
+    for row in pick(rows, arena=ARENAS[0]):
+        own.setdefault(row.learner, []).append(row)
+    return {
+        name: difference(theirs, own[_base(name)], DELIVERED, np.random.default_rng(seed))
+        for name, theirs in own.items()
+        if name != _base(name)
+    }
+
+
+def tune(given: Arguments) -> int:
+    """Compare settings with those of the registry, in replications of their own, after the largest amount of learning.
+
+    Raises:
+        ValueError: No learner of `--only` has other settings.
+    """
+    known = candidates()
+    wanted = given.only or list(known)
+    learners = {name: learner for name, learner in known.items() if _base(name) in wanted}
+    if not learners:
+        raise ValueError(f"--only is {', '.join(wanted)}; allowed with --tune: {', '.join(CANDIDATES)}")
+    given.out /= TUNING
+    size = _size(given)
+    size = size._replace(episodes=size.episodes[-1:], queries=size.queries[-1:], arenas=ARENAS)
+    replications = range(FIRST_REPLICATION, FIRST_REPLICATION + given.seeds)
+    rows = _rows(learners, known, replications, size, given)
+    written = Page("Settings of the learners", [_tuning_table(rows, known, given.seed)])
+    write(given.out, TUNING, written)
+    return _printed(given, written)
+
+
+def _tuning_table(rows: Sequence[RecallBatch], learners: Mapping[str, Compared], seed: int) -> Table:
+    """All candidates in the corridor, the best of each learner marked."""
+    gains = differences(rows, seed)
+    own = [curve for curve in curves(rows, seed) if curve.arena == ARENAS[0]]
+    best: dict[str, Curve] = {}
+    for curve in own:
+        if _success(curve) > _success(best.setdefault(_base(curve.learner), curve)):
+            best[_base(curve.learner)] = curve
+    return table_of(
+        "tuning",
+        "Settings compared",
+        "In the corridor, after the largest amount of learning, with 95 % intervals over replications that the "
+        "comparison of learners does not use. The first line of each learner has the settings of the registry. More: "
+        "points of the food delivered more than with those. Best: most food, then score. Without any true difference, "
+        "one setting in forty would be clearly better by chance.",
+        [
+            {
+                "learner": learners[curve.learner].title,
+                "settings": settings_of(learners[curve.learner]),
+                "food delivered (%)": curve.end.delivered,
+                "more (points)": gains.get(curve.learner, UNKNOWN),
+                "score (%)": curve.end.score,
+                "best": "best" if best[_base(curve.learner)] is curve else "",
+            }
+            for curve in own
+        ],
+    )
+
+
+def _most_probable(learner: Learner) -> Learner:
+    if isinstance(learner, FromQueries):
+        return replace(learner, learner=replace(learner.learner, sample=False))
+    assert isinstance(learner, FromVectors)
+    return replace(learner, sample=False)
+
+
+def _base(name: str) -> str:
+    return name.split(".")[0]
+
+
+def _success(curve: Curve) -> tuple[float, float]:
+    return curve.end.delivered.value, curve.end.score.value

@@ -18,7 +18,6 @@ from threadpoolctl import threadpool_limits
 from khepera_forage.envs.arena_settings import procedural_settings
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.learner_registry import LearnerError, installed_learners, own_errors
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner, Needs
@@ -131,12 +130,7 @@ def _require(fine: bool, name: str, value: object, allowed: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A policy that learns nothing, for comparison.
-
-    Attributes:
-        title: For tables and figures.
-        expert: Whether it is the teacher; if not, behaviours are drawn uniformly.
-    """
+    """A policy that learns nothing, for comparison: the expert is the teacher, the other draws uniformly."""
 
     title: str
     expert: bool
@@ -165,12 +159,9 @@ class Learned(NamedTuple):
 
 
 def learn(learner: Compared, amounts: Sequence[int], seeds: np.random.SeedSequence) -> Iterator[Learned]:
-    """The learner after each amount of learning.
+    """The learner after each amount of learning, in increasing order.
 
-    Args:
-        learner: An entry of `LEARNERS`, or one of `REFERENCES`.
-        amounts: Training episodes, queries or steps, in increasing order.
-        seeds: Of one replication; all imitators of a replication have the same training episodes.
+    All imitators of a replication, which has its seeds, have the same training episodes.
     """
     seed = int(seeds.generate_state(1)[0]) % 2**31
     match learner:
@@ -250,15 +241,7 @@ _SHOWN = ("title", "algorithm", "settings")
 
 
 class LearnerUnit(NamedTuple):
-    """One learner in one replication.
-
-    Attributes:
-        seed: Of the whole run.
-        replication: From 0.
-        name: Of the learner.
-        learner: The entry of the registry, or a reference.
-        size: Of the whole run.
-    """
+    """One learner in one replication; seed and size are those of the whole run."""
 
     seed: int
     replication: int
@@ -335,9 +318,7 @@ def _recall_env(arena: str, level: int) -> BehavioursEnv:
     return BehavioursEnv(**{**settings, "arena": settings["arena"][0]})
 
 
-@lru_cache(maxsize=len(ALL_ARENAS))
-def _wheels_env(arena: str) -> WheelsEnv:
-    return recall_wheels_env(arena)
+_wheels_env = lru_cache(maxsize=len(ALL_ARENAS))(recall_wheels_env)
 
 
 def check_form(name: str, learner: Compared) -> None:

@@ -1,7 +1,7 @@
 """The protocol `forage-bench-1`: four tracks on which learners of this task are compared, with room above all of them.
 
-Everything that a result depends on is in this module and in `teachers`: tracks, amounts, places, seeds, budgets. It
-does not change; another protocol gets another name. `docs/protocol.md` describes it.
+Everything that a result depends on is here and in `compiled_learning`: tracks, amounts, places, seeds, budgets. It does
+not change; another protocol gets another name. `docs/protocol.md` describes it.
 """
 
 import warnings
@@ -10,6 +10,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import count
+from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -18,27 +19,26 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from khepera_forage.comparison import TRACKS as TRACK_NAMES
-from khepera_forage.comparison.batch_recalls import (
+from khepera_forage.comparison.compiled_learning import (
+    PLACES,
+    Budget,
     Foraged,
     Seeds,
     Training,
-    recalls_after,
-    recalls_on_wheels,
-    reference_recalls,
-)
-from khepera_forage.comparison.learning import REFERENCES, Compared, LearnerUnit, Size
-from khepera_forage.comparison.teachers import (
-    PLACES,
-    Budget,
     demonstrate,
     joined,
     random_marks,
+    recalls_after,
+    recalls_on_wheels,
+    reference_recalls,
     search,
     thesis_teacher,
     thinned,
     varied_arenas,
 )
+from khepera_forage.comparison.learning import REFERENCES, Compared, LearnerUnit, Size, settings_of, unable
 from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.estimates import UNKNOWN, Estimate, Measure, Table, Value, mean, pick, plain, table_of
 from khepera_forage.experience import Experience
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.features import wheels_features
@@ -50,6 +50,7 @@ from khepera_forage.rollouts.wheels_recall import recall_wheels_env
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
+from khepera_forage.study import Arguments, Execute, Page, Rows, collect, finish
 
 NAME = "forage-bench-1"
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -331,12 +332,9 @@ _ALL_PLACES = tuple(place for group in GROUPS.values() for place in group)
 def spoken(training: Training, vocabulary: str, rng: np.random.Generator) -> Training:
     """Experience as if the teacher had spoken in another way; what the robots did does not change.
 
-    Args:
-        training: As it was heard.
-        vocabulary: `PERMUTED`: each behaviour has the name of another one; `LATE`: words arrive three experience
-            vectors later, and the last three of an episode never; `SILENT`: half of the words are not heard; `WRONG`: a
-            fifth of the words are drawn from the nine others.
-        rng: Of the draws.
+    `PERMUTED`: each behaviour has the name of another one. `LATE`: words arrive three experience vectors later, and the
+    last three of an episode never. `SILENT`: half of the words are not heard. `WRONG`: a fifth of the words are drawn
+    from the nine others.
     """
     vectors, heard, episodes = training
     size = len(heard)
@@ -375,15 +373,9 @@ def _followed(amount: int, key: int) -> Training:
 def wheels_learner(
     name: str, episodes: Sequence[RawEpisode], seed: int
 ) -> Callable[[NDArray[Any]], NDArray[Any]]:
-    """An offline learner of motors from raw data: regression, without memory.
+    """An offline learner of motors, from rows of `wheels_features` to actions: regression, without memory.
 
-    Args:
-        name: `network`, a multi-layer perceptron, or `trees`, extremely randomised ones.
-        episodes: To learn from.
-        seed: Of its random choices.
-
-    Returns:
-        From rows of `wheels_features` to actions.
+    Its name is `network`, a multi-layer perceptron, or `trees`, extremely randomised ones.
     """
     from sklearn.ensemble import ExtraTreesRegressor
     from sklearn.neural_network import MLPRegressor
@@ -446,16 +438,7 @@ def plan(
     most: int,
     found: Sequence[Demonstrations] = (),
 ) -> Iterator[Learning]:
-    """The units of a track.
-
-    Args:
-        name: Of the track.
-        learners: That may take part, by name.
-        seed: Of the run.
-        quick: Whether it is done in small.
-        most: Replications at most.
-        found: Demonstrations of the searches.
-    """
+    """The units of a track, in at most so many replications, with the demonstrations that searches found."""
     track = track_of(name, quick)
     own: dict[str, Compared | None] = {
         key: one
@@ -482,6 +465,135 @@ def plan(
                         *(seed, name, key, learner, f"best for {one.learner}", DEMONSTRATIONS, one.search),
                         *(track.recalls, test, one.marks),
                     )
+
+
+FOUND = "searches.jsonl.gz"
+"""File of a run's folder with the demonstrations that were searched for."""
+SHARE = Measure[Tested]("food delivered (%)", lambda row: 100.0 * row.delivered / row.foods)
+"""Every place counts alike."""
+
+
+def run(given: Arguments, learners: Mapping[str, Compared], execute: Execute) -> int:
+    """Do what is missing of the protocol, and write the page.
+
+    Args:
+        given: The arguments of `khepera-forage compare --protocol`.
+        learners: Those that may take part, by name.
+        execute: Does the work.
+
+    Raises:
+        ValueError: A learner was asked for that is on none of the tracks.
+    """
+    if given.out == Path("results/learners"):
+        given.out = Path(f"results/{NAME}")
+    given.name = NAME
+    chosen = list(dict.fromkeys(given.track or TRACKS))
+    concerned = {name for track in chosen for name in TRACKS[track].learners}
+    concerned |= {
+        name for name, one in learners.items() if name not in LEARNERS and isinstance(one, FromVectors)
+    }
+    for name in learners.keys() - REFERENCES.keys() if given.only or given.learner else ():
+        if name not in concerned:
+            raise ValueError(
+                f"--only or --learner is {name!r}; allowed on these tracks: {', '.join(sorted(concerned))}, and your "
+                "own ones from experience vectors"
+            )
+    missing = {name: why for name, one in learners.items() if name in concerned and (why := unable(one))}
+    for name, why in missing.items():
+        print(f"{name} is left out: {why}")
+    able = {name: one for name, one in learners.items() if name not in missing}
+    settings = {"protocol": NAME} | {f"learner {name}": settings_of(one) for name, one in able.items()}
+    most = given.seeds if given.seeds_given else max(track.seeds for track in TRACKS.values())
+    found = Rows(())
+    if TEACHING in chosen:
+        units = searches(able, given.seed, given.quick, most)
+        found = collect(given, units, {Demonstrations: "demonstrations"}, execute, settings, True, FOUND)
+    tests = [
+        unit
+        for track in chosen
+        for unit in plan(track, able, given.seed, given.quick, most, found.of(Demonstrations))
+    ]
+    rows = collect(given, tests, {Tested: "rows"}, execute, settings, True).of(Tested)
+    return finish(given, page(rows, given.seed, given.quick))
+
+
+def page(rows: Sequence[Tested], seed: int, quick: bool) -> Page:
+    """The page of all tracks that have rows; `seed` is that of the resamples."""
+    tables = []
+    for name, track in TRACKS.items():
+        own = pick(rows, track=name)
+        if own:
+            tables.append(_table(name, track.question, own, seed))
+            if name == TEACHING and (transfer := _transfer(own, seed)).rows:
+                tables.append(transfer)
+    if quick:
+        return Page(f"{NAME}, in small", ["With `--quick` this is a smoke test: it says nothing.", *tables])
+    return Page(NAME, tables)
+
+
+def _mean(rows: Sequence[Tested], seed: int) -> Estimate:
+    return mean(rows, SHARE, np.random.default_rng(seed)) if rows else UNKNOWN
+
+
+def _table(name: str, question: str, rows: Sequence[Tested], seed: int) -> Table:
+    """Food delivered by learner, condition and amount, in every group of places."""
+    groups = {group: set(GROUPS[group]) for group in TRACKS[name].places}
+    lines: list[dict[str, Value]] = []
+    for learner, condition, amount in _kinds(rows):
+        own = pick(rows, learner=learner, condition=condition, amount=amount)
+        lines.append(
+            {
+                "learner": learner,
+                "condition": condition or "-",
+                "amount": amount,
+                "trainings": len({(row.replication, row.seconds) for row in own}),
+                **{
+                    f"{g} (%)": _mean([r for r in own if r.place in group], seed)
+                    for g, group in groups.items()
+                },
+                "vectors": plain(float(np.mean([row.vectors for row in own]))),
+                "seconds": plain(float(np.mean([row.seconds for row in own]))),
+            }
+        )
+    note = (
+        f"{question} Food delivered that is not poisonous, with 95 % intervals over replications; every place of a "
+        "group counts alike. `teacher` is the upper bound and `random` the lower one."
+    )
+    return table_of(name, f"Track: {name}", note, lines, {"vectors": 0, "seconds": 2})
+
+
+def _transfer(rows: Sequence[Tested], seed: int) -> Table:
+    """How much of the gap to 100 % demonstrations close, by learner and teacher."""
+    few = TRACKS[TEACHING].amounts[THESIS][0]
+    lines: list[dict[str, Value]] = []
+    for learner, condition, amount in _kinds(rows):
+        if learner not in REFERENCES and amount == few and condition != THESIS:
+            share = _mean(pick(rows, learner=learner, condition=condition, amount=amount), seed)
+            usual = _mean(pick(rows, learner=learner, condition=THESIS, amount=amount), seed).value
+            lines.append(
+                {
+                    "learner": learner,
+                    "teacher": condition,
+                    "thesis's teacher (%)": plain(usual),
+                    "this teacher (%)": share,
+                    "gap closed (%)": Estimate(
+                        *(100 * (value - usual) / max(100 - usual, 1e-9) for value in share)
+                    ),
+                }
+            )
+    note = (
+        "Five demonstrations. Gap closed: 0 is the thesis's teacher, 100 is all food. Best for: demonstrations "
+        "that were searched for one learner, tested with each. Intervals are over replications, or over searches, "
+        "with the mean of the thesis's teacher held."
+    )
+    return table_of("transfer", "Five demonstrations", note, lines)
+
+
+def _kinds(rows: Sequence[Tested]) -> list[tuple[str, str, int]]:
+    """Learners, conditions and amounts, in the order of the protocol; the references first."""
+    kinds = dict.fromkeys((row.learner, row.condition, row.amount) for row in rows)
+    names = list(dict.fromkeys([*REFERENCES, *(name for name, _, _ in kinds)]))
+    return sorted(kinds, key=lambda kind: names.index(kind[0]))
 
 
 Made = tuple[str, Sequence[Experience], dict[str, Any]]

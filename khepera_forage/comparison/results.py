@@ -20,7 +20,7 @@ infinite.
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -86,8 +86,6 @@ class Curve:
         points: In increasing order of the amount.
         steps_to_success: Steps after which a replication first delivered the share `SUCCESS` of the food; the median
             over replications, infinite if more than half never did.
-        amount_to_success: The requested amount by then, the median again. Algorithms overshoot the requested amount
-            differently, so this number, and not the steps, ranks learners.
         gain: Percentage points of the food delivered after all of the learning, minus those after the first amount.
     """
 
@@ -95,7 +93,6 @@ class Curve:
     arena: str
     points: tuple[Point, ...]
     steps_to_success: Estimate
-    amount_to_success: float
     gain: Estimate
 
     @property
@@ -104,17 +101,10 @@ class Curve:
         return self.points[-1]
 
 
-class _First(NamedTuple):
-    replication: int
-    steps: float
-
-
 def curves(rows: Sequence[RecallBatch], seed: int) -> list[Curve]:
-    """A curve for each learner and arena, in the order of the rows.
+    """A curve for each learner and arena, in the order of the rows, which is that of `in_order`.
 
-    Args:
-        rows: In the order of `in_order`.
-        seed: Of the resamples. Every curve has the same, so that it does not depend on which others there are.
+    The resamples of every curve have the same seed, so that it does not depend on which others there are.
     """
     groups: dict[tuple[str, str], list[RecallBatch]] = {}
     for row in rows:
@@ -129,31 +119,28 @@ def _curve(rows: Sequence[RecallBatch], rng: np.random.Generator) -> Curve:
         for amount, own in parts.items()
     )
     first, *_, last = (*parts.values(), *parts.values())
-    steps = [_First(*item) for item in _firsts(rows, lambda row: row.steps).items()]
-    to_success = bootstrap_quantile(steps, lambda row: row.steps, 0.5, rng)
-    amounts = sorted(_firsts(rows, lambda row: row.amount).values())
+    to_success = bootstrap_quantile(_firsts(rows), lambda row: row.steps, 0.5, rng)
     gain = difference(last, first, DELIVERED, rng) if len(parts) > 1 else UNKNOWN
-    return Curve(rows[0].learner, rows[0].arena, points, to_success, amounts[(len(amounts) - 1) // 2], gain)
+    return Curve(rows[0].learner, rows[0].arena, points, to_success, gain)
 
 
-def _firsts(rows: Sequence[RecallBatch], measure: Callable[[RecallBatch], float]) -> dict[int, float]:
-    """A measure at the first success of each replication; infinite without success."""
+class _First(NamedTuple):
+    replication: int
+    steps: float
+
+
+def _firsts(rows: Sequence[RecallBatch]) -> list[_First]:
+    """Steps to the first success of each replication; infinite without success."""
     firsts = {row.replication: math.inf for row in rows}
     for row in rows:
         if row.delivered >= SUCCESS * row.foods:
-            firsts[row.replication] = min(firsts[row.replication], measure(row))
-    return firsts
+            firsts[row.replication] = min(firsts[row.replication], row.steps)
+    return [_First(*item) for item in firsts.items()]
 
 
 @dataclass(frozen=True, slots=True)
 class ReadLearner:
-    """A learner of a results file.
-
-    Attributes:
-        title: For tables and figures.
-        needs: What it learned from; None if it learns nothing.
-        settings: In one line.
-    """
+    """A learner of a results file; `needs` is None if it learns nothing."""
 
     title: str
     needs: Needs | None
@@ -229,13 +216,7 @@ def read_results(source: str) -> Results:
 def beside(
     own: Sequence[Curve], learners: Mapping[str, Compared], other: Results | None
 ) -> tuple[list[Curve], dict[str, Shown]]:
-    """The curves and learners of a run, and behind them those of a results file, with its origin in their titles.
-
-    Args:
-        own: Of this run.
-        learners: Theirs.
-        other: What was read; None for nothing.
-    """
+    """The curves and learners of a run, and behind them those of a results file, with its origin in their titles."""
     if other is None:
         return list(own), dict(learners)
     mark = f"({other.origin})"
@@ -279,10 +260,7 @@ def _curve_of(value: Any, learners: Mapping[str, ReadLearner]) -> Curve:
     )
     if not points:
         raise ValueError(f"points of {name} are empty; allowed: one or more")
-    # The amount to success ranks the learners of one run, which is not done again here.
-    return Curve(
-        name, arena, points, _estimate(value, "steps_to_success"), math.nan, _estimate(value, "gain")
-    )
+    return Curve(name, arena, points, _estimate(value, "steps_to_success"), _estimate(value, "gain"))
 
 
 def _count(value: Any, key: str) -> int:

@@ -23,9 +23,7 @@ RowT = TypeVar("RowT", bound="DataclassInstance")
 
 
 class RowWriter(Generic[RowT]):
-    """Appends rows to a CSV file, each with one write to the operating system.
-
-    A process that is killed loses at most the row it was writing.
+    """Appends rows to a CSV file, so that a process that is killed loses at most the row it was writing.
 
     Args:
         path: The file; its folder is created if needed.
@@ -53,13 +51,15 @@ class RowWriter(Generic[RowT]):
 
     def write(self, *rows: RowT) -> None:
         """Append rows, with one write for all of them."""
-        self._write(b"".join(map(self._line_of, rows)))
+        self._write(
+            b"".join(
+                _line([_format(name, kind, getattr(row, name)) for name, kind in self._types.items()])
+                for row in rows
+            )
+        )
 
     def _write(self, data: bytes) -> None:
         write_all(self._file, data, self._path)
-
-    def _line_of(self, row: RowT) -> bytes:
-        return _line([_format(name, kind, getattr(row, name)) for name, kind in self._types.items()])
 
     def close(self) -> None:
         """Close the file; a second call does nothing."""
@@ -92,16 +92,7 @@ def read_rows(path: Path, row_type: type[RowT]) -> list[RowT]:
 
 
 def parse_rows(text: str, source: str, row_type: type[RowT]) -> list[RowT]:
-    """The rows of a file's text.
-
-    Args:
-        text: The whole file.
-        source: Name of the file in error messages.
-        row_type: The dataclass whose fields are the columns.
-
-    Raises:
-        ValueError: As for `read_rows`.
-    """
+    """The rows of a file's text, as `read_rows`; errors name the source."""
     names, types = _names(row_type), get_type_hints(row_type)
     lines = text.split("\n")[:-1]
     if not lines or _split(lines[0]) != names:

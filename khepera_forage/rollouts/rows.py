@@ -1,10 +1,20 @@
 """The rows of recall episodes and training attempts, from which all results can be recomputed."""
 
+import csv
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
+from typing import Protocol
 
-from khepera_forage.task.decisions import Decisions, decisions_from_text
+from khepera_forage.task.decisions import (
+    DEFAULT_DECISIONS,
+    Decisions,
+    decisions_from_text,
+    decisions_text,
+    differences,
+)
 from khepera_forage.task.states import Behaviour, State
 
 IMITATOR = "imitator"
@@ -92,35 +102,31 @@ class RecallRow:
     decisions: str = ""
 
     def __post_init__(self) -> None:
-        _require(1 <= self.steps <= self.limit, "steps", self.steps, f"1..limit, which is {self.limit}")
-        _require(0 <= self.correct <= self.steps, "correct", self.correct, f"0..steps, which is {self.steps}")
-        score = 100.0 * self.correct / self.steps - self.penalty
-        _require(math.isclose(self.score, score, abs_tol=1e-6), "score", self.score, f"{score:.6f}")
+        wrong, steps = self.steps - self.correct, self.steps
+        _require(1 <= steps <= self.limit, self, "steps", f"1..limit, which is {self.limit}")
+        _require(0 <= self.correct <= steps, self, "correct", f"0..steps, which is {steps}")
+        score = 100.0 * self.correct / steps - self.penalty
+        _require(math.isclose(self.score, score, abs_tol=1e-6), self, "score", f"{score:.6f}")
         for name in ("food_x", "food_y", "food_delivered"):
-            values = getattr(self, name)
-            _require(len(values) == self.foods, name, values, f"one value for each of {self.foods} foods")
+            fits = len(getattr(self, name)) == self.foods
+            _require(fits, self, name, f"one value for each of {self.foods} foods")
         delivered = sum(self.food_delivered)
-        _require(
-            self.delivered == delivered,
-            "delivered",
-            self.delivered,
-            f"{delivered}, the sum of food_delivered",
-        )
-        for name, total in (("rounds_by_state", self.steps), ("wrong_by_state", self.steps - self.correct)):
+        _require(self.delivered == delivered, self, "delivered", f"{delivered}, the sum of food_delivered")
+        for name, total in (("rounds_by_state", steps), ("wrong_by_state", wrong)):
             counts = getattr(self, name)
             valid = len(counts) == STATES and min(counts) >= 0 and sum(counts) == total
-            _require(valid, name, counts, f"{STATES} counts that add up to {total}")
-        for state, (rounds, wrong) in enumerate(zip(self.rounds_by_state, self.wrong_by_state, strict=True)):
-            _require(wrong <= rounds, f"wrong_by_state[{state}]", wrong, f"at most {rounds}, its rounds")
-        wrong = self.steps - self.correct
-        _require(
-            0 <= self.orient_without_food <= wrong,
-            "orient_without_food",
-            self.orient_without_food,
-            f"0..{wrong} wrong rounds",
-        )
-        _require(0 <= self.ties <= self.steps, "ties", self.ties, f"0..{self.steps} steps")
-        _require(0 <= self.conflicts <= self.ties, "conflicts", self.conflicts, f"0..{self.ties} ties")
+            _require(valid, self, name, f"{STATES} counts that add up to {total}")
+        for state, (rounds, mistaken) in enumerate(
+            zip(self.rounds_by_state, self.wrong_by_state, strict=True)
+        ):
+            if mistaken > rounds:
+                raise ValueError(
+                    f"wrong_by_state[{state}] is {mistaken}; allowed: at most {rounds}, its rounds"
+                )
+        fits = 0 <= self.orient_without_food <= wrong
+        _require(fits, self, "orient_without_food", f"0..{wrong} wrong rounds")
+        _require(0 <= self.ties <= steps, self, "ties", f"0..{steps} steps")
+        _require(0 <= self.conflicts <= self.ties, self, "conflicts", f"0..{self.ties} ties")
         row_decisions(self.decisions)
 
     @property
@@ -184,12 +190,12 @@ class TrainingRow:
     decisions: str = ""
 
     def __post_init__(self) -> None:
-        _require(self.file >= 1, "file", self.file, "1 or more")
-        _require(self.attempt >= 1, "attempt", self.attempt, "1 or more")
-        _require(self.rounds >= 0, "rounds", self.rounds, "0 or more")
-        _require(0 <= self.vectors <= self.rounds, "vectors", self.vectors, f"0..{self.rounds} rounds")
-        _require(self.separations >= 0, "separations", self.separations, "0 or more")
-        _require(bool(self.reason) != self.complete, "reason", self.reason, "empty if and only if complete")
+        _require(self.file >= 1, self, "file", "1 or more")
+        _require(self.attempt >= 1, self, "attempt", "1 or more")
+        _require(self.rounds >= 0, self, "rounds", "0 or more")
+        _require(0 <= self.vectors <= self.rounds, self, "vectors", f"0..{self.rounds} rounds")
+        _require(self.separations >= 0, self, "separations", "0 or more")
+        _require(bool(self.reason) != self.complete, self, "reason", "empty if and only if complete")
         row_decisions(self.decisions)
 
 
@@ -203,6 +209,58 @@ def row_decisions(text: str) -> Decisions:
     return decisions_from_text(text)
 
 
-def _require(valid: bool, name: str, value: object, allowed: str) -> None:
+def _require(valid: bool, row: object, name: str, allowed: str) -> None:
     if not valid:
-        raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
+        raise ValueError(f"{name} is {getattr(row, name)!r}; allowed: {allowed}")
+
+
+class _Row(Protocol):
+    """A row with a column `decisions`."""
+
+    @property
+    def decisions(self) -> str:
+        """Text of the decisions."""
+        ...
+
+
+def common_decisions(*tables: Iterable[_Row]) -> Decisions:
+    """The decisions of all rows of some tables; the defaults without rows.
+
+    Raises:
+        ValueError: Rows of different decisions.
+    """
+    texts = list(dict.fromkeys(row.decisions for table in tables for row in table))
+    first, *others = [row_decisions(text) for text in texts] or [DEFAULT_DECISIONS]
+    for other in others:
+        if other != first:
+            raise ValueError(
+                f"rows of different decisions: {differences(other, first)}; "
+                "allowed: rows of the same decisions in one report"
+            )
+    return first
+
+
+def refuse_other_decisions(path: Path, decisions: Decisions) -> None:
+    """Check that an existing file of rows may be replaced by rows of certain decisions.
+
+    Only the first row is read. A file without a column `decisions`, which version 0.1 wrote, is of the decisions of
+    version 0.1. A file without rows, or that does not exist, is of none.
+
+    Raises:
+        ValueError: The file has rows of other decisions.
+    """
+    if not path.exists():
+        return
+    with open(path, encoding="utf-8", newline="") as file:
+        row = next(csv.DictReader(file), None)
+    if row is None:
+        return
+    try:
+        found = row_decisions(row.get("decisions") or "")
+    except ValueError as error:
+        raise ValueError(f"{path}:2: {error}") from error
+    if found != decisions:
+        raise ValueError(
+            f"{path} has rows of other decisions: {differences(found, decisions)}; allowed: the same decisions "
+            f"(now {decisions_text(decisions)}), another --out, or no such file"
+        )

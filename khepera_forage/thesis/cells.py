@@ -69,14 +69,7 @@ def cell_results(
     cells: Sequence[Cell] = THESIS,
     resamples: int = RESAMPLES,
 ) -> list[CellResult]:
-    """The result of every cell.
-
-    Args:
-        recalls: Rows of the imitator; rows of other policies are ignored.
-        rng: Draws the resamples.
-        cells: The design.
-        resamples: Resamples for each interval.
-    """
+    """The result of every cell; rows of other policies than the imitator are ignored."""
     return [_result(in_cell(recalls, cell), cell, rng, resamples) for cell in cells]
 
 

@@ -200,22 +200,20 @@ class CompiledBaseline:
             "recall": list(range(self.forages)) * self.blocks,
             "seed": seeds.tolist(),
         }
-        return [
-            *(
-                recall_rows(
-                    played,
-                    arena,
-                    own,
-                    self.decisions,
-                    episodes=0,
-                    file_id="-",
-                    learner=self.learner,
-                    noise=LABORATORY,
-                    limit=limit,
-                    experience_size=0,
-                )
+        return list(
+            recall_rows(
+                played,
+                arena,
+                own,
+                self.decisions,
+                episodes=0,
+                file_id="-",
+                learner=self.learner,
+                noise=LABORATORY,
+                limit=limit,
+                experience_size=0,
             )
-        ]
+        )
 
 
 def _experience(
@@ -229,16 +227,7 @@ def _experience(
 def recalls_of(
     cell: Cell, trained: Trained, count: int, seeds: NDArray[np.int64], noise: Noise, decisions: Decisions
 ) -> Episodes:
-    """The recalls of one cell in some replications: one after the other, in each by set of files and recall.
-
-    Args:
-        cell: Of the design.
-        trained: A learner for each replication, with all files that the cell needs.
-        count: Number of replications.
-        seeds: One a recall.
-        noise: Of the recalls.
-        decisions: Of the recalls.
-    """
+    """The recalls of one cell in some replications, each with a trained learner: by set of files and recall."""
     experience = _experience_of_cell(cell, trained, count)
     return run_recalls(
         checked_arena(cell.arena, decisions),

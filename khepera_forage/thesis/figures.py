@@ -18,8 +18,7 @@ from khepera_forage.figures import (
     new_figure,
     padded,
 )
-from khepera_forage.rollouts.rows import IMITATOR, RecallRow
-from khepera_forage.rollouts.same_decisions import common_decisions
+from khepera_forage.rollouts.rows import IMITATOR, RecallRow, common_decisions
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.thesis.cells import CellResult
@@ -43,34 +42,11 @@ _PALE = 0.35
 """Opacity of bars."""
 
 
-def fig_5_2(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
-    """Average scores in the corridor against the number of training episodes."""
-    return _score_figure(results, v0_1_results, "corridor", "Figure 5.2: recall score in the corridor")
-
-
-def fig_5_3(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
-    """Food carried home in the corridor, of 20."""
-    return _food_figure(
-        results, v0_1_results, "corridor", 20, "Figure 5.3: food carried home in the corridor"
-    )
-
-
-def fig_5_5(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
-    """Average scores in the rectangle against the number of training episodes."""
-    return _score_figure(results, v0_1_results, "rectangle", "Figure 5.5: recall score in the rectangle")
-
-
-def fig_5_6(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> "Figure":
-    """Food carried home in the rectangle, of 24."""
-    return _food_figure(
-        results, v0_1_results, "rectangle", 24, "Figure 5.6: food carried home in the rectangle"
-    )
-
-
-def _score_figure(
-    results: Sequence[CellResult], v0_1_results: Sequence[CellResult], arena: str, title: str
+def score_figure(
+    number: str, arena: str, results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()
 ) -> "Figure":
-    figure, axes = _episode_axes(title)
+    """Average scores against the number of training episodes: figures 5.2 and 5.5."""
+    figure, axes = _episode_axes(f"Figure {number}: recall score in the {arena}")
     ours, thesis = _OF_THREE if v0_1_results else _OF_TWO
     for result in _in_arena(v0_1_results, arena):
         mark(axes, result.cell.episodes + _V0_1, result.score.value, result.score, GREY)
@@ -87,10 +63,12 @@ def _score_figure(
     return figure
 
 
-def _food_figure(
-    results: Sequence[CellResult], v0_1_results: Sequence[CellResult], arena: str, maximum: int, title: str
+def food_figure(
+    number: str, arena: str, results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()
 ) -> "Figure":
-    figure, axes = _episode_axes(title)
+    """Food carried home against the number of training episodes: figures 5.3, of 20 objects, and 5.6, of 24."""
+    figure, axes = _episode_axes(f"Figure {number}: food carried home in the {arena}")
+    maximum = 20 if arena == CORRIDOR else 24
     ours, thesis = _OF_THREE if v0_1_results else _OF_TWO
     for result in _in_arena(v0_1_results, arena):
         _food_mark(axes, result.cell.episodes + _V0_1, result, maximum, GREY)
@@ -143,14 +121,7 @@ def _episode_axes(title: str) -> tuple["Figure", "Axes"]:
 
 
 def _experiments(axes: "Axes", x: float, values: Sequence[float], step: float) -> None:
-    """Draw single experiments as dots: the more have about the same value, the wider they are spread.
-
-    Args:
-        axes: Where.
-        x: The middle.
-        values: One an experiment.
-        step: Values in the same multiple of it are spread.
-    """
+    """Draw single experiments as dots: the more have values in the same multiple of a step, the wider they spread."""
     if not values:
         return
     classes = np.floor(np.asarray(values) / step + 1e-9).astype(int)

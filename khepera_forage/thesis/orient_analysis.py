@@ -56,9 +56,6 @@ class OrientRow:
 def arrival_vectors(decisions: Decisions) -> NDArray[np.int64]:
     """The state vectors of a robot that arrives next to food with its arm raised.
 
-    Args:
-        decisions: Of the training.
-
     Returns:
         Shape (places of `PIXELS_BEYOND`, distances to the food, 5).
     """
@@ -77,12 +74,7 @@ def arrival_vectors(decisions: Decisions) -> NDArray[np.int64]:
 
 
 def imitator_levels(imitator: "NearestNeighbourImitator", vectors: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Confidence levels (4.6.2) of the ten behaviours, in the last axis.
-
-    Args:
-        imitator: Fitted.
-        vectors: State vectors in the last axis, of any shape before it.
-    """
+    """Confidence levels (4.6.2) of the ten behaviours for state vectors, each in the last axis."""
     flat = vectors.reshape(-1, vectors.shape[-1])
     levels = np.zeros((len(flat), STATES))
     levels[:, imitator.classes_] = imitator.predict_proba(flat)
@@ -92,15 +84,7 @@ def imitator_levels(imitator: "NearestNeighbourImitator", vectors: NDArray[np.in
 def orient_rows(
     levels: NDArray[np.float64], replication: int, episodes: int, file_id: str, decisions: Decisions
 ) -> list[OrientRow]:
-    """The rows of one imitator, one for each place of the food.
-
-    Args:
-        levels: Its confidence levels for `arrival_vectors`, of shape (places, distances to the food, 10).
-        replication: For the rows.
-        episodes: For the rows.
-        file_id: For the rows.
-        decisions: Of the training.
-    """
+    """The rows of one imitator, one for each place, from its confidence levels for `arrival_vectors`."""
     text = decisions_text(decisions)
     shown = (Behaviour.ORIENT_WITH_FOOD, Behaviour.MOVE_SLOWLY, Behaviour.SEARCH_FOR_FOOD)
     rows = []
@@ -111,12 +95,7 @@ def orient_rows(
 
 
 def orient_table(rows: Sequence[OrientRow], rng: np.random.Generator) -> Table:
-    """Mean confidence level of ORIENT WITH FOOD by place of the food and number of training episodes.
-
-    Args:
-        rows: Of one noise condition.
-        rng: Draws the resamples.
-    """
+    """Mean confidence level of ORIENT WITH FOOD by place of the food and number of training episodes."""
     episodes = sorted({row.episodes for row in rows})
     lines: list[tuple[Value, ...]] = []
     for beyond in PIXELS_BEYOND:

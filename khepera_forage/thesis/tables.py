@@ -16,6 +16,7 @@ from khepera_forage.estimates import (
     Value,
     percentile_rank,
     replications,
+    table_of,
 )
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
@@ -28,67 +29,51 @@ from khepera_forage.thesis.design import NO_NOISE, THESIS, Cell, noise_condition
 from khepera_forage.thesis.errata import errata
 from khepera_forage.thesis.inference.summary import usable_lines
 
-_V0_1_NOTE = (
-    " The columns *v0.1* are of replications under the decisions of version 0.1, with the thesis's percentile among "
-    "them."
-)
-
 
 def cell_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> Table:
-    """Mean score and food count of each cell, in the thesis and in our replications.
-
-    Args:
-        results: One for each cell.
-        v0_1_results: The same cells under the decisions of version 0.1. Without any, the table has no columns for them.
-    """
-    rows: list[tuple[Value, ...]] = []
+    """Mean score and food count of each cell in the thesis, in our replications, and in those of version 0.1 if any."""
+    rows: list[dict[str, Value]] = []
     for r, old in _pairs(results, v0_1_results):
         score, food = r.score_rank, r.food_rank
+        old_score: dict[str, Value] = {}
+        old_food: dict[str, Value] = {}
+        if old:
+            old_score = {
+                "v0.1: score (%)": old.score,
+                "v0.1: score percentile": old.score_rank.percentile,
+            }
+            old_food = {"v0.1: food": old.food, "v0.1: food percentile": old.food_rank.percentile}
         rows.append(
-            (
-                r.cell.arena,
-                r.cell.episodes,
-                r.thesis_printed,
-                r.thesis_score,
-                r.score,
-                score.percentile,
-                score.tail,
-                *((old.score, old.score_rank.percentile) if old else ()),
-                f"{r.thesis_food} of {r.cell.available}",
-                r.food,
-                food.percentile,
-                food.tail,
-                *((old.food, old.food_rank.percentile) if old else ()),
-                score.experiments,
-                r.recalls,
-            )
+            {
+                "arena": r.cell.arena,
+                "episodes": r.cell.episodes,
+                "thesis: score (%)": r.thesis_printed,
+                "from its lines (%)": r.thesis_score,
+                "ours: score (%)": r.score,
+                "score percentile": score.percentile,
+                "score tail": score.tail,
+                **old_score,
+                "thesis: food": f"{r.thesis_food} of {r.cell.available}",
+                "ours: food": r.food,
+                "food percentile": food.percentile,
+                "food tail": food.tail,
+                **old_food,
+                "experiments": score.experiments,
+                "recalls": r.recalls,
+            }
         )
-    return Table(
+    digits = dict.fromkeys(("thesis: score (%)", "from its lines (%)", "score tail", "food tail"), 2)
+    percentiles = ("score percentile", "food percentile", "v0.1: score percentile", "v0.1: food percentile")
+    return table_of(
         "cells",
         "Results of the thesis and of our replications",
-        "Mean score in percent and food carried home, with a 95 % interval over replications. The table shows the "
-        "thesis's score as printed, and as the mean of the scores in the printed lines; the latter is compared with "
-        "ours. Each replication contains one experiment of the thesis's size. *Percentile* is the rank of the "
-        "thesis's value among these experiments. *Tail* is the probability that one more of our experiments is "
-        "at least as extreme, on either side." + (_V0_1_NOTE if v0_1_results else ""),
-        (
-            Column("arena"),
-            Column("episodes"),
-            Column("thesis: score (%)", 2),
-            Column("from its lines (%)", 2),
-            Column("ours: score (%)", 1, estimate=True),
-            Column("score percentile", 0),
-            Column("score tail", 2),
-            *(_v0_1_columns("score", "score (%)") if v0_1_results else ()),
-            Column("thesis: food"),
-            Column("ours: food", 1, estimate=True),
-            Column("food percentile", 0),
-            Column("food tail", 2),
-            *(_v0_1_columns("food", "food") if v0_1_results else ()),
-            Column("experiments"),
-            Column("recalls"),
-        ),
+        "Mean score in percent and food carried home, with a 95 % interval over replications. The thesis's score is "
+        "shown as printed, and as the mean of the printed lines, which is compared with ours. *Percentile* is the rank "
+        "of the thesis's value among our experiments of its size, one in each replication; *tail* is the probability "
+        "that one more of them is at least as extreme, on either side."
+        + (" *v0.1*: under the decisions of version 0.1." if v0_1_results else ""),
         rows,
+        digits | dict.fromkeys(percentiles, 0),
     )
 
 
@@ -167,17 +152,8 @@ def _pairs(
     return zip(results, v0_1_results or repeat(None, len(results)), strict=True)
 
 
-def _v0_1_columns(name: str, heading: str) -> tuple[Column, ...]:
-    return Column(f"v0.1: {heading}", 1, estimate=True), Column(f"v0.1: {name} percentile", 0)
-
-
 def summary_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> Table:
-    """The means of each cell in the thesis, in our replications, and in those of version 0.1 if there are any.
-
-    Args:
-        results: One for each cell.
-        v0_1_results: The same cells under the decisions of version 0.1; may be empty.
-    """
+    """The means of each cell in the thesis, in our replications, and in those of version 0.1 if there are any."""
     rows: list[tuple[Value, ...]] = [
         (
             r.cell.arena,
@@ -191,21 +167,16 @@ def summary_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResu
         )
         for r, old in _pairs(results, v0_1_results)
     ]
-    v0_1 = (Column("v0.1"),) if v0_1_results else ()
+    ours = (Column("ours"), *((Column("v0.1"),) if v0_1_results else ()))
     return Table(
         "summary",
         "Summary",
         "Mean score, and food carried home in an experiment of the thesis's size."
         + (" v0.1: under the decisions of version 0.1." if v0_1_results else ""),
         (
-            Column("arena"),
-            Column("episodes"),
-            Column("score (%): thesis", 2),
-            Column("ours"),
-            *v0_1,
-            Column("food: thesis"),
-            Column("ours"),
-            *v0_1,
+            *(Column("arena"), Column("episodes")),
+            *(Column("score (%): thesis", 2), *ours),
+            *(Column("food: thesis"), *ours),
         ),
         rows,
     )
@@ -216,10 +187,10 @@ def claim_table(claims: Sequence[Claim]) -> Table:
     return Table(
         "claims",
         "Claims of the thesis",
-        "Each claim with its effect, a 95 % interval over replications, and a verdict. The next table lists the rule "
-        "of each verdict. All were fixed before any data existed, but for that of claim 8, which counted a "
-        "difference in either direction until version 0.2. A claim is undecided if its interval contains "
-        "the rule's threshold, or if there are too few replications for an interval.",
+        "Each claim with its effect, a 95 % interval over replications, and a verdict, by the rules of the next table. "
+        "All rules were fixed before any data existed, but for that of claim 8, which counted a difference in either "
+        "direction until version 0.2. A claim is undecided if its interval contains the rule's threshold, or without "
+        "an interval.",
         (
             Column("no."),
             Column("claim"),
@@ -246,24 +217,22 @@ def claim_table(claims: Sequence[Claim]) -> Table:
 
 def rule_table(claims: Sequence[Claim]) -> Table:
     """The measurement behind each claim, and the rule of its verdict."""
-    return Table(
+    return table_of(
         "rules",
         "Measurements and rules of the verdicts",
         "Ordered by the number of the claim.",
-        (Column("no."), Column("rule"), Column("what was measured")),
-        [(i, c.rule, c.sentence) for i, c in enumerate(claims, 1)],
+        [{"no.": i, "rule": c.rule, "what was measured": c.sentence} for i, c in enumerate(claims, 1)],
     )
 
 
 def errata_table() -> Table:
     """Errors of arithmetic in the thesis's tables."""
-    return Table(
+    return table_of(
         "errata",
         "Errata of the thesis",
         "Values in tables A.1 to A.7 that do not follow from the values printed beside them. A *series* is a run of "
         "lines that count up by one, as a spreadsheet's fill-down produces them.",
-        tuple(map(Column, ("table", "place", "kind", "printed", "expected"))),
-        [tuple(erratum) for erratum in errata()],
+        [erratum._asdict() for erratum in errata()],
     )
 
 
@@ -309,116 +278,106 @@ def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:
 
 def training_table(evidence: Evidence) -> Table:
     """Attempts per complete training episode, and properties of complete episodes (5.3.1)."""
-    lines: list[tuple[Value, ...]] = []
+    lines: list[dict[str, Value]] = []
     for noise in _ordered({row.noise for row in evidence.trainings}):
         rows = [row for row in evidence.trainings if row.noise == noise]
         done = [row for row in rows if row.complete]
         reasons = Counter(row.reason for row in rows if not row.complete)
+        listed = "; ".join(f"{reason}: {count}" for reason, count in reasons.most_common())
         lines.append(
-            (
-                noise,
-                evidence.mean(attempts_per_episode(evidence, noise)),
-                len(rows),
-                len(done),
-                evidence.mean(Sample(done, lambda row: row.rounds)),
-                evidence.mean(Sample(done, lambda row: row.vectors)),
-                evidence.mean(Sample(done, lambda row: row.separations)),
-                "; ".join(f"{reason}: {count}" for reason, count in reasons.most_common()) or "-",
-            )
+            {
+                "noise": noise,
+                "attempts per episode": evidence.mean(attempts_per_episode(evidence, noise)),
+                "attempts": len(rows),
+                "complete": len(done),
+                "rounds": evidence.mean(Sample(done, lambda row: row.rounds)),
+                "experience vectors": evidence.mean(Sample(done, lambda row: row.vectors)),
+                "separations": evidence.mean(Sample(done, lambda row: row.separations)),
+                "reasons of incomplete attempts": listed or "-",
+            }
         )
-    return Table(
+    return table_of(
         "training",
         "Training episodes",
         "Attempts per complete episode, and means over complete episodes. Intervals: 95 % over replications.",
-        (
-            Column("noise"),
-            Column("attempts per episode", 2, estimate=True),
-            Column("attempts"),
-            Column("complete"),
-            Column("rounds", 0, estimate=True),
-            Column("experience vectors", 0, estimate=True),
-            Column("separations", 2, estimate=True),
-            Column("reasons of incomplete attempts"),
-        ),
         lines,
+        {"attempts per episode": 2, "rounds": 0, "experience vectors": 0, "separations": 2},
     )
 
 
 def teacher_table(evidence: Evidence) -> Table:
     """The distribution of the teacher's steps."""
-    lines: list[tuple[Value, ...]] = []
+    lines: list[dict[str, Value]] = []
     for arena in THESIS_ARENAS:
         rows = of_arena(evidence.teachers, arena)
         limit = next(cell.limit for cell in THESIS if cell.arena == arena)
         steps = sorted(map(steps_needed, rows))
-        at = [steps[math.ceil(q * len(steps)) - 1] if steps else math.nan for q in (0.05, 0.5, 0.95, 1.0)]
-        within = evidence.mean(_ended_within(rows, limit))
-        lines.append((arena, len(rows), *at, limit, within))
-    return Table(
+        shares = {"5 %": 0.05, "median": 0.5, "95 %": 0.95, "longest": 1.0}
+        lines.append(
+            {
+                "arena": arena,
+                "forages": len(rows),
+                **{k: steps[math.ceil(q * len(steps)) - 1] if steps else math.nan for k, q in shares.items()},
+                "thesis's limit": limit,
+                "within this limit (%)": evidence.mean(_ended_within(rows, limit)),
+            }
+        )
+    return table_of(
         "teacher",
         "Steps of the teacher",
         "Quantiles of the steps until all food is at home; ∞ means that some food was not delivered within the time "
         "limit, which is three times the thesis's.",
-        (
-            Column("arena"),
-            Column("forages"),
-            Column("5 %", 0),
-            Column("median", 0),
-            Column("95 %", 0),
-            Column("longest", 0),
-            Column("thesis's limit"),
-            Column("within this limit (%)", 1, estimate=True),
-        ),
         lines,
+        dict.fromkeys(("5 %", "median", "95 %", "longest"), 0),
     )
 
 
 def ties_table(evidence: Evidence) -> Table:
     """How often several experience vectors were equally near, and how often their behaviours differed (4.6)."""
-    lines: list[tuple[Value, ...]] = []
+    lines: list[dict[str, Value]] = []
     for cell in _cells_of(evidence.recalls):
         rows = in_cell(evidence.recalls, cell)
-        shares = [_per_step(rows, lambda row: row.ties), _per_step(rows, lambda row: row.conflicts)]
-        size = evidence.mean(Sample(rows, lambda row: row.experience_size))
-        lines.append((cell.arena, cell.episodes, size, *map(evidence.mean, shares)))
-    return Table(
+        lines.append(
+            {
+                "arena": cell.arena,
+                "episodes": cell.episodes,
+                "experience vectors": evidence.mean(Sample(rows, lambda row: row.experience_size)),
+                "ties (% of steps)": evidence.mean(_per_step(rows, lambda row: row.ties)),
+                "conflicts (% of steps)": evidence.mean(_per_step(rows, lambda row: row.conflicts)),
+            }
+        )
+    return table_of(
         "ties",
         "Ties among the nearest experience vectors",
         "A tie is a step in which several experience vectors have exactly the minimum distance. A conflict is a tie "
         "between different behaviours, of which one is drawn by its confidence level (4.6.2).",
-        (
-            Column("arena"),
-            Column("episodes"),
-            Column("experience vectors", 0, estimate=True),
-            Column("ties (% of steps)", 1, estimate=True),
-            Column("conflicts (% of steps)", 1, estimate=True),
-        ),
         lines,
+        {"experience vectors": 0},
     )
 
 
 def state_table(evidence: Evidence) -> Table:
     """The learner's errors by state."""
-    lines: list[tuple[Value, ...]] = []
+    lines: list[dict[str, Value]] = []
     for arena in THESIS_ARENAS:
         rows = of_arena(evidence.recalls, arena)
         modes = Counter(row.failure_mode for row in rows if row.failed)
         for state in list(State)[:STATES]:
-            visited = _per_step(rows, _in_state(state))
             wrong = Sample(rows, _wrong_in(state), _in_state(state))
-            lines.append((arena, state.name, evidence.mean(visited), evidence.mean(wrong), modes[state]))
-    return Table(
+            lines.append(
+                {
+                    "arena": arena,
+                    "state": state.name,
+                    "steps (%)": evidence.mean(_per_step(rows, _in_state(state))),
+                    "wrong (%)": evidence.mean(wrong),
+                    "failures": modes[state],
+                }
+            )
+    return table_of(
         "states",
         "Errors of the learner by state",
         "By the state that the teacher would classify: share of all steps, share of wrong behaviours in these steps, "
         "and number of failed recalls that had most of their wrong behaviours in this state.",
-        (
-            Column("arena"),
-            Column("state"),
-            Column("steps (%)", 1, estimate=True),
-            Column("wrong (%)", 1, estimate=True),
-            Column("failures"),
-        ),
         lines,
     )
 

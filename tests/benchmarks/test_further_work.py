@@ -1,26 +1,37 @@
 """`benchmarks/further_work.py`: every experiment gives a page, a picture and rows that agree with each other."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from further_experiments import alternative_policies
-from further_experiments.alternative_policies import (
-    PATIENCE,
-    StateLabels,
-    UntilGoal,
-    first_vectors,
-    goal_reached,
-)
+from further_experiments import alternatives
+from further_experiments import state_vectors as new
+from further_experiments.action_level import CopiedMotorsEnv, LearnedBehavioursEnv, hand_coded
+from further_experiments.alternatives import PATIENCE, StateLabels, UntilGoal, goal_reached
+from further_experiments.episodes import ObservingTeacher
+from further_experiments.state_vectors import FIXED
+from further_experiments.teachers import SimulatedPerson
 
+from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.experience import Experience
+from khepera_forage.noise import Noise
+from khepera_forage.policies import Teacher
+from khepera_forage.policies.brute_force import WeightedImitator
+from khepera_forage.policies.distance import distance
+from khepera_forage.robots.khepera import applicable
+from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.rollouts.training import attempt, train
+from khepera_forage.task.decisions import DEFAULT_VALUES
+from khepera_forage.task.perception import RawData, state_vector
 from khepera_forage.task.states import Behaviour, StateVector
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import is_picture, read
 from tests.benchmarks.test_scripts import EXPERIMENTS, SCRIPTS
-from tests.version_0_1 import VALUES
+from tests.version_0_1 import V0_1, VALUES
 
 WITHOUT_RECALLS = {"several_learners"}
+WITH_RECALLS = sorted(set(EXPERIMENTS) - WITHOUT_RECALLS)
 Rows = list[dict[str, str]]
 
 
@@ -34,29 +45,24 @@ def rows_of(out: Path, name: str, kind: str = "recalls", **wanted: str) -> Rows:
     return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
 
 
-def test_every_experiment_has_page_picture_tables_and_rows(out: Path) -> None:
+def test_every_experiment_has_page_picture_tables_rows_and_claims(out: Path) -> None:
     assert {folder.name for folder in out.iterdir()} == set(EXPERIMENTS)
+    printed = (out.parent / "printed").read_text(encoding="utf-8")
     for name in EXPERIMENTS:
         assert is_picture(out / name / f"{name}.png")
         assert read(out / name / "trainings.csv")
         assert bool(read(out / name / "recalls.csv")) is (name not in WITHOUT_RECALLS)
         page = (out / name / f"{name}.md").read_text(encoding="utf-8")
         assert f"]({name}.png)" in page
-
-
-def test_every_claim_is_printed_and_answered_on_its_page(out: Path) -> None:
-    printed = (out.parent / "printed").read_text(encoding="utf-8")
-    for name in EXPERIMENTS:
         claims = read(out / name / "table_claims.csv")
-        page = (out / name / f"{name}.md").read_text(encoding="utf-8")
         assert claims
         for claim in claims:
             assert claim["verdict"] == "undecided", "one replication gives no interval"
             assert f"| {claim['claim']} | {claim['effect']} |" in printed
-            assert f"- **{claim['claim']}: undecided.** " in page
+            assert f"| {claim['claim']} | {claim['effect']} |" in page
 
 
-@pytest.mark.parametrize("name", sorted(set(EXPERIMENTS) - WITHOUT_RECALLS))
+@pytest.mark.parametrize("name", WITH_RECALLS)
 def test_table_is_that_of_the_rows(out: Path, name: str) -> None:
     key = {"chains_of_learners": "generation", "human_teacher": "delay"}.get(name, "episodes")
     column = "food settled (%)" if name == "push_and_avoid" else "food delivered (%)"
@@ -84,11 +90,17 @@ def places_of(out: Path, name: str) -> dict[tuple[str, str], set[tuple[str, ...]
     return seeds
 
 
-def test_conditions_share_their_places(out: Path) -> None:
-    for name in sorted(set(EXPERIMENTS) - WITHOUT_RECALLS):
+def test_conditions_share_their_places_and_replications_have_their_own(
+    out: Path, quick_run: QuickRun
+) -> None:
+    for name in WITH_RECALLS:
         seeds = places_of(out, name)
         assert len(seeds) == 2
         assert all(len(kinds) == 1 for kinds in seeds.values())
+    repeated = quick_run("further_work", *(SCRIPTS["further_work"].repeatable or ()))
+    assert {folder.name for folder in repeated.iterdir()} == {"spatial_variety"}
+    seeds = places_of(repeated, "spatial_variety")
+    assert len(seeds) == len(set.union(*seeds.values())) == 4
 
 
 def test_trainings_agree_with_themselves(out: Path) -> None:
@@ -99,6 +111,38 @@ def test_trainings_agree_with_themselves(out: Path) -> None:
             )
             assert 0 <= true <= vectors <= rounds <= everything
             assert (int(row["attempts"]) == 1) is (rounds == everything)
+
+
+def test_wrong_steps_by_state_add_up(out: Path) -> None:
+    rows = read(out / "action_level" / "recalls.csv")
+    assert {row["condition"] for row in rows} == {
+        f"{setup}: {what}"
+        for setup in ("one set-up", "start and food moved")
+        for what in ("the teacher", "learned program", "learned behaviours", "both learned")
+    }
+    for row in rows:
+        spent, wrong = (
+            [int(n) for n in row[key].split(";")] for key in ("rounds_by_state", "wrong_by_state")
+        )
+        assert sum(spent) == int(row["steps"])
+        assert sum(wrong) == int(row["steps"]) - int(row["correct"])
+        if row["condition"].endswith(("the teacher", "learned behaviours")):
+            assert sum(wrong) == 0, "the program is the teacher's"
+
+
+def test_rows_of_equal_weights_the_old_vector_and_the_thesis_own_are_the_same(out: Path) -> None:
+    """The same files, recalls and learner under three names."""
+    names = {
+        "attribute_weights": "equal",
+        "state_vector": "the thesis's state vector",
+        "alternatives": "as in the thesis",
+    }
+    rows = {
+        name: [row | {"condition": ""} for row in read(out / name / "recalls.csv") if row["condition"] == own]
+        for name, own in names.items()
+    }
+    assert len(rows["alternatives"]) == 4
+    assert rows["attribute_weights"] == rows["state_vector"] == rows["alternatives"]
 
 
 def test_variety_is_variety(out: Path) -> None:
@@ -142,20 +186,6 @@ def test_alternatives_end_differently(out: Path) -> None:
     assert len(set(ends.values())) == len(ends)
 
 
-def test_only_the_experiments_given_are_run(quick_run: QuickRun) -> None:
-    out = quick_run("further_work", *(SCRIPTS["further_work"].repeatable or ()))
-    assert {folder.name for folder in out.iterdir()} == {"spatial_variety"}
-
-
-def test_replications_have_places_of_their_own(quick_run: QuickRun) -> None:
-    seeds = places_of(
-        quick_run("further_work", *(SCRIPTS["further_work"].repeatable or ())), "spatial_variety"
-    )
-    assert len(seeds) == 4
-    assert all(len(kinds) == 1 for kinds in seeds.values())
-    assert len(set.union(*seeds.values())) == 4
-
-
 FAR = StateVector(0, 90, 0, 215, 60)
 CLOSE = FAR._replace(robot_food_distance=25)
 NEXT = FAR._replace(robot_food_distance=20)
@@ -178,7 +208,7 @@ DONE = (
 
 
 def test_each_goal_is_where_the_next_behaviour_begins(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(alternative_policies, "DECISIONS", VALUES)
+    monkeypatch.setattr(alternatives, "DECISIONS", VALUES)
     for behaviour, here, there in zip(DONE, ROUTE[:-1], ROUTE[1:], strict=True):
         assert not goal_reached(behaviour, here, 20)
         assert goal_reached(behaviour, there, 20)
@@ -206,18 +236,147 @@ def test_a_behaviour_runs_until_its_goal_or_for_a_limited_time() -> None:
     assert len(decisions) == 3
 
 
-def test_first_vectors_are_the_first_vector_of_every_behaviour() -> None:
-    heard = [0, 0, 1, 1, 0, 2]
-    vectors = [FAR._replace(robot_home_distance=90 - i) for i in range(6)]
-    first = first_vectors(Experience(vectors, heard))
-    assert [vector.robot_home_distance for vector in first.vectors] == [90, 88, 86, 85]
-    assert list(first.behaviours) == [0, 1, 0, 2]
-
-
 def test_state_labels_draw_any_behaviour_in_a_state_without_record() -> None:
     learner = StateLabels.heard([Experience([FAR, CLOSE], [0, 1])], 20)
     rng = np.random.default_rng(0)
     assert {learner.act(FAR, rng) for _ in range(20)} == {Behaviour.SEARCH_FOR_FOOD}
     assert len({learner.act(HOME, rng) for _ in range(100)}) == 10
-    with pytest.raises(TypeError, match="rng is None"):
-        learner.act(FAR)
+
+
+DIAGONAL = 138
+SIGHT: dict[str, Any] = {
+    "proximity": (0,) * 6,
+    "arm": 215,
+    "jaw": 200,
+    "x": 40.0,
+    "y": 20.0,
+    "tracked": True,
+    "food_seen": True,
+    "food_x": 70.0,
+    "food_y": 20.0,
+    "home_x": 110.0,
+    "home_y": 20.0,
+    "home_radius": 20,
+    "home_opening": 180.0,
+    "wall_distance": 15.0,
+    "wall_bearing": 90.0,
+}
+RAW = RawData(**(dict.fromkeys(RawData._fields, 0) | SIGHT))
+
+
+def test_the_argument_for_weights_holds_on_the_training_line() -> None:
+    """Equal weights tie what lies on one line with start and home; any weight of the food above the home's does not."""
+    far = (Behaviour.SEARCH_FOR_FOOD, range(31, 57)), (Behaviour.MOVE_SLOWLY, range(21, 31))
+    training = [((0, 36 + food, 0, 215, food), heard) for heard, foods in far for food in foods]
+    training.append(((0, 56, 0, 215, 20), Behaviour.ORIENT_WITH_FOOD))
+    vectors, heard = (np.array(part) for part in zip(*training, strict=True))
+    further_out = np.array([(0, 96, 0, 215, 20)])
+
+    def level(weights: tuple[int, ...]) -> float:
+        shares = WeightedImitator(DIAGONAL, weights).fit(vectors, heard).predict_proba(further_out)
+        return float(shares[0, list(np.unique(heard)).index(Behaviour.ORIENT_WITH_FOOD)])
+
+    assert level(FIXED["equal"]) == pytest.approx(1 / len(training))
+    assert [level(FIXED[name]) for name in ("food ×2", "food ×4", "food ×8")] == [1.0, 1.0, 1.0]
+    assert level(FIXED["home ×4"]) == 0.0
+
+
+def test_food_nearness_and_at_home_by_hand() -> None:
+    assert new.REACH == 15
+    assert new.food_nearness(RAW) == pytest.approx(15 / 45)
+    assert new.food_nearness(RAW._replace(food_x=55.0)) == 0.5
+    assert new.food_nearness(RAW._replace(food_seen=False)) == 0.0
+    for food_seen in (True, False):
+        assert new.food_nearness(RAW._replace(object_presence=255, food_seen=food_seen)) == 1.0
+    assert [new.redesigned(RAW._replace(x=x))[1] for x in (40.0, 89.9, 90.0)] == [0, 0, new.SCALE]
+    assert new.redesigned(RAW) == (0, 0, 0, 215, 333)
+
+
+def test_distances_of_the_redesigned_vector() -> None:
+    here = new.redesigned(RAW)
+
+    def away(**changes: Any) -> float:
+        return float(distance(here, new.redesigned(RAW._replace(**changes)), new.SCALE))
+
+    assert away(home_x=45.0) == 1
+    assert away(food_type=2) == 1
+    assert away(arm=226) == pytest.approx(11 / 55)
+    assert away(food_seen=False) == pytest.approx(1 / 3, abs=1e-3)
+    assert away(object_presence=255) == pytest.approx(1 + 2 / 3, abs=1e-3)
+
+
+def test_recorded_moments_are_those_of_the_experience_file() -> None:
+    env = TrainingEnv(decisions=V0_1)  # whose vectors follow from the raw data alone
+    teacher = ObservingTeacher(env)
+    for seed in (1, 2):
+        experience, rows = train(env, np.random.SeedSequence(seed), teacher=teacher)
+        moments = teacher.moments()
+        assert rows[-1].complete
+        assert [state_vector(moment.raw, DIAGONAL, DEFAULT_VALUES) for moment in moments] == list(
+            experience.vectors
+        )
+        assert [moment.heard for moment in moments] == list(experience.behaviours)
+    env.close()
+
+
+def test_moments_of_a_failed_attempt_are_dropped() -> None:
+    env = TrainingEnv(max_cycles=20)
+    teacher = ObservingTeacher(env)
+    for seed in (1, 2):
+        assert not attempt(env, seed, lambda *_: None, teacher=teacher).complete
+        assert 0 < len(teacher.moments()) <= 20
+    env.close()
+
+
+def test_without_noise_copied_motors_are_the_teachers() -> None:
+    """Without noise both robots stand in the same place, and following has nothing to bend."""
+    env = CopiedMotorsEnv(noise=Noise.none())
+    teacher = ObservingTeacher(env)
+    told = []
+
+    def watch() -> None:
+        teacher, learner = env.foragers
+        told.append((teacher.applied, learner.applied))
+
+    assert attempt(env, 3, lambda *_: None, teacher=teacher, callback=watch).complete
+    env.close()
+    assert len(told) > 50
+    assert [learner for _, learner in told] == [teacher for teacher, _ in told]
+    assert [moment.motors for moment in teacher.moments()] == [learner for _, learner in told]
+
+
+def test_recall_with_the_given_behaviours_is_recall() -> None:
+    given = recall_env("corridor")
+    own = LearnedBehavioursEnv(arena="corridor", foods=given.foods, limit=given.limit)
+    for seed in (5, 6):
+        assert recall(own, Teacher(), seed) == recall(given, Teacher(), seed)
+    own.command = lambda behaviour, raw: applicable(hand_coded(Behaviour.WAIT, raw))
+    still = recall(own, Teacher(), 5)
+    assert (still.steps, still.delivered) == (given.limit, 0)
+    given.close()
+    own.close()
+
+
+def test_every_key_of_a_person_but_the_first_is_late_and_some_are_wrong() -> None:
+    env, draws = TrainingEnv(decisions=V0_1), np.random.default_rng(0)
+    env.reset(seed=1)
+
+    def seen(vector: StateVector, separated: int = 0) -> list[int]:
+        return [*vector, Behaviour.WAIT, separated]
+
+    exact = SimulatedPerson(env, delay=0, wrong=0.0)
+    for vector in (FAR, CLOSE, NEXT, FAR):
+        for separated in (0, 1):
+            shown = seen(vector, separated)
+            assert exact.act(shown, draws) == Teacher.of(env).act(shown)
+    late, keys = SimulatedPerson(env, delay=2, wrong=0.0), []
+    for step, vector in enumerate((FAR, CLOSE, NEXT, NEXT, NEXT, FAR)):
+        env.infos[TEACHER]["steps"] = step
+        keys.append(late.act(seen(vector), draws))
+    search, slowly, orient = DONE[:3]
+    assert keys == [search, search, search, slowly, orient, orient]
+    careless = SimulatedPerson(env, delay=0, wrong=0.2)
+    counts = np.bincount([careless.act(seen(FAR), draws) for _ in range(5000)], minlength=10)
+    assert len(counts) == 10, "WAIT is never pressed"
+    assert abs(counts[search] - 4000) < 6 * np.sqrt(5000 * 0.2 * 0.8)
+    assert np.all(np.abs(counts[1:] - 1000 / 9) < 6 * np.sqrt(1000 / 9))

@@ -10,7 +10,6 @@ from sklearn.ensemble import RandomForestClassifier
 from khepera_forage.comparison.learning import ARENAS, Compared, RecallBatch, all_learners
 from khepera_forage.comparison.page import STYLES, figure
 from khepera_forage.comparison.results import Curve, beside, curves, read_results
-from khepera_forage.figures import COLOURS, MARKERS
 from khepera_forage.policies.learners import FromVectors, Needs
 from tests.figure_checks import (
     check_points_are_shown,
@@ -116,11 +115,6 @@ def test_picture_is_readable_and_complete_in_its_legend(drawn: Figure) -> None:
         assert {f"the teacher, {arena}", f"random behaviours, {arena}"} <= set(labels)
 
 
-def test_picture_of_one_learner_is_readable(learners: dict[str, Compared]) -> None:
-    few = {name: learners[name] for name in ("teacher", "imitator")}
-    check_readable(lay_out(figure(curves(rows_of(few), 3), few)))
-
-
 def test_picture_beside_published_results_is_readable(learners: dict[str, Compared]) -> None:
     few = {name: learners[name] for name in ("teacher", "imitator")}
     check_readable(lay_out(figure(*beside(curves(rows_of(few), 3), few, read_results("published")))))
@@ -129,7 +123,3 @@ def test_picture_beside_published_results_is_readable(learners: dict[str, Compar
 def test_picture_of_references_alone_can_be_drawn(learners: dict[str, Compared]) -> None:
     few = {"teacher": learners["teacher"]}
     figure(curves(rows_of(few), 3), few).draw_without_rendering()
-
-
-def test_each_colour_has_a_marker_of_its_own() -> None:
-    assert len(set(MARKERS)) == len(MARKERS) == len(set(COLOURS)) == len(COLOURS)

@@ -9,21 +9,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sklearn.ensemble import RandomForestClassifier
 
-from khepera_forage.comparison import tuning
+from khepera_forage.comparison.compare import CANDIDATES, candidates, differences, unavailable
 from khepera_forage.comparison.learning import (
     RecallBatch,
     Size,
-    all_learners,
-    plan,
     settings_of,
-    unable,
 )
-from khepera_forage.comparison.page import results
 from khepera_forage.comparison.results import curves
-from khepera_forage.comparison.workers import unavailable
-from khepera_forage.policies.learners import LEARNERS, FromVectors, Needs
+from khepera_forage.policies.learners import LEARNERS, Needs
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import quick, quick_here, read, refused
 from tests.benchmarks.test_scripts import LEARNERS_RUN
@@ -109,49 +103,19 @@ def test_page_has_settings_and_command(out: Path) -> None:
     assert " --only imitator --only tree --only dagger_tree\n" in page
 
 
-def results_of(rows: list[RecallBatch]) -> str:
-    """The results in words, as they stand on the page of these rows."""
-    return results(curves(rows, 0), all_learners()) + "\n"
-
-
 def batch(learner: str, amount: int, steps: int, delivered: int) -> RecallBatch:
     return RecallBatch(learner, 0, amount, "corridor", steps, 0, 10, 50.0, delivered, 10, 900, 1.0)
 
 
-def test_learners_that_need_the_same_amount_tie() -> None:
-    rows = [batch("ppo", 10_000, 10_240, 9), batch("dqn", 10_000, 10_000, 9)]
-    rows += [batch(name, 1_000, 1_000, 7) for name in ("ppo", "dqn")]
-    tied = "80 % (tied): PPO on behaviours, after 10,240 steps; DQN on behaviours, after 10,000 steps.\n"
-    text = results_of(rows)
-    assert f"First to deliver {tied}" in text
-    assert "PPO on behaviours, 90.0 % after 10,240 steps; DQN on behaviours, 90.0 % after 10,000" in text
-    rows[-1] = batch("dqn", 1_000, 1_000, 8)
-    assert "First to deliver 80 %: DQN on behaviours, after 1,000 steps.\n" in results_of(rows)
-
-
-def test_the_median_replication_decides_which_learner_is_first() -> None:
+def test_steps_to_success_are_those_of_the_median_replication() -> None:
     rows = [
         replace(batch("tree", amount, 90 * amount, 9 if amount >= enough else 0), replication=number)
         for number, enough in enumerate((1, 2, 3, 4))
         for amount in (1, 2, 3)
     ]
-    (curve,) = curves(rows, 0)
-    assert (curve.amount_to_success, curve.steps_to_success.value) == (2, 180)
-    (curve,) = curves(rows[3:], 0)
-    assert (curve.amount_to_success, curve.steps_to_success.value) == (3, 270)
-    (curve,) = curves(rows[9:], 0)
-    assert curve.amount_to_success == curve.steps_to_success.value == math.inf
-
-
-def test_results_on_wheels_are_those_of_the_rows() -> None:
-    rows = [batch("ppo", 10_000, 10_240, 9)]
-    assert "on wheels" not in results_of(rows)
-    rows += [batch("ppo_wheels", 10_000, 10_240, 2), batch("sac_wheels", 10_000, 10_000, 1)]
-    text = results_of(rows)
-    assert "reinforcement learning on wheels.** 0 of 2 learn to forage within 10,000 steps (80 %" in text
-    assert "Food delivered in the end: PPO on wheels, 20.0 %; SAC on wheels, 10.0 %.\n" in text
-    rows[-1] = batch("sac_wheels", 10_000, 10_000, 8)
-    assert "on wheels.** 1 of 2 learn to forage within 10,000 steps (80 %" in results_of(rows)
+    for first, steps in ((0, 180), (3, 270), (9, math.inf)):
+        (curve,) = curves(rows[first:], 0)
+        assert curve.steps_to_success.value == steps
 
 
 def test_rows_of_other_learners_in_the_folder_are_kept(tmp_path: Path) -> None:
@@ -195,27 +159,6 @@ def test_learners_are_tested_in_the_arenas_that_are_named(tmp_path: Path) -> Non
     assert "t_maze" in told
 
 
-def test_an_additional_learner_takes_part(monkeypatch: pytest.MonkeyPatch) -> None:
-    settings: dict[str, Any] = {"n_estimators": 5}
-    monkeypatch.setitem(
-        LEARNERS, "forest", FromVectors("forest", RandomForestClassifier, settings, seeded=True)
-    )
-    forest = all_learners()["forest"]
-    assert settings_of(forest) == "RandomForestClassifier(n_estimators=5)"
-    (unit,) = plan({"forest": forest}, range(1), SIZE, 0)
-    rows = unit.run()
-    assert [(row.amount, row.arena) for row in rows] == [
-        (amount, arena) for amount in (1, 2) for arena in ("corridor", "rectangle")
-    ]
-    assert all(row.learner == "forest" and row.seconds > 0 for row in rows)
-
-
-def test_learners_that_need_a_unable_are_left_out() -> None:
-    for learner in LEARNERS.values():
-        fits = learner.needs is not Needs.STEPS or find_spec("stable_baselines3") is not None
-        assert bool(unable(learner)) is not fits
-
-
 def test_unavailable_backends_have_a_reason() -> None:
     assert unavailable("loky", None) == ""
     assert (
@@ -247,7 +190,7 @@ def test_tuning_compares_settings_over_other_seeds(tuned: Path) -> None:
     seeds = {row["replication"] for row in read(tuned / "tuning/rows.csv")}
     assert seeds == {"1000"}
     page = (tuned / "tuning/tuning.md").read_text(encoding="utf-8")
-    assert page.startswith("# Settings of the learners\n\n## Results\n\n4 other settings were compared. ")
+    assert page.startswith("# Settings of the learners\n")
     assert "    khepera-forage compare --quick --seed 1 --out " in page
     assert " --tune --only dagger_tree --seeds 1\n" in page
 
@@ -257,12 +200,10 @@ def test_the_page_links_the_settings_page_if_there_is_one(out: Path, tuned: Path
     whole = shutil.copytree(tuned, tmp_path / "whole")
     quick_here("learners", whole, "--only", "dagger_tree", "--seeds", "1", "--jobs", "1")
     page = (whole / "learners.md").read_text(encoding="utf-8")
-    assert "Result ([all settings](tuning/tuning.md)): 4 other settings were compared. " in page
+    assert "[all settings](tuning/tuning.md)" in page
 
 
-def test_a_setting_that_is_clearly_better_is_named() -> None:
-    tried = tuning.candidates()
-
+def test_settings_are_compared_over_the_same_replications() -> None:
     def rows(name: str, more: int) -> list[Any]:
         # The replications differ by more than the settings do.
         return [
@@ -271,23 +212,17 @@ def test_a_setting_that_is_clearly_better_is_named() -> None:
         ]
 
     found = [*rows("tree", 0), *rows("tree.1", 1), *rows("tree.2", -1), *rows("tree.3", 0)]
-    gains = tuning.differences(found, 0)
+    gains = differences(found, 0)
     for name, more in (("tree.1", 10), ("tree.2", -10), ("tree.3", 0)):
         assert tuple(gains[name]) == pytest.approx((more, more, more))
-    text = tuning.result(gains, tried)
-    assert (
-        "above 0: 1 (decision tree with `tree(min_samples_leaf=3)`, 10.0 [10.0, 10.0] points more)." in text
-    )
-    assert text.startswith("3 other settings were compared.")
-    assert "deliver less: 1." in text
 
 
 def test_tuned_learners_have_as_many_settings_each() -> None:
-    tried = tuning.CANDIDATES
+    tried = CANDIDATES
     needing = {name for name, learner in LEARNERS.items() if learner.needs is not Needs.STEPS}
     assert set(tried) == needing - {"imitator"}
     assert {len(changes) for changes in tried.values()} == {3}
-    assert len({settings_of(learner) for learner in tuning.candidates().values()}) == 5 * len(tried)
+    assert len({settings_of(learner) for learner in candidates().values()}) == 5 * len(tried)
 
 
 def test_contradictions_in_rows_are_refused() -> None:
@@ -334,7 +269,6 @@ def test_a_learner_of_ones_own_has_a_row(tmp_path: Path) -> None:
     assert " --learner mine:small_forest --seeds 1\n" in page
     for text in (page, printed):
         assert "it supports no claim about any learner" in text
-    assert "Best:" not in page
 
 
 OWN = """

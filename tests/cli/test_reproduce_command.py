@@ -8,8 +8,7 @@ from khepera_forage.cli.main import main
 from khepera_forage.study import Unit
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis import reproduce as reproduction
-from khepera_forage.thesis.jobs import JobCounts
-from khepera_forage.thesis.replication import Row
+from khepera_forage.thesis.replication import JobCounts, Row
 from tests.thesis.synthetic import OneRowJob, one_row_jobs
 
 

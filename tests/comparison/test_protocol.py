@@ -14,11 +14,16 @@ pytest.importorskip("numba")
 
 from khepera_forage.cli.dataset import FOLDER_VARIABLE
 from khepera_forage.cli.main import main
-from khepera_forage.comparison.batch_recalls import (
+from khepera_forage.comparison.compiled_learning import (
+    Budget,
     Training,
+    demonstrate,
+    random_marks,
     recalls_after,
     recalls_on_wheels,
     reference_recalls,
+    search,
+    thinned,
 )
 from khepera_forage.comparison.learning import REFERENCES
 from khepera_forage.comparison.protocol import (
@@ -32,7 +37,6 @@ from khepera_forage.comparison.protocol import (
     spoken,
     wheels_learner,
 )
-from khepera_forage.comparison.teachers import Budget, demonstrate, random_marks, search, thinned
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors
 from khepera_forage.rollouts.compiled.training import train_learners

@@ -130,16 +130,6 @@ def test_decisions_are_written_and_read_equal(tmp_path: Path) -> None:
     assert (tmp_path / "rows.csv").read_text().endswith(",equal_distance=farther state\n")
 
 
-def test_row_is_on_disk_when_write_returns(tmp_path: Path) -> None:
-    path = tmp_path / "deep" / "rows.csv"
-    with RowWriter(path, RecallRow) as writer:
-        assert read_rows(path, RecallRow) == []
-        writer.write(recall())
-        assert read_rows(path, RecallRow) == [recall()]
-        writer.write(recall(recall=1), recall(recall=2))
-        assert len(read_rows(path, RecallRow)) == 3
-
-
 def _write_endlessly(path: Path) -> None:
     with RowWriter(path, RecallRow) as writer:
         for number in range(10**9):
@@ -178,13 +168,6 @@ def test_incomplete_header_is_replaced_on_resuming(tmp_path: Path) -> None:
     with RowWriter(path, TrainingRow, resume=True) as writer:
         writer.write(training())
     assert read_rows(path, TrainingRow) == [training()]
-
-
-def test_writing_without_resume_replaces_the_file(tmp_path: Path) -> None:
-    path = tmp_path / "rows.csv"
-    write_rows(path, RecallRow, [recall()])
-    write_rows(path, RecallRow, [recall(recall=1)])
-    assert read_rows(path, RecallRow) == [recall(recall=1)]
 
 
 def test_resuming_with_other_columns_is_an_error(tmp_path: Path) -> None:

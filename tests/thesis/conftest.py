@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
-from khepera_forage.thesis import report
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.design import (
@@ -21,7 +20,7 @@ REPLICATIONS = 6
 @pytest.fixture
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let a report have no pictures, which take most of its time; those of `test_report.py` have them."""
-    monkeypatch.setattr(report, "save", lambda figure, path: None)
+    monkeypatch.setattr(reproduction, "save", lambda figure, path: None)
 
 
 @pytest.fixture

@@ -12,9 +12,9 @@ from khepera_forage.study import Unit
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import State
 from khepera_forage.thesis.design import FILES, LABORATORY, THESIS, Cell
-from khepera_forage.thesis.jobs import JobCounts
+from khepera_forage.thesis.figures import food_figure, score_figure
 from khepera_forage.thesis.orient_analysis import OrientRow
-from khepera_forage.thesis.replication import Row
+from khepera_forage.thesis.replication import JobCounts, Row
 
 
 class OneRowJob:
@@ -32,6 +32,15 @@ class OneRowJob:
     def run(self) -> list[Row]:
         orient = OrientRow(0, 10, "g1", 0, 1.0, 0.0, 0.0, self._decisions)
         return [recall(decisions=self._decisions), training(decisions=self._decisions), orient]
+
+
+BY_EPISODES = (
+    (partial(score_figure, "5.2", "corridor"), "corridor", None),
+    (partial(food_figure, "5.3", "corridor"), "corridor", 20),
+    (partial(score_figure, "5.5", "rectangle"), "rectangle", None),
+    (partial(food_figure, "5.6", "rectangle"), "rectangle", 24),
+)
+"""Figures with their arena, and the food objects in it."""
 
 
 def one_row_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Unit]:

@@ -9,21 +9,17 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
-from khepera_forage.envs.backends import COMPILED, PYMUNK
+from khepera_forage.envs.backends import COMPILED
 from khepera_forage.figures import GREY, OURS
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.thesis import figures
 from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.design import LABORATORY, THESIS
-from khepera_forage.thesis.jobs import comparison_counts, pymunk_jobs
-from khepera_forage.thesis.replication import Replication
-from khepera_forage.thesis.report import PAGE, SUMMARY, V0_1_RECALLS, write_report
-from khepera_forage.thesis.reproduce import reproduce
-from khepera_forage.thesis.tables import cell_table, summary_table
+from khepera_forage.thesis.replication import Replication, comparison_counts, pymunk_jobs
+from khepera_forage.thesis.reproduce import PAGE, SUMMARY, V0_1_RECALLS, reproduce, write_report
 from tests.thesis import synthetic
-from tests.thesis.synthetic import recall
+from tests.thesis.synthetic import BY_EPISODES, recall
 
 V0_1 = Decisions.v0_1()
 OTHER = replace(V0_1, next_to_food=22)
@@ -60,13 +56,6 @@ def test_reproduction_compares_with_version_0_1(tmp_path: Path) -> None:
     assert not (old / V0_1_RECALLS).exists()
     for name in ("recalls.csv", V0_1_RECALLS, "table_cells.csv", PAGE, SUMMARY):
         assert (first / name).read_bytes() == (second / name).read_bytes()
-
-
-@pytest.mark.usefixtures("no_pictures")
-def test_pymunk_compares_with_version_0_1_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("khepera_forage.thesis.reproduce.pymunk_jobs", synthetic.one_row_jobs)
-    reproduce(0, 1, tmp_path, n_jobs=1, backend=PYMUNK, decisions=OTHER)
-    assert [row.decisions for row in read_rows(tmp_path / V0_1_RECALLS, RecallRow)] == ["v0.1"]
 
 
 @pytest.mark.usefixtures("one_job")
@@ -128,33 +117,10 @@ def test_comparison_does_not_change_the_other_results(tmp_path: Path, recalls: l
     assert claims[0] == claims[1]
 
 
-def test_tables_have_version_0_1_beside_ours(
-    results: list[CellResult], v0_1_results: list[CellResult]
-) -> None:
-    table = cell_table(results, v0_1_results)
-    for row, ours, old in zip(table.rows, results, v0_1_results, strict=True):
-        named = dict(zip((column.name for column in table.columns), row, strict=True))
-        assert named["ours: score (%)"] == ours.score
-        assert named["v0.1: score (%)"] == old.score
-        assert named["v0.1: score percentile"] == old.score_rank.percentile
-        assert named["v0.1: food"] == old.food
-        assert named["v0.1: food percentile"] == old.food_rank.percentile
-    row, ours, old = summary_table(results, v0_1_results).rows[1], results[1], v0_1_results[1]
-    scores, foods = (ours.score.value, old.score.value), (ours.food.value, old.food.value)
-    assert row == ("corridor", 3, ours.thesis_score, *scores, "11 of 20", *foods)
-    alone = ("corridor", 3, ours.thesis_score, scores[0], "11 of 20", foods[0])
-    assert summary_table(results).rows[1] == alone
-
-
 def test_figures_show_version_0_1_in_grey_left_of_ours(
     results: list[CellResult], v0_1_results: list[CellResult]
 ) -> None:
-    for draw, arena, maximum in (
-        (figures.fig_5_2, "corridor", None),
-        (figures.fig_5_3, "corridor", 20),
-        (figures.fig_5_5, "rectangle", None),
-        (figures.fig_5_6, "rectangle", 24),
-    ):
+    for draw, arena, maximum in BY_EPISODES:
         (axes,) = draw(results, v0_1_results).axes
         marks = [(to_hex(line.get_color()).upper(), line) for line in axes.lines if line.get_marker() == "o"]
         grey, ours = (

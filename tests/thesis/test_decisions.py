@@ -8,19 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from khepera_forage.envs.backends import COMPILED, PYMUNK
-from khepera_forage.rollouts.row_files import read_rows, write_rows
-from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
+from khepera_forage.envs.backends import COMPILED
+from khepera_forage.rollouts.row_files import write_rows
+from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow
 from khepera_forage.study import Rows
 from khepera_forage.task import decisions as decisions_module
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis import reproduce as reproduction
-from khepera_forage.thesis.claims import claims
-from khepera_forage.thesis.design import Cell, Subset, training_distance
-from khepera_forage.thesis.jobs import compiled_jobs, job_counts, pymunk_jobs
+from khepera_forage.thesis.design import Cell, Subset
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
 from khepera_forage.thesis.replication import Baseline, Replication
-from khepera_forage.thesis.report import PAGE, write_report
+from khepera_forage.thesis.reproduce import write_report
 from tests.thesis.synthetic import recall, training
 
 V0_1 = Decisions.v0_1()
@@ -28,11 +26,6 @@ OTHER = replace(V0_1, next_to_food=22, food_to_home=200)
 TEXT = "v0.1;food_to_home=200;next_to_food=22"
 DIFFERENCES = "food_to_home is 200, not 180; next_to_food is 22, not 20"
 SMALL = (Cell("corridor", 1, (Subset((1,)),), 1, foods=1, limit=500),)
-
-
-def test_training_distance_follows_the_decisions() -> None:
-    assert training_distance(V0_1) == 36
-    assert training_distance(OTHER) == 40
 
 
 def test_arrival_vectors_follow_the_decisions() -> None:
@@ -53,23 +46,6 @@ def test_rows_of_a_baseline_name_its_decisions(learner: str) -> None:
     (row,) = Rows(Baseline(0, 0, learner, "corridor", 1, decisions=OTHER).run()).of(RecallRow)
     assert row.decisions == TEXT
     assert row.score == 100 or learner == RANDOM, "the teacher classifies states with the same thresholds"
-
-
-@pytest.mark.parametrize("backend", [PYMUNK, COMPILED])
-def test_every_job_has_the_decisions(backend: str) -> None:
-    if backend == COMPILED:
-        pytest.importorskip("numba")
-    make: Any = pymunk_jobs if backend == PYMUNK else compiled_jobs
-    jobs = make(0, job_counts(6, backend), OTHER)
-    assert len(jobs) > 10
-    assert {job.decisions for job in jobs} == {OTHER}
-
-
-@pytest.mark.usefixtures("no_pictures")
-def test_report_names_its_decisions(tmp_path: Path) -> None:
-    rows = [recall(decisions=TEXT)]
-    write_report(tmp_path, rows, [training(decisions=TEXT)], [], [], np.random.default_rng(0), resamples=10)
-    assert "decisions: v0.1, food_to_home=200, next_to_food=22, backend" in (tmp_path / PAGE).read_text()
 
 
 @pytest.mark.parametrize("table", ["recalls", "trainings", "teachers", "noise_rows", "orient_rows"])
@@ -98,21 +74,8 @@ def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) 
     assert not list(tmp_path.iterdir())
 
 
-def test_claims_refuse_rows_of_different_decisions() -> None:
-    with pytest.raises(ValueError, match=f"rows of different decisions: {DIFFERENCES}; allowed"):
-        claims([recall(), recall(decisions=TEXT)], [], [], np.random.default_rng(1))
-
-
 def reproduce(out: Path, decisions: Decisions | None) -> Path:
     return reproduction.reproduce(0, 1, out, backend=COMPILED, decisions=decisions)
-
-
-@pytest.mark.usefixtures("one_job")
-def test_reproduction_replaces_rows_of_the_same_decisions(tmp_path: Path) -> None:
-    for _ in range(2):
-        page = reproduce(tmp_path, OTHER)
-        assert "decisions: v0.1, food_to_home=200, next_to_food=22" in page.read_text()
-        assert [row.decisions for row in read_rows(tmp_path / "trainings.csv", TrainingRow)] == [TEXT]
 
 
 @pytest.mark.usefixtures("one_job")

@@ -14,7 +14,6 @@ from khepera_forage.thesis.design import (
     NO_NOISE,
     THESIS,
     Cell,
-    Subset,
     noise_conditions,
 )
 
@@ -37,10 +36,6 @@ def test_subsets_are_distinct_files_of_the_ten(cell: Cell) -> None:
     for subset in cell.subsets:
         assert len(subset.files) == len(set(subset.files)) == cell.episodes
         assert set(subset.files) <= set(range(1, FILES + 1))
-
-
-def test_subset_name_joins_the_file_numbers() -> None:
-    assert Subset((6, 7, 8, 9, 10)).name == "g678910"
 
 
 def test_replication_has_106_recalls() -> None:
@@ -72,9 +67,3 @@ def test_noise_conditions_follow_the_laboratory() -> None:
     assert conditions[NO_LOSSES].loss_rate_food == 0
     assert conditions["only placement"] == Noise.only("placement", laboratory=other)
     assert conditions["only wheels"] == Noise.only("wheels")
-
-
-def test_noise_conditions_are_distinct() -> None:
-    """Cables alone would equal no noise, because they only multiply the rate of losses."""
-    conditions = noise_conditions()
-    assert len(set(conditions.values())) == len(conditions) == len(SOURCES) + 3

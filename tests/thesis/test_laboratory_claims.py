@@ -20,10 +20,9 @@ from khepera_forage.thesis.inference.claims import (
     claims_of,
 )
 from khepera_forage.thesis.inference.prior import Laboratory
-from khepera_forage.thesis.jobs import JobCounts, compiled_jobs
+from khepera_forage.thesis.replication import JobCounts, compiled_jobs
 
 numba = pytest.importorskip("numba")
-from khepera_forage.thesis.compiled_replications import CompiledBaseline, CompiledReplications  # noqa: E402
 
 REPLICATIONS = 5
 """As few as give intervals."""
@@ -71,31 +70,6 @@ def test_default_laboratory_has_the_claims_of_the_ordinary_reproduction(measured
         np.random.default_rng(3),
         RESAMPLES,
     )
-
-
-def test_every_job_has_the_noise_of_the_laboratory() -> None:
-    jobs = compiled_jobs(0, JobCounts(1, 1, (NO_LOSSES,), 1, 5), DEFAULT_DECISIONS, OTHER.noise)
-    for job in jobs:
-        assert isinstance(job, CompiledBaseline | CompiledReplications)
-        assert job.laboratory == OTHER.noise
-
-
-@pytest.mark.parametrize("name", [LABORATORY, NO_LOSSES])
-def test_replications_train_under_the_noise_of_the_laboratory(name: str) -> None:
-    ours, default = (
-        Rows(CompiledReplications(0, 0, 1, name, (), laboratory=noise).run()).of(TrainingRow)
-        for noise in (OTHER.noise, DEFAULT.noise)
-    )
-    assert ours != default
-    assert {row.noise for row in ours} == {name}
-
-
-def test_baseline_forages_under_the_noise_of_the_laboratory() -> None:
-    ours, default = (
-        Rows(CompiledBaseline(0, 1, TEACHER, "corridor", 8, laboratory=noise).run()).of(RecallRow)
-        for noise in (OTHER.noise, DEFAULT.noise)
-    )
-    assert [row.steps for row in ours] != [row.steps for row in default]
 
 
 def test_laboratory_without_complete_training_is_an_error() -> None:

@@ -29,17 +29,6 @@ def imitator() -> NearestNeighbourImitator:
     )
 
 
-def test_imitator_levels_are_its_confidence_levels(imitator: NearestNeighbourImitator) -> None:
-    vectors = arrival_vectors(V0_1)
-    levels = imitator_levels(imitator, vectors)
-    assert levels.shape == (*vectors.shape[:-1], 10)
-    for place in np.ndindex(vectors.shape[:-1]):
-        expected = imitator.confidence_levels(tuple(vectors[place].tolist()))
-        assert dict(enumerate(levels[place])) == pytest.approx(
-            {behaviour: expected.get(Behaviour(behaviour), 0.0) for behaviour in range(10)}
-        )
-
-
 @pytest.mark.parametrize("equal_distance", ["nearer state", "farther state"])
 @pytest.mark.parametrize("next_to_food", [Decisions().next_to_food, 12.5, 13.5, 17.0])
 def test_robot_arrives_at_the_largest_distances_next_to_food(

@@ -22,7 +22,7 @@ from khepera_forage.thesis.inference.posterior import (
     shortest,
 )
 from khepera_forage.thesis.inference.prior import PRIOR, Laboratory, Prior, Range, Shares
-from khepera_forage.thesis.inference.summary import ALL, FITTED, fitted_columns, thesis_statistics
+from khepera_forage.thesis.inference.summary import fitted_columns, thesis_statistics
 from tests.version_0_1 import V0_1
 
 pytest.importorskip("numba")
@@ -66,12 +66,6 @@ def test_posterior_of_a_measured_number_is_the_known_one(simulator: tuple[list[P
     assert weights[1] @ (reading == 2) > 0.7
     assert weights[0] @ nothing == pytest.approx(0.5, abs=0.1)
     assert 30 < effective_number(weights[0]) < SETS / 2
-
-
-def test_same_seed_gives_the_same_weights(simulator: tuple[list[Parameter], Any]) -> None:
-    parameters, statistics = simulator
-    one, two = (forest_of(parameters, statistics, 3).weights(statistics[:2, 0]) for _ in range(2))
-    assert np.array_equal(one, two)
 
 
 def even(weights: Any) -> Any:
@@ -151,11 +145,6 @@ def test_parameters_are_numbers_in_the_order_of_the_prior() -> None:
     assert found[0].targets.var() == pytest.approx(1.0)
     assert found[1].targets.var(axis=0).sum() == pytest.approx(1.0)
     assert Parameter("same", (), np.ones(3)).targets.tolist() == [[1.0]] * 3
-
-
-def test_only_corridor_tables_are_fitted() -> None:
-    names = {ALL[k] for k in fitted_columns()}
-    assert names == set(FITTED) - {"corridor 10 spread"}, "a single set of files has no spread"
 
 
 def test_sets_that_resemble_an_experiment_have_the_most_weight_and_all_are_validated() -> None:

@@ -51,15 +51,6 @@ def test_readings_are_drawn_with_their_shares() -> None:
     assert counts["as it is"] / 2000 == pytest.approx(0.75, abs=0.04)
 
 
-def test_every_part_of_the_prior_names_its_source() -> None:
-    for part in (*PRIOR.decisions.values(), *PRIOR.noise.values()):
-        assert len(part.source) > 5
-
-
-def test_same_generator_gives_the_same_laboratories() -> None:
-    assert drawn(count=5) == drawn(count=5)
-
-
 def test_ranges_are_allowed_and_shares_are_probabilities_of_all_readings() -> None:
     for name, part in PRIOR.decisions.items():
         field = FIELDS[name]

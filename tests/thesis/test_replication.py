@@ -5,8 +5,7 @@ from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.study import Rows
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.design import NO_LOSSES, THESIS, Cell, Subset
-from khepera_forage.thesis.jobs import job_counts, pymunk_jobs
-from khepera_forage.thesis.replication import Baseline, Replication
+from khepera_forage.thesis.replication import Baseline, Replication, job_counts, pymunk_jobs
 
 SMALL = (Cell("corridor", 2, (Subset((1, 2)),), 2, foods=1, limit=500),)
 

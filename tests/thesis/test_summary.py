@@ -15,7 +15,6 @@ from khepera_forage.thesis.inference.summary import (
     printed_recalls,
     thesis_statistics,
     usable_lines,
-    with_slopes,
 )
 
 pytest.importorskip("numba")
@@ -84,24 +83,6 @@ def test_statistics_have_names_and_rectangle_is_never_fitted() -> None:
     assert named["rectangle slope of score"] == pytest.approx(
         named["rectangle 10 score"] - named["rectangle 1 score"]
     )
-
-
-def test_summaries_of_all_cells_become_one_row_an_experiment() -> None:
-    cells = []
-    for k, cell in enumerate(THESIS):
-        shape = (3, len(cell.subsets), cell.recalls)
-        steps = np.full(shape, 100.0)
-        cells.append(
-            of_recalls(
-                cell,
-                CellRecalls(
-                    np.full(shape, 50.0 + k), steps, np.full(shape, float(cell.foods)), np.zeros(shape)
-                ),
-            )
-        )
-    rows = with_slopes(cells)
-    assert rows.shape == (3, 46)
-    assert rows[0, -4:].tolist() == [3.0, 0.0, 2.0, 0.0]
 
 
 def test_fastest_recalls_are_those_of_the_usable_lines() -> None:

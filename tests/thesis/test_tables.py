@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table
-from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.task.states import State
 from khepera_forage.thesis import appendix_a
 from khepera_forage.thesis.cells import CellResult, cell_results
@@ -20,7 +20,6 @@ from khepera_forage.thesis.design import (
 )
 from khepera_forage.thesis.tables import (
     cell_table,
-    errata_table,
     joint_table,
     noise_table,
     state_table,
@@ -42,12 +41,6 @@ def test_cell_results_equal_means_over_the_rows(recalls: list[RecallRow], result
     assert third.foods[1] == sum(r.delivered for r in rows if r.replication == 1)
     assert third.score.low < third.score.value < third.score.high
     assert (third.thesis_printed, third.thesis_score, third.thesis_food) == (68.2, 68.2, 12)
-
-
-def test_cell_results_ignore_other_policies(recalls: list[RecallRow], results: list[CellResult]) -> None:
-    last = results[6]
-    assert last.recalls == 12 * REPLICATIONS
-    assert any(row.learner == RANDOM and row.arena == "rectangle" for row in recalls)
 
 
 def test_cell_results_rank_among_complete_replications_only(recalls: list[RecallRow]) -> None:
@@ -159,10 +152,6 @@ def test_tables_of_ties_and_states_are_shares_of_steps() -> None:
     assert isinstance(visited, Estimate)
     assert isinstance(wrong, Estimate)
     assert (visited.value, wrong.value) == (20.0, 75.0)
-
-
-def test_errata_table_has_all_errata() -> None:
-    assert len(errata_table().rows) == 29
 
 
 def test_joint_table_takes_results_together(results: list[CellResult]) -> None:

@@ -1,22 +1,17 @@
 """A claim of the thesis, its measured effect, and the rule that gives the verdict."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Protocol
+from typing import NamedTuple
 
 from khepera_forage.estimates import Estimate
 
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit of measurement, and the format of numbers in it.
-
-    Attributes:
-        suffix: Name of the unit.
-        form: Format specification of the number.
-        scale: Factor by which a number is multiplied before it is written.
-    """
+    """A unit of measurement; numbers are multiplied by `scale`, and written in the format `form`."""
 
     suffix: str
     form: str = ".0f"
@@ -56,91 +51,71 @@ class Verdict(StrEnum):
     UNDECIDED = "undecided"
 
 
-class Rule(Protocol):
-    """Gives the verdict on an estimate; fixed before any data exist."""
+class Rule(NamedTuple):
+    """Gives the verdict on an estimate; fixed before any data exist.
+
+    An estimate without interval, or with one that reaches across the threshold, is undecided.
+
+    Attributes:
+        words: The rule in words, in a unit.
+        supported: Whether the whole interval supports the claim.
+        not_supported: Whether no part of it does.
+    """
+
+    words: Callable[[Unit], str]
+    supported: Callable[[Estimate], bool]
+    not_supported: Callable[[Estimate], bool]
 
     def judge(self, estimate: Estimate) -> Verdict:
-        """The verdict; undecided if the estimate has no interval."""
-        ...
-
-    def text(self, show: Unit) -> str:
-        """The rule in words."""
-        ...
+        """The verdict; comparisons with nan are false."""
+        if self.supported(estimate):
+            return Verdict.SUPPORTED
+        return Verdict.NOT_SUPPORTED if self.not_supported(estimate) else Verdict.UNDECIDED
 
 
-@dataclass(frozen=True, slots=True)
-class Above:
-    """Supported if the whole interval lies above a threshold, not supported if no part of it does."""
-
-    threshold: float
-
-    def judge(self, estimate: Estimate) -> Verdict:
-        """The verdict."""
-        return _verdict(estimate.low > self.threshold, estimate.high <= self.threshold)
-
-    def text(self, show: Unit) -> str:
-        """The rule in words."""
-        return f"supported above {show(self.threshold)}, not supported below"
+def above(threshold: float) -> Rule:
+    """Supported if the whole interval lies above a threshold."""
+    return Rule(
+        lambda show: f"supported above {show(threshold)}, not supported below",
+        lambda estimate: estimate.low > threshold,
+        lambda estimate: estimate.high <= threshold,
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class Below:
-    """Supported if the whole interval lies below a threshold, not supported if no part of it does."""
-
-    threshold: float
-
-    def judge(self, estimate: Estimate) -> Verdict:
-        """The verdict."""
-        return _verdict(estimate.high < self.threshold, estimate.low >= self.threshold)
-
-    def text(self, show: Unit) -> str:
-        """The rule in words."""
-        return f"supported below {show(self.threshold)}, not supported above"
+def below(threshold: float) -> Rule:
+    """Supported if the whole interval lies below a threshold."""
+    return Rule(
+        lambda show: f"supported below {show(threshold)}, not supported above",
+        lambda estimate: estimate.high < threshold,
+        lambda estimate: estimate.low >= threshold,
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class AtMost:
-    """Supported if the whole interval is at most a threshold, not supported if it lies above."""
-
-    threshold: float
-
-    def judge(self, estimate: Estimate) -> Verdict:
-        """The verdict."""
-        return _verdict(estimate.high <= self.threshold, estimate.low > self.threshold)
-
-    def text(self, show: Unit) -> str:
-        """The rule in words."""
-        return f"supported up to {show(self.threshold)}, not supported above"
+def at_most(threshold: float) -> Rule:
+    """Supported if the whole interval is at most a threshold."""
+    return Rule(
+        lambda show: f"supported up to {show(threshold)}, not supported above",
+        lambda estimate: estimate.high <= threshold,
+        lambda estimate: estimate.low > threshold,
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class Within:
+def within(margin: float) -> Rule:
     """Supported if the whole interval lies within a margin around 0, not supported if it lies beyond."""
-
-    margin: float
-
-    def judge(self, estimate: Estimate) -> Verdict:
-        """The verdict."""
-        return _verdict(_inside(estimate, self.margin), _beyond(estimate, self.margin))
-
-    def text(self, show: Unit) -> str:
-        """The rule in words."""
-        return f"supported between {show(-self.margin)} and {show(self.margin)}, not supported beyond"
+    return Rule(
+        lambda show: f"supported between {show(-margin)} and {show(margin)}, not supported beyond",
+        lambda estimate: _inside(estimate, margin),
+        lambda estimate: _outside(estimate, margin),
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class Beyond:
+def beyond(margin: float) -> Rule:
     """Supported if the whole interval lies on one side beyond a margin around 0, not supported if within."""
-
-    margin: float
-
-    def judge(self, estimate: Estimate) -> Verdict:
-        """The verdict."""
-        return _verdict(_beyond(estimate, self.margin), _inside(estimate, self.margin))
-
-    def text(self, show: Unit) -> str:
-        """The rule in words."""
-        return f"supported beyond {show(-self.margin)} or {show(self.margin)}, not supported between"
+    return Rule(
+        lambda show: f"supported beyond {show(-margin)} or {show(margin)}, not supported between",
+        lambda estimate: _outside(estimate, margin),
+        lambda estimate: _inside(estimate, margin),
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,33 +152,14 @@ class Claim:
 def judged(
     name: str, section: str, estimate: Estimate, rule: Rule, show: Unit, thesis: str, sentence: str
 ) -> Claim:
-    """Make a claim with the verdict of its rule on an estimate.
-
-    Args:
-        name: The claim in words.
-        section: Section of the thesis that makes it.
-        estimate: The measured effect.
-        rule: Gives the verdict.
-        show: The unit of the effect.
-        thesis: The same effect in the thesis: its figure, or its words.
-        sentence: The measurement in words, with its figures.
-    """
-    effect = show.estimate(estimate)
-    return Claim(
-        name, section, effect, *estimate, show, thesis, rule.text(show), rule.judge(estimate), sentence
-    )
+    """Make a claim with the verdict of its rule on an estimate, shown in a unit."""
+    effect, verdict = show.estimate(estimate), rule.judge(estimate)
+    return Claim(name, section, effect, *estimate, show, thesis, rule.words(show), verdict, sentence)
 
 
 def _inside(estimate: Estimate, margin: float) -> bool:
     return -margin < estimate.low and estimate.high < margin
 
 
-def _beyond(estimate: Estimate, margin: float) -> bool:
+def _outside(estimate: Estimate, margin: float) -> bool:
     return estimate.low > margin or estimate.high < -margin
-
-
-def _verdict(supported: bool, not_supported: bool) -> Verdict:
-    """The verdict from two comparisons; both are false, and the claim is undecided, if the interval is nan."""
-    if supported:
-        return Verdict.SUPPORTED
-    return Verdict.NOT_SUPPORTED if not_supported else Verdict.UNDECIDED

@@ -17,8 +17,7 @@ from khepera_forage.estimates import (
     replications,
     sums_by_replication,
 )
-from khepera_forage.rollouts.rows import IMITATOR, RANDOM, RecallRow, TrainingRow
-from khepera_forage.rollouts.same_decisions import common_decisions
+from khepera_forage.rollouts.rows import IMITATOR, RANDOM, RecallRow, TrainingRow, common_decisions
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
 _R = TypeVar("_R", bound=Replicated)

@@ -11,18 +11,18 @@ from khepera_forage.sim.arenas.thesis import CORRIDOR, THESIS_ARENAS
 from khepera_forage.task.states import State
 from khepera_forage.thesis import appendix_a
 from khepera_forage.thesis.claims.claim import (
-    Above,
-    AtMost,
-    Below,
-    Beyond,
     Claim,
     Rule,
     Unit,
-    Within,
+    above,
+    at_most,
+    below,
+    beyond,
     judged,
     percent,
     percent_change,
     points,
+    within,
 )
 from khepera_forage.thesis.claims.evidence import (
     NEAR_TRAINING,
@@ -50,7 +50,7 @@ def improves(evidence: Evidence, arena: str) -> Claim:
         f"More episodes improve the learner ({arena})",
         SECTION[arena],
         estimate,
-        Above(0.0),
+        above(0.0),
         points,
         points(_thesis(arena, 10) - _thesis(arena, 1)),
         f"Mean score {_shown(evidence, arena, 10)} after ten training episodes and "
@@ -74,7 +74,7 @@ def gain_shrinks(evidence: Evidence, arena: str) -> Claim:
         f"The gain from an episode shrinks ({arena})",
         SECTION[arena],
         evidence.cell_scores(weights),
-        Above(0.0),
+        above(0.0),
         points,
         points(sum(weight * _thesis(*cell) for cell, weight in weights.items())),
         f"Each episode from 1 to {first} adds {points(gains[0])}, each from 5 to 10 {points(gains[1])}; the effect is "
@@ -91,7 +91,7 @@ def generalises(evidence: Evidence) -> Claim:
         "The learner generalises: trained in the corridor, it forages in the rectangle",
         "5.4.2, 5.5",
         evidence.difference(learned, chance),
-        Above(0.0),
+        above(0.0),
         percent_change,
         f"{percent(table.collected / table.available)} of the food, chance not measured",
         f"After ten episodes in the corridor the learner brings home {percent(learned.value)} of the food; "
@@ -106,7 +106,7 @@ def comparable(evidence: Evidence) -> Claim:
         "Performance in the rectangle is comparable to the corridor's",
         "5.4.2",
         estimate,
-        Within(COMPARABLE),
+        within(COMPARABLE),
         points,
         points(_thesis("corridor", 10) - _thesis("rectangle", 10)),
         f"Mean score after ten episodes: {_shown(evidence, 'corridor', 10)} in the corridor, "
@@ -153,10 +153,10 @@ def areas(evidence: Evidence, arena: str) -> Claim:
     """
     training = training_distance(evidence.decisions)
     nearer, further = _sides(evidence, arena)
-    rule: Rule = Beyond(AREA_MARGIN)
+    rule: Rule = beyond(AREA_MARGIN)
     if arena != CORRIDOR:
         before, after = (sample.value for sample in _sides(evidence, CORRIDOR))
-        rule = Below(-AREA_MARGIN) if before < after else Above(AREA_MARGIN)
+        rule = below(-AREA_MARGIN) if before < after else above(AREA_MARGIN)
     return judged(
         f"Success depends on whether food lies nearer to home or further than in training ({arena})",
         SECTION[arena],
@@ -187,7 +187,7 @@ def around_training(evidence: Evidence, arena: str) -> Claim:
         f"The learner succeeds best where food lies as far from home as in training ({arena})",
         SECTION[arena],
         evidence.difference(near, other),
-        Above(0.0),
+        above(0.0),
         percent_change,
         "trained in one set-up, it fails where food lies elsewhere",
         f"Brought home: {_share(near)} within {NEAR_TRAINING:.0f} pixels of the training distance, "
@@ -204,7 +204,7 @@ def orient_without_food(evidence: Evidence, arena: str) -> Claim:
         f"'Orient with food' is executed where there is no food ({arena})",
         SECTION[arena],
         evidence.mean(recalls),
-        Above(OFTEN),
+        above(OFTEN),
         percent,
         "observed in area 2",
         f"In {percent(recalls.value)} of {len(rows)} recalls the learner oriented at least once without food within "
@@ -221,7 +221,7 @@ def failures_by_orient(evidence: Evidence) -> Claim:
         "Most failures happen because 'orient with food' was not executed",
         "5.4.1.2",
         evidence.mean(Sample(failed, lambda row: row.failure_mode == State.NEXT_TO_FOOD)),
-        Above(MOST),
+        above(MOST),
         percent,
         "the reason for the few failures in area 2",
         f"The effect is the share of failed recalls in the corridor, {len(failed)} in total, that had most of their "
@@ -242,7 +242,7 @@ def rest_is_correct(evidence: Evidence) -> Claim:
         "After 'orient with food', all consequent behaviours are executed correctly",
         "5.4.1.2",
         evidence.mean(correct),
-        Above(ALL_CORRECT),
+        above(ALL_CORRECT),
         percent,
         "all",
         "The effect is the share of correct rounds in the corridor in the states "
@@ -275,7 +275,7 @@ def losses_cost_attempts(evidence: Evidence) -> Claim:
         "Tracking losses make more training attempts necessary",
         "5.3.1",
         evidence.difference(laboratory, without),
-        Above(0.0),
+        above(0.0),
         show,
         'completeness "is mainly affected from the tracking"',
         f"{show(laboratory.value)} in the laboratory, {show(without.value)} without losses.",
@@ -291,7 +291,7 @@ def frequent_without_losses(evidence: Evidence) -> Claim:
         "Without tracking losses complete training episodes are frequent",
         "5.3.1",
         evidence.mean(complete),
-        Above(FREQUENT),
+        above(FREQUENT),
         percent,
         '"achieved quite frequently"',
         f"{percent(complete.value)} of {len(rows)} attempts without tracking losses were complete, "
@@ -312,7 +312,7 @@ def limit_is_enough(evidence: Evidence, arena: str) -> Claim:
         f"{limit} steps are enough to forage ({arena})",
         LIMIT_SECTION[arena],
         estimate,
-        AtMost(limit),
+        at_most(limit),
         show,
         "an estimate; not measured",
         f"The effect is the number of steps in which the teacher completes 95 % of its forages. Of {len(rows)} "

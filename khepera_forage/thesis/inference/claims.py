@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from khepera_forage.envs.backends import COMPILED
-from khepera_forage.estimates import Column, Table, Value, percent
+from khepera_forage.estimates import Table, Value, percent, table_of
 from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.study import Arguments, Rows, collect
@@ -16,7 +16,7 @@ from khepera_forage.thesis.claims import Claim, Verdict, claims
 from khepera_forage.thesis.design import NO_LOSSES
 from khepera_forage.thesis.inference.posterior import Floats
 from khepera_forage.thesis.inference.prior import Laboratory, laboratory_text
-from khepera_forage.thesis.jobs import compiled_jobs, job_counts
+from khepera_forage.thesis.replication import compiled_jobs, job_counts
 
 RESAMPLES = 500
 """For each interval."""
@@ -73,26 +73,19 @@ class LaboratoryUnit(NamedTuple):
 
 
 def claims_of(laboratory: Laboratory, seed: int, replications: int) -> list[Claim]:
-    """Measure every claim of the thesis under one laboratory.
+    """Measure every claim of the thesis under one laboratory, always in the same order.
 
     The jobs are those of a reproduction on the compiled backend. Of the other noise conditions only the laboratory
     without tracking losses is needed, and of that only the training files.
 
     Args:
         laboratory: Decisions and noise.
-        seed: Of all experiments and of the intervals. The same arguments give the same claims, for any number of
-            threads.
-        replications: Of the whole design. With fewer than `statistics.MIN_REPLICATIONS` there are no intervals, and
-            claims that need one are undecided.
-
-    Returns:
-        One claim each, always in the same order.
+        seed: Of all experiments and of the intervals.
+        replications: Of the whole design. With few there are no intervals, and claims that need one are undecided.
 
     Raises:
-        IncompleteTrainingError: No attempt at some training episode was complete, within the number of attempts that
-            the decisions allow.
+        IncompleteTrainingError: No attempt at some training episode was complete.
         ValueError: A mark where robot or food does not fit.
-        ImportError: numba is not installed.
     """
     decisions, noise = laboratory
     counts = job_counts(replications, COMPILED)._replace(
@@ -141,24 +134,27 @@ def claim_table(*samples: Sequence[LaboratoryClaims]) -> Table:
             draws: they are too narrow if few different laboratories make up a sample.
     """
     known = [[row for row in rows if not row.reason] for rows in samples]
-    lines: list[tuple[Value, ...]] = []
+    lines: list[dict[str, Value]] = []
     for k, claim in enumerate(CLAIMS):
-        holds = [
+        prior, inferred = (
             percent(sum(row.verdicts[k] == Verdict.SUPPORTED for row in rows), len(rows)) for rows in known
-        ]
+        )
         effects = [row.effects[k] for row in known[1] if not np.isnan(row.effects[k])]
-        median = claim.unit(float(np.median(effects))) if effects else "-"
-        lines.append((claim.name, claim.thesis_section, *holds, median))
-    return Table(
+        lines.append(
+            {
+                "claim": claim.name,
+                "section": claim.thesis_section,
+                "holds, prior (%)": prior,
+                "holds, posterior (%)": inferred,
+                "median effect, posterior": claim.unit(float(np.median(effects))) if effects else "-",
+            }
+        )
+    return table_of(
         "claims",
         "In which laboratories the thesis's claims hold",
         f"Share of {len(samples[0])} admissible laboratories of the prior, and of {len(samples[1])} laboratories "
         "of the posterior, in which a claim is supported, with Wilson's 95 % interval. In the others it is not "
         "supported, or undecided. The effect is its median over the laboratories of the posterior.",
-        (
-            *map(Column, ("claim", "section")),
-            *(Column(f"holds, {name} (%)", 0, estimate=True) for name in ("prior", "posterior")),
-            Column("median effect, posterior"),
-        ),
         lines,
+        {"holds, prior (%)": 0, "holds, posterior (%)": 0},
     )

@@ -11,7 +11,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy import stats
 
-from khepera_forage.estimates import Column, Estimate, Table, Value
+from khepera_forage.estimates import Estimate, Table, Value, table_of
 from khepera_forage.figures import GREY, OURS, SMALL, WIDTH, grid, legend, new_figure
 from khepera_forage.noise import Noise
 from khepera_forage.study import Arguments, Page, Picture
@@ -111,14 +111,7 @@ def page(given: Arguments, drawn: Drawn) -> Page:
 
 
 def tables_page(given: Arguments, sets: Sets, observed: Floats, name: str) -> Page:
-    """What tables of any experiment say, from simulated sets that were kept.
-
-    Args:
-        given: With the seed of the forest.
-        sets: Admissible sets.
-        observed: The fitted statistics of the experiment.
-        name: Of the tables.
-    """
+    """What the fitted statistics of any experiment's tables say, from simulated sets that were kept."""
     posterior = infer(sets.parameters, sets.statistics, observed, given.seed)
     return Page(f"Which readings of the thesis do {name} support?", posterior_parts(posterior, sets))
 
@@ -157,86 +150,86 @@ def _predicted_under(name: str, decisions: Decisions, given: Arguments) -> Predi
 
 
 def _prior() -> Table:
-    rows = []
+    rows: list[dict[str, Value]] = []
     for name, part in (*PRIOR.decisions.items(), *PRIOR.noise.items()):
         if isinstance(part, Range):
             values = f"{part.least:g} to {part.most:g}"
         else:
             values = "; ".join(f"{reading} ({share:.0%})" for reading, share in part.of.items())
-        rows.append((name, values, part.source))
-    return Table(
+        rows.append({"decision or noise": name, "values": values, "source": part.source})
+    return table_of(
         "prior",
         "The prior",
         "Numbers are uniform in their range; readings have the probability in brackets. Everything else has the "
         "value of version 0.1, or the laboratory's noise. The ranges were written before anything was fitted, but for "
         "three whose end was a default, which were widened afterwards: `round_duration`, `jaw_travel_time` and "
         "`back_off_distance`.",
-        (Column("decision or noise"), Column("values"), Column("source")),
         rows,
     )
 
 
 def _reasons(reasons: Sequence[str]) -> Table:
-    counts = Counter(reasons)
-    return Table(
+    return table_of(
         "admissible",
         "Which sets are admissible",
         "A set is admissible if the teacher brings home at least 98 % of the food in both arenas, its fastest forage "
         "leaves room for the fastest recalls of the thesis (65 and 205 steps), it delivers in at most 1 % of forages "
         "with SEARCH in the place of ORIENT, and at least half of the attempts at a training episode are complete. "
-        "Near these thresholds up to 16 times as many recalls are simulated. The first reason counts. No learner is "
-        "looked at.",
-        (Column("outcome"), Column("sets"), Column("share (%)")),
-        [(name, count, 100.0 * count / len(reasons)) for name, count in counts.most_common()],
+        "The first reason counts. No learner is looked at.",
+        [
+            {"outcome": name, "sets": count, "share (%)": 100.0 * count / len(reasons)}
+            for name, count in Counter(reasons).most_common()
+        ],
     )
 
 
 def _prior_check(check: PriorCheck) -> Table:
-    names = [ALL[k] for k in fitted_columns()]
-    values = [
-        (name, interval, place, "" if np.isnan(place) else "yes" if 2.5 <= place <= 97.5 else "no")
-        for name, interval, place in zip(names, check.intervals, check.ranks.tolist(), strict=True)
-    ]
-    return Table(
+    return table_of(
         "prior_check",
         "Do the simulated experiments resemble the tables?",
         "Median and central 95 % of all simulated experiments, and the percentile of the tables among them. "
         f"{check.outside} of {int(np.isfinite(check.ranks).sum())} statistics are outside. Jointly, the tables' mean "
         f"distance to the {check.neighbours} nearest experiments (in standard deviations) is reached by simulated "
-        f"experiments with p {check.tail:.3f}. Where the tables are unlike all experiments, a forest interpolates "
-        "without a sign of it.",
-        (
-            Column("statistic"),
-            Column("simulated", 2, estimate=True),
-            Column("percentile", 1),
-            Column("within 95 %"),
-        ),
-        values,
+        f"experiments with p {check.tail:.3f}.",
+        [
+            {
+                "statistic": ALL[k],
+                "simulated": interval,
+                "percentile": place,
+                "within 95 %": "" if np.isnan(place) else "yes" if 2.5 <= place <= 97.5 else "no",
+            }
+            for k, interval, place in zip(
+                fitted_columns(), check.intervals, check.ranks.tolist(), strict=True
+            )
+        ],
+        {"simulated": 2},
     )
 
 
 def _calibrations(posterior: Posterior) -> Table:
     ordered = sorted(posterior.calibrations, key=lambda found: found.error.value)
-    return Table(
+    return table_of(
         "calibration",
         "Calibration and error of each decision",
         f"One experiment of each of {posterior.held_out} held-out sets stands in for the thesis. The posterior's "
         "error, divided by the error of guessing from the admissible sets: 1 or more means that the tables say "
         "nothing. The error is the continuous ranked probability score of a number, and Brier's score of a reading. "
-        "50 % and 90 % intervals of a right posterior contain the true value in 50 % and 90 % of the sets; intervals "
-        "are the shortest ones of a number, and central ones of a reading. The last column tests whether all ranks are "
-        f"equally frequent (chi-squared, {CLASSES} classes). `determined` is `yes` if the upper end of the error's "
-        "interval is below 0.9, `a little` if it is below 1, and `not calibrated` if that test fails after correction "
-        f"for {len(ordered)} tests (Holm, 5 %), or there are too few sets for it.",
-        (
-            Column("decision or noise"),
-            Column("determined"),
-            Column("error / guess", 2, estimate=True),
-            Column("within 50 % (%)", 0, estimate=True),
-            Column("within 90 % (%)", 0, estimate=True),
-            Column("p of equal ranks", 3),
-        ),
-        [(c.name, str(c.determined), c.error, c.half, c.most, c.equal_ranks) for c in ordered],
+        "50 % and 90 % intervals of a right posterior contain the true value in 50 % and 90 % of the sets. The last "
+        f"column tests whether all ranks are equally frequent (chi-squared, {CLASSES} classes). `determined` is `yes` "
+        "if the upper end of the error's interval is below 0.9, `a little` if it is below 1, and `not calibrated` if "
+        f"that test fails after correction for {len(ordered)} tests (Holm, 5 %), or there are too few sets for it.",
+        [
+            {
+                "decision or noise": c.name,
+                "determined": str(c.determined),
+                "error / guess": c.error,
+                "within 50 % (%)": c.half,
+                "within 90 % (%)": c.most,
+                "p of equal ranks": c.equal_ranks,
+            }
+            for c in ordered
+        ],
+        {"error / guess": 2, "within 50 % (%)": 0, "within 90 % (%)": 0, "p of equal ranks": 3},
     )
 
 
@@ -273,7 +266,7 @@ def _ranks(posterior: Posterior) -> "Figure":
 
 def _numbers(posterior: Posterior) -> Table:
     even = np.ones_like(posterior.weights)
-    rows = []
+    rows: list[dict[str, Value]] = []
     for parameter, calibration in zip(posterior.parameters, posterior.calibrations, strict=True):
         if not parameter.readings:
             values = parameter.values
@@ -282,48 +275,48 @@ def _numbers(posterior: Posterior) -> Table:
                 for weights in (even, posterior.weights)
             )
             own = float(getattr(Decisions() if parameter.name in FIELDS else Noise(), parameter.name))
-            inside = "yes" if after.low <= own <= after.high else "no"
-            rows.append((parameter.name, before, after, own, inside, str(calibration.determined)))
-    return Table(
+            rows.append(
+                {
+                    "decision or noise": parameter.name,
+                    "admissible": before,
+                    "posterior": after,
+                    "default": own,
+                    "inside": "yes" if after.low <= own <= after.high else "no",
+                    "determined": str(calibration.determined),
+                }
+            )
+    return table_of(
         "posterior_numbers",
         "Numbers",
         "Median and, in brackets, the shortest interval with 90 % of the weight, of the admissible sets and of the "
         "posterior; the default, and whether it is in the posterior's interval.",
-        (
-            Column("decision or noise"),
-            Column("admissible", 2, estimate=True),
-            Column("posterior", 2, estimate=True),
-            Column("default", 2),
-            Column("inside"),
-            Column("determined"),
-        ),
         rows,
+        {"admissible": 2, "posterior": 2, "default": 2},
     )
 
 
 def _readings(posterior: Posterior) -> Table:
-    rows = [
-        (parameter.name, str(reading), 100 * float(before), 100 * float(after), str(calibration.determined))
-        for parameter, calibration in zip(posterior.parameters, posterior.calibrations, strict=True)
-        for reading, before, after in zip(
-            parameter.readings,
-            parameter.indicators.mean(axis=0),
-            posterior.weights @ parameter.indicators,
-            strict=True,
-        )
-    ]
-    return Table(
+    return table_of(
         "posterior_readings",
         "Readings",
         "Probability of each reading, percent.",
-        (
-            Column("decision"),
-            Column("reading"),
-            Column("admissible (%)", 0),
-            Column("posterior (%)", 0),
-            Column("determined"),
-        ),
-        rows,
+        [
+            {
+                "decision": parameter.name,
+                "reading": str(reading),
+                "admissible (%)": 100 * float(before),
+                "posterior (%)": 100 * float(after),
+                "determined": str(calibration.determined),
+            }
+            for parameter, calibration in zip(posterior.parameters, posterior.calibrations, strict=True)
+            for reading, before, after in zip(
+                parameter.readings,
+                parameter.indicators.mean(axis=0),
+                posterior.weights @ parameter.indicators,
+                strict=True,
+            )
+        ],
+        {"admissible (%)": 0, "posterior (%)": 0},
     )
 
 
@@ -356,30 +349,28 @@ def _marginals(posterior: Posterior) -> "Figure":
 
 def _cells(predictions: Sequence[Predictions]) -> Table:
     thesis = thesis_statistics()
-    rows = []
+    rows: list[dict[str, Value]] = []
     for k in np.flatnonzero(np.isfinite(thesis)).tolist():
-        row: list[Value] = [ALL[k], "fitted" if ALL[k] in FITTED else "test", float(thesis[k])]
+        row: dict[str, Value] = {
+            "statistic": ALL[k],
+            "use": "fitted" if ALL[k] in FITTED else "test",
+            "thesis": float(thesis[k]),
+        }
         for one in predictions:
-            row += [one.interval(k), rank(one.experiments[:, k], one.weights, float(thesis[k]))]
-        rows.append(tuple(row))
-    return Table(
+            row[one.name] = one.interval(k)
+            row[f"percentile ({one.name})"] = rank(one.experiments[:, k], one.weights, float(thesis[k]))
+        rows.append(row)
+    return table_of(
         "cells",
         "All statistics",
         "Median and, in brackets, the central 95 % of experiments of the thesis's size, and the percentile of the "
         "thesis among them. Scores and shares of correct steps (`right`) are in percent, food is a share, `spread` is "
         "the standard deviation between training files, `slope` the change from the fewest training episodes to the "
         "most. Medians of steps are those of recalls that left no food. `test`: never fitted.",
-        (
-            Column("statistic"),
-            Column("use"),
-            Column("thesis", 2),
-            *(
-                column
-                for one in predictions
-                for column in (Column(one.name, 2, estimate=True), Column(f"percentile ({one.name})", 0))
-            ),
-        ),
         rows,
+        {"thesis": 2}
+        | {one.name: 2 for one in predictions}
+        | {f"percentile ({one.name})": 0 for one in predictions},
     )
 
 
@@ -389,15 +380,12 @@ def tested_columns() -> list[int]:
 
 
 def predicted(statistics: Floats) -> NDArray[np.bool_]:
-    """Whether the thesis's value lies within the central 95 % of a set's own experiments.
+    """Whether the thesis's value lies within the central 95 % of a set's own experiments, shape (sets, statistics).
 
-    With few experiments the central 95 % are those of a normal distribution with their mean and standard deviation.
+    The central 95 % are those of a normal distribution with the experiments' mean and standard deviation.
 
     Args:
         statistics: Shape (sets, experiments, statistics); they may be missing.
-
-    Returns:
-        Shape (sets, statistics).
     """
     count = statistics.shape[1]
     known = np.isfinite(statistics)
@@ -413,36 +401,29 @@ def _test_set(inferred: Predictions, statistics: NDArray[np.float32], weights: F
     """What is predicted of the rectangle's tables, which were never fitted."""
     thesis = thesis_statistics()
     hits = predicted(statistics.astype(np.float64))
-    rows = []
+    rows: list[dict[str, Value]] = []
     for k in tested_columns():
-        interval = inferred.interval(k)
+        interval, value = inferred.interval(k), float(thesis[k])
         rows.append(
-            (
-                ALL[k],
-                float(thesis[k]),
-                interval,
-                rank(inferred.experiments[:, k], inferred.weights, float(thesis[k])),
-                "yes" if interval.low <= thesis[k] <= interval.high else "no",
-                100 * float(weights @ hits[:, k]),
-                100 * float(hits[:, k].mean()),
-            )
+            {
+                "statistic": ALL[k],
+                "thesis": value,
+                "posterior": interval,
+                "percentile": rank(inferred.experiments[:, k], inferred.weights, value),
+                "predicted": "yes" if interval.low <= value <= interval.high else "no",
+                "posterior sets (%)": 100 * float(weights @ hits[:, k]),
+                "admissible sets (%)": 100 * float(hits[:, k].mean()),
+            }
         )
-    return Table(
+    return table_of(
         "test_set",
         "Statistics of the rectangle",
         "The posterior's median and, in brackets, its central 95 % for experiments of the thesis's size; the "
         "percentile of the thesis, and whether it lies in that interval. The last columns take sets one by one: "
         "the share whose own experiments include the thesis's value in their central 95 %.",
-        (
-            Column("statistic"),
-            Column("thesis", 2),
-            Column("posterior", 2, estimate=True),
-            Column("percentile", 0),
-            Column("predicted"),
-            Column("posterior sets (%)", 0),
-            Column("admissible sets (%)", 0),
-        ),
         rows,
+        {"thesis": 2, "posterior": 2}
+        | dict.fromkeys(("percentile", "posterior sets (%)", "admissible sets (%)"), 0),
     )
 
 
@@ -462,13 +443,7 @@ class Explained(NamedTuple):
 
 
 def explained(posterior: Posterior, statistics: NDArray[np.float32], rng: Generator) -> list[Explained]:
-    """How much of the variance of the fourteen means each decision explains, most first.
-
-    Args:
-        posterior: Weights of the sets.
-        statistics: Of the sets, shape (sets, experiments, statistics).
-        rng: Draws the permutations that show what chance explains.
-    """
+    """How much of the variance of the fourteen means each decision explains, most first; `rng` permutes classes."""
     if effective_number(posterior.weights) < ENOUGH:
         return [Explained(one.name, np.nan, np.nan) for one in posterior.parameters]
     means = np.asarray(statistics[:, :, MEANS].mean(axis=1), dtype=np.float64)
@@ -513,12 +488,18 @@ def _question(name: str) -> str:
 
 
 def _questions(found: Sequence[Explained]) -> Table:
-    return Table(
+    return table_of(
         "questions",
         "What knowing a decision would explain",
         "Share of the posterior variance of the fourteen means that the decision explains (correlation ratio; a number "
         f"is divided into {PARTS} classes of equal weight), and what 95 % of decisions without any influence stay "
         f"below, which is the upper end of chance. Needs {ENOUGH} sets of equal weight.",
-        (Column("decision or noise"), Column("explained (%)"), Column("by chance (%)")),
-        [(one.name, 100 * one.share, 100 * one.chance) for one in found],
+        [
+            {
+                "decision or noise": one.name,
+                "explained (%)": 100 * one.share,
+                "by chance (%)": 100 * one.chance,
+            }
+            for one in found
+        ],
     )

@@ -81,12 +81,7 @@ class Parameter:
 
 
 def parameters_of(prior: Prior, laboratories: Sequence[Laboratory]) -> list[Parameter]:
-    """What the prior draws, in the order of the prior.
-
-    Args:
-        prior: Says what is drawn.
-        laboratories: One a set.
-    """
+    """What the prior draws, in the order of the prior, with the values in each laboratory."""
     found = []
     for name, part in (*prior.decisions.items(), *prior.noise.items()):
         readings = () if isinstance(part, Range) else tuple(part.of)
@@ -102,25 +97,13 @@ def _value_of(laboratory: Laboratory, name: str) -> Any:
 
 
 def quantiles(values: Floats, weights: Floats, shares: Sequence[float]) -> list[float]:
-    """Smallest values that at least a share of the weight does not exceed.
-
-    Args:
-        values: One a set.
-        weights: One a set; their sum need not be 1.
-        shares: 0 to 1.
-    """
+    """Smallest values that at least a share of the weight, 0 to 1, does not exceed."""
     found: list[float] = np.quantile(values, shares, weights=weights, method="inverted_cdf").tolist()
     return found
 
 
 def shortest(values: Floats, weights: Floats, share: float) -> tuple[float, float]:
-    """The shortest interval that contains at least a share of the weight.
-
-    Args:
-        values: One a set.
-        weights: One a set; their sum need not be 1.
-        share: 0 to 1.
-    """
+    """The shortest interval that contains at least a share of the weight, 0 to 1."""
     order = np.argsort(values)
     ordered, below = values[order], np.concatenate([[0.0], np.cumsum(weights[order])])
     last = np.searchsorted(below, below[:-1] + share * below[-1] - 1e-12, side="left") - 1
@@ -132,13 +115,7 @@ def shortest(values: Floats, weights: Floats, share: float) -> tuple[float, floa
 
 
 def rank(values: Floats, weights: Floats, value: float) -> float:
-    """Percent of the weight that lies below a value; equal values count half.
-
-    Args:
-        values: One a set; nan is left out.
-        weights: One a set.
-        value: To be ranked.
-    """
+    """Percent of the weight that lies below a value; equal values count half, and nan is left out."""
     known = np.isfinite(values)
     values, weights = values[known], weights[known]
     below = weights[values < value - 1e-9].sum() + 0.5 * weights[np.abs(values - value) <= 1e-9].sum()
@@ -178,14 +155,7 @@ class SetForest:
         ]
 
     def weights(self, observed: Floats) -> Floats:
-        """How much each set counts, given the statistics of an experiment.
-
-        Args:
-            observed: Statistics of some experiments, shape (queries, statistics).
-
-        Returns:
-            Shape (queries, sets); each row sums to 1.
-        """
+        """How much each set counts, shape (queries, sets), given statistics of shape (queries, statistics)."""
         queries = np.ascontiguousarray(observed, dtype=np.float32)
         total = np.zeros((len(queries), self._sets))
         for tree in self._trees:
@@ -338,7 +308,7 @@ def prior_check(statistics: NDArray[np.float32], observed: Floats, rng: Generato
     Args:
         statistics: Shape (sets, experiments, statistics); they may be missing.
         observed: The same of one experiment.
-        rng: Chooses one experiment of each set, up to `COMPARED`, whose distances are compared.
+        rng: Chooses the experiments whose distances are compared.
     """
     sets, experiments, width = statistics.shape
     flat = statistics.reshape(-1, width).astype(np.float64)

@@ -80,10 +80,6 @@ def reason_against(laboratory: Laboratory, seed: int) -> str:
     """Why a laboratory is not admissible; empty if it is.
 
     What costs least is looked at first, until there is a reason. Near a threshold more recalls are simulated.
-
-    Args:
-        laboratory: Decisions and noise.
-        seed: Of the forages.
     """
     rng = np.random.default_rng(seed)
     for arena in ARENAS:
@@ -194,11 +190,7 @@ class Chunk(NamedTuple):
 def simulate(prior: Prior, seed: int, number: int, experiments: int) -> SetRow:
     """Draw a set from the prior, check it, and replicate the thesis under it if it is admissible.
 
-    Args:
-        prior: To draw from.
-        seed: Of all sets.
-        number: Of this set: it depends on seed and number alone.
-        experiments: Replications of the whole design.
+    The set depends on the seed of all sets and on its number alone.
     """
     rng = np.random.default_rng((seed, number))
     laboratory = prior.draw(rng)
@@ -210,13 +202,7 @@ def simulate(prior: Prior, seed: int, number: int, experiments: int) -> SetRow:
 
 
 def replicate(laboratory: Laboratory, seed: int, experiments: int) -> NDArray[np.float64]:
-    """The statistics of some experiments of the thesis's size, shape (experiments, statistics).
-
-    Args:
-        laboratory: Decisions and noise.
-        seed: Of the experiments.
-        experiments: How many.
-    """
+    """The statistics of some experiments of the thesis's size, shape (experiments, statistics)."""
     decisions, noise = laboratory
     training, recalling = np.random.SeedSequence(seed).spawn(2)
     trained = train_learners(

@@ -85,10 +85,6 @@ def of_recalls(cell: Cell, recalls: CellRecalls) -> CellSummary:
 
     Food is counted in all lines, everything else in the usable ones. Scores are computed as the thesis does: the
     percentage is cut off, and the penalty subtracted (5.4).
-
-    Args:
-        cell: The cell.
-        recalls: Of one or several experiments.
     """
     usable, failed = recalls.usable(cell.limit), recalls.penalty > 0
     right = 100.0 * recalls.correct / np.maximum(recalls.steps, 1.0)
@@ -107,12 +103,7 @@ def of_recalls(cell: Cell, recalls: CellRecalls) -> CellSummary:
 
 
 def printed_recalls(cell: Cell, lines: Sequence[PrintedRecall]) -> CellRecalls:
-    """The printed lines of a cell, as one experiment.
-
-    Args:
-        cell: The cell.
-        lines: In the order of the table.
-    """
+    """The printed lines of a cell, in the order of the table, as one experiment."""
     values = [(row.correct, row.total, row.delivered(cell.foods), row.points) for row in lines]
     shape = (1, len(cell.subsets), cell.recalls)
     return CellRecalls(
@@ -133,11 +124,7 @@ def usable_lines(cell: Cell) -> list[PrintedRecall]:
 
 
 def with_slopes(cells: Sequence[CellSummary]) -> Floats:
-    """All statistics of experiments: shape (experiments, len(NAMES) + len(SLOPES)).
-
-    Args:
-        cells: One summary for each cell of `THESIS`, in order.
-    """
+    """All statistics of experiments, shape (experiments, len(ALL)), of one summary for each cell of `THESIS`."""
     columns = [value for summary in cells for value in summary]
     for arena in ARENAS:
         own = [summary for cell, summary in zip(THESIS, cells, strict=True) if cell.arena == arena]

@@ -1,0 +1,332 @@
+"""Three experiments on who teaches whom: chains of learners, a person, and several learners at once."""
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from further_experiments.episodes import ARENAS, imitator, recall_all, train_files, training_seeds
+from further_experiments.experiment import (
+    AGREEMENT,
+    ATTEMPTS,
+    DELIVERED,
+    DISTINCT,
+    INTERVALS,
+    ROUNDS,
+    SCORE,
+    SEPARATIONS,
+    TRUE,
+    VECTORS,
+    WAITED,
+    Analysis,
+    Experiment,
+    Report,
+    Row,
+    RowT,
+    TrainingEpisode,
+    Trial,
+    amounts_of,
+    claim,
+    curves,
+)
+from khepera_forage.envs.training import TEACHER, TrainingEnv
+from khepera_forage.estimates import Estimate, Measure, pick
+from khepera_forage.experience import Experience
+from khepera_forage.figures import SMALL, legend, panels
+from khepera_forage.policies import Observation, Policy
+from khepera_forage.policies.policy import SEPARATED, is_training, state_vector_of
+from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.rollouts.training import IncompleteTrainingError
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, DecisionValues
+from khepera_forage.task.states import BEHAVIOURS, Behaviour, behaviour_for, classify
+from khepera_forage.thesis.claims.claim import Claim, Unit, above, points, within
+
+LENGTHS = {"1 episode": 1, "5 episodes": 5}
+"""Training episodes of a generation."""
+KEPT_POINTS, KEPT_SHARE = 10.0, 0.25
+"""Our decision on what counts as kept: within this many points, or this share of the first generation's value."""
+
+
+@dataclass(frozen=True, slots=True)
+class SilentWhenSeparated:
+    """A policy in the teacher's place: it waits in silence while a learner is separated (4.5)."""
+
+    policy: Policy
+
+    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
+        """The policy's behaviour, or WAIT."""
+        if is_training(observation) and observation[SEPARATED]:
+            return Behaviour.WAIT
+        return self.policy.act(observation, rng)
+
+
+def run_chain(trial: Trial) -> list[Row]:
+    """One chain: each generation is trained by the one before it, the first by the teacher."""
+    env = TrainingEnv(max_cycles=trial.size.rounds)
+    recall_envs = {arena: recall_env(arena, limit=trial.size.steps) for arena in ARENAS}
+    rows: list[Row] = []
+    teacher: Policy | None = None
+    episodes = min(LENGTHS[trial.condition], trial.size.files)
+    seeds = training_seeds(trial).spawn(trial.size.generations)
+    try:
+        for generation, seed in enumerate(seeds, 1):
+            files: list[Experience] = []
+            for experience, row in train_files(env, trial, seed.spawn(episodes), generation, teacher):
+                files.append(experience)
+                rows.append(row)
+            for alone in recall_envs.values():
+                rows += recall_all(alone, imitator(files, alone.diagonal), trial, generation, files)
+            teacher = SilentWhenSeparated(imitator(files, recall_envs["corridor"].diagonal))
+    except IncompleteTrainingError:
+        pass  # The chain ends: its last generation cannot teach. Later generations have no rows.
+    for alone in recall_envs.values():
+        alone.close()
+    env.close()
+    return rows
+
+
+def report_chains(found: Analysis) -> Report:
+    """How much of the first generation's performance the last one has kept."""
+    note = (
+        "Generation 1 was trained by the teacher, generation 2 by generation 1, and so on. Steps as the teacher: steps "
+        "in which the learner does what the original teacher would have done. Chains that ended early have no rows for "
+        "later generations."
+    )
+    tables = (
+        found.recall_table(note, (AGREEMENT, DELIVERED, VECTORS, DISTINCT), "generation"),
+        found.training_table(
+            "With the generation before as the teacher.", (ATTEMPTS, ROUNDS, TRUE), "generation"
+        ),
+    )
+    figure, axes = panels(4, "Chains: the trained learner becomes the teacher of the next")
+    own = pick(found.recalls, arena="corridor")
+    curves(axes[0], found, own, AGREEMENT, "generation", "corridor")
+    curves(axes[1], found, own, DELIVERED, "generation", "corridor")
+    curves(axes[2], found, own, DISTINCT, "generation", "experience", share=False)
+    curves(axes[3], found, found.trainings, TRUE, "generation", "training")
+    legend(figure, axes[0], INTERVALS)
+    return Report([made for condition in LENGTHS for made in _chain_claims(found, condition)], tables, figure)
+
+
+def _chain_claims(found: Analysis, condition: str) -> list[Claim]:
+    recalls = pick(found.recalls, condition=condition, arena="corridor")
+    trainings = pick(found.trainings, condition=condition)
+    variety = KEPT_SHARE * found.mean(pick(recalls, amount=1), DISTINCT).value
+    shift, more = Unit("points", "+.1f"), Unit("different vectors", "+.0f")
+
+    def last_against_first(rows: list[RowT], measure: Measure[RowT]) -> Estimate:
+        last = max(amounts_of(rows))
+        return found.difference(pick(rows, amount=last), pick(rows, amount=1), measure)
+
+    return [
+        claim(f"{condition} a generation: {name} is kept", effect, within(margin), unit)
+        for name, effect, margin, unit in (
+            ("agreement with the teacher", last_against_first(recalls, AGREEMENT), KEPT_POINTS, shift),
+            ("food delivered", last_against_first(recalls, DELIVERED), KEPT_POINTS, shift),
+            ("variety of the experience", last_against_first(recalls, DISTINCT), variety, more),
+            ("correctness of the vectors", last_against_first(trainings, TRUE), KEPT_POINTS, shift),
+        )
+    ]
+
+
+CHAINS_OF_LEARNERS = Experiment(
+    "chains_of_learners",
+    "Chains of learners",
+    "1.2, 6.2",
+    "When the trained learner teaches the next one, generation after generation: what is kept, and what is lost?",
+    "The teacher trains generation 1 in the corridor, generation 1 trains generation 2, and so on. A learner that "
+    "teaches draws its behaviours with their confidence levels, and waits for a separated learner as the teacher does. "
+    "Training episodes are repeated until they are complete, so a generation passes on only its successes.",
+    tuple(LENGTHS),
+    run_chain,
+    report_chains,
+)
+
+DELAYS = (0, 2, 3, 5)
+"""Rounds by which a person reacts late. An assumption, not measured."""
+ROUNDS_OF = f"rounds of {DEFAULT_DECISIONS.round_duration:g} s"
+WRONG = {"no wrong keys": 0.0, "2 % wrong keys": 0.02, "5 % wrong keys": 0.05}
+"""Share of the rounds in which a wrong key is pressed. An assumption, not measured."""
+NO_WRONG_KEYS, *WRONG_KEYS = WRONG
+LESSONS = 5
+"""Training episodes of a learner: about as many as a person is likely to have patience for."""
+MARGIN = 10.0
+"""Points within which a score counts as kept, as in the chains of learners. Our decision."""
+
+
+@dataclass
+class SimulatedPerson:
+    """The teacher's decisions, late and with wrong keys.
+
+    The program waits for the first key, so the first key is not late. The silence for a separated learner is not late
+    either, because the program keeps it without the person.
+
+    Attributes:
+        env: The training environment that this policy teaches in.
+        delay: Rounds that pass before a change is answered; at least 0.
+        wrong: Probability of a round with a wrong key, any of the nine others with equal odds.
+    """
+
+    env: TrainingEnv
+    delay: int
+    wrong: float
+    _right_keys: deque[Behaviour] = field(init=False, repr=False)
+    _decisions: DecisionValues = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        self._right_keys = deque(maxlen=self.delay + 1)
+        self._decisions = self.env.decisions.values()
+
+    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
+        """What the teacher would have done `delay` rounds ago, or a wrong key, which `rng` draws."""
+        assert rng is not None
+        if self.env.infos[TEACHER]["steps"] == 0:
+            self._right_keys.clear()
+        state = classify(state_vector_of(observation), self.env.home_radius, self._decisions)
+        self._right_keys.append(behaviour_for(state))
+        if is_training(observation) and observation[SEPARATED]:
+            return Behaviour.WAIT
+        key = self._right_keys[0]
+        if rng.random() < self.wrong:
+            others = [behaviour for behaviour in BEHAVIOURS[: Behaviour.WAIT] if behaviour != key]
+            return others[int(rng.integers(len(others)))]
+        return key
+
+
+def run_person(trial: Trial) -> list[Row]:
+    """One learner for each delay, all with the same share of wrong keys."""
+    trial = trial._replace(size=trial.size._replace(attempts=trial.size.patience))
+    env = TrainingEnv(max_cycles=trial.size.rounds)
+    recall_envs = [recall_env(arena, limit=trial.size.steps) for arena in ARENAS]
+    rows: list[Row] = []
+    for delay in DELAYS:
+        person = SimulatedPerson(env, delay, WRONG[trial.condition])
+        seeds = training_seeds(trial).spawn(min(LESSONS, trial.size.files))
+        try:
+            trained = list(train_files(env, trial, seeds, delay, person))
+        except IncompleteTrainingError:
+            continue  # No learner can be trained like this: the delay has no rows.
+        files = [experience for experience, _ in trained]
+        rows += [row for _, row in trained]
+        for alone in recall_envs:
+            rows += recall_all(alone, imitator(files, alone.diagonal), trial, delay, files)
+    for alone in recall_envs:
+        alone.close()
+    env.close()
+    return rows
+
+
+def report_person(found: Analysis) -> Report:
+    """What a learner loses through its teacher's faults."""
+    note = (
+        f"Learners of {LESSONS} training episodes in the corridor. Delay: {ROUNDS_OF} by which the simulated person "
+        "reacts late. Delay 0 without wrong keys is the hand-coded teacher. Teachers with whom some episode is never "
+        "complete have no rows."
+    )
+    tables = (
+        found.recall_table(note, (SCORE, AGREEMENT, DELIVERED, VECTORS, DISTINCT), "delay"),
+        found.training_table(
+            "The last column refers to the learner's own state vectors.", (ATTEMPTS, ROUNDS, TRUE), "delay"
+        ),
+    )
+    figure, axes = panels(4, "A simulated person as the teacher: late, and with wrong keys")
+    corridor, rectangle = (pick(found.recalls, arena=arena) for arena in ARENAS)
+    label = f"delay ({ROUNDS_OF})"
+    curves(axes[0], found, corridor, SCORE, label, "corridor", amounts=DELAYS)
+    curves(axes[1], found, corridor, DELIVERED, label, "corridor", amounts=DELAYS)
+    curves(axes[2], found, rectangle, DELIVERED, label, "rectangle", amounts=DELAYS)
+    curves(axes[3], found, found.trainings, TRUE, label, "training", amounts=DELAYS)
+    for panel in axes:
+        for place, delay in enumerate(DELAYS):
+            if not pick(found.trainings, amount=delay):
+                panel.text(place, 50, "no complete\ntraining", ha="center", va="center", fontsize=SMALL)
+    legend(figure, axes[0], INTERVALS)
+    return Report(list(_person_claims(found)), tables, figure)
+
+
+def _person_claims(found: Analysis) -> Iterator[Claim]:
+    """The learner of a faulty teacher against that of the hand-coded one, in the corridor."""
+    corridor = pick(found.recalls, arena="corridor")
+    usual = pick(corridor, condition=NO_WRONG_KEYS, amount=0)
+    for faults, condition, delay in (
+        *((f"a delay of {delay} rounds", NO_WRONG_KEYS, delay) for delay in DELAYS[1:]),
+        *((f"{keys} without delay", keys, 0) for keys in WRONG_KEYS),
+        *((f"a delay of {DELAYS[2]} rounds and {keys}", keys, DELAYS[2]) for keys in WRONG_KEYS),
+    ):
+        effect = found.difference(pick(corridor, condition=condition, amount=delay), usual, SCORE)
+        yield claim(f"{faults}: the learner is as good", effect, within(MARGIN), points)
+
+
+HUMAN_TEACHER = Experiment(
+    "human_teacher",
+    "A human teacher",
+    "1.2, 6.2",
+    "Can a person be the teacher? How good is a learner whose teacher reacts late and sometimes presses a wrong key?",
+    "**No person has been measured.** A simulated person has the decisions of the hand-coded teacher and two faults: "
+    "the key is the right one of some rounds ago, and in some rounds any of the nine other keys is pressed. Delays and "
+    "shares of wrong keys are assumptions without a source. A person who has less information than the teacher, or "
+    "who judges distances by eye, is not simulated.",
+    tuple(WRONG),
+    run_person,
+    report_person,
+)
+
+LEARNERS = (1, 2, 3, 4)
+COST = Measure[TrainingEpisode](
+    "rounds of all attempts, by learners", lambda row: row.all_rounds / row.amount
+)
+
+
+def run_together(trial: Trial) -> list[Row]:
+    """Training episodes with some number of learners."""
+    learners = int(trial.condition)
+    trial = trial._replace(condition="one teacher")
+    env = TrainingEnv(num_learners=learners, max_cycles=trial.size.rounds)
+    seeds = training_seeds(trial).spawn(trial.size.files)
+    rows: list[Row] = [row for _, row in train_files(env, trial, seeds, amount=learners)]
+    env.close()
+    return rows
+
+
+def report_together(found: Analysis) -> Report:
+    """What an episode with several learners costs."""
+    note = (
+        "Noise of the laboratory. Rounds, waiting and separations are those of the complete attempt. The cost of an "
+        "experience file is the rounds of all attempts at an episode, divided by the number of learners."
+    )
+    measures = (ATTEMPTS, ROUNDS, WAITED, SEPARATIONS, COST, TRUE)
+    figure, axes = panels(4, "Several learners with one teacher")
+    for panel, measure in zip(axes, (WAITED, ROUNDS, ATTEMPTS, COST), strict=True):
+        curves(panel, found, found.trainings, measure, "learners", share=False)
+    legend(figure, axes[0], INTERVALS)
+    few, most = (pick(found.trainings, amount=n) for n in (LEARNERS[0], LEARNERS[-1]))
+    rounds, attempts = Unit("rounds", ".1f"), Unit("attempts", ".2f")
+    claims = [
+        claim(
+            f"{name} ({LEARNERS[-1]} learners against {LEARNERS[0]})",
+            found.difference(most, few, measure),
+            above(0.0),
+            unit,
+        )
+        for name, measure, unit in (
+            ("Waiting for the slowest learner costs rounds", WAITED, rounds),
+            ("A complete episode takes more rounds", ROUNDS, rounds),
+            ("More attempts are needed", ATTEMPTS, attempts),
+            ("A learner's file costs the teacher more rounds", COST, rounds),
+        )
+    ]
+    return Report(claims, [found.training_table(note, measures, "learners")], figure)
+
+
+SEVERAL_LEARNERS = Experiment(
+    "several_learners",
+    "Several learners at once",
+    "4.5, 6.2",
+    "What does it cost to wait for the slowest of several learners?",
+    "One teacher and 1, 2, 3 or 4 learners, each in a copy of the corridor. The teacher waits in silence while any "
+    "learner is separated. An episode is complete when all robots have delivered and left home.",
+    tuple(map(str, LEARNERS)),
+    run_together,
+    report_together,
+)
