@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
-from khepera_forage.vision.detection.segmentation import Frame, Segmenter, as_grey
+from khepera_forage.vision.detection.segmentation import Frame, as_grey, segment
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
@@ -118,7 +118,7 @@ def measure_quality(frame: Frame) -> ImageQuality:
     import cv2
 
     frame = as_grey(frame)
-    segmentation = Segmenter(_FAINT).segment(frame)
+    segmentation = segment(frame, _FAINT)
     _, labels, stats, _ = cv2.connectedComponentsWithStats(segmentation.mask)
     areas = stats[1:, cv2.CC_STAT_AREA]
     shapes: list[tuple[float, float]] = []

@@ -339,18 +339,9 @@ def test_one_candidate_for_two_tracks_continues_the_nearest(x: float, label: int
     assert [(r.label, r.x) for r in tracks.update([seen(x, 100)], everywhere).regions] == [(label, x)]
 
 
-def test_reset_forgets_everything() -> None:
-    tracks = Tracks()
-    tracks.update([seen(10, 10), seen(20, 20, 1)], never_asked)
-    tracks.reset()
-    assert tracks.update([], nowhere).regions == ()
-    assert [r.label for r in tracks.update([seen(10, 10)], never_asked).regions] == [0]
-
-
 def test_a_scene_once_returned_does_not_change() -> None:
     tracks = Tracks()
     scene = tracks.update([seen(10, 10), seen(20, 20, 1)], never_asked)
     copy = Scene(tuple(Region(*r) for r in scene.regions))
     tracks.update([], everywhere)
-    tracks.reset()
     assert scene == copy

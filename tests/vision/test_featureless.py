@@ -68,5 +68,3 @@ def test_a_lost_marker_is_dropped_like_food() -> None:
     tracks.update([seen(10, 10, 1)], nowhere)
     assert [r.found for r in tracks.update([], nowhere).regions] == [False]
     assert tracks.update([], everywhere).regions == ()
-    tracks.reset()
-    assert [r.label for r in tracks.update([seen(0, 0)], nowhere).regions] == [0]

@@ -9,8 +9,8 @@ import pytest
 
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.frames import FrameRenderer
+from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.shapes import MARKER_HOLES
-from khepera_forage.vision.simulated_camera import Truth
 from tests.vision.scene_renderer import (
     NONE,
     PAIR,

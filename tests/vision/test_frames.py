@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.frames import FrameRenderer, RenderedFrameSource
+from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.shapes import MARKER_FEATURES, MARKER_FRAME, MARKER_HOLES
-from khepera_forage.vision.simulated_camera import Truth
 from tests.vision.scene_renderer import COLUMN, NONE, PAIR, ROW, Frame, centroid, grey_at, render_frame
 
 LABORATORY = CameraAppearance.laboratory()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.simulated_camera import Truth
+from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.unusable_frames import is_well_exposed, why_unusable
 from tests.vision.scene_renderer import PAIR, Frame, render_frame

@@ -25,7 +25,7 @@ from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.cables import Cables
 from khepera_forage.vision.rendering.canvas import Box, Disc, ImagePose, draw_shapes, to_pixels
 from khepera_forage.vision.rendering.light import Light
-from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
 from khepera_forage.vision.shapes import (
     HOLE_SIDE,
     MARKER_FRAME,
@@ -33,7 +33,6 @@ from khepera_forage.vision.shapes import (
     PICTURE_HEIGHT,
     PICTURE_WIDTH,
 )
-from khepera_forage.vision.simulated_camera import Truth
 
 _ROBOT_HEIGHT = 45.0
 """Height in mm of the body with the gripper turret, for its parallax."""
