@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.cables import draw_cable
-from khepera_forage.vision.rendering.canvas import to_pixels
-from khepera_forage.vision.rendering.frames import FrameRenderer
-from khepera_forage.vision.rendering.light import Light
+from khepera_forage.vision.rendering.drawing import draw_cable, to_pixels
+from khepera_forage.vision.rendering.frames import FrameRenderer, Light
 from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.cables import draw_cable
-from khepera_forage.vision.rendering.frames import FrameRenderer
-from khepera_forage.vision.rendering.light import Light
+from khepera_forage.vision.rendering.drawing import draw_cable
+from khepera_forage.vision.rendering.frames import FrameRenderer, Light
 from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import Marker

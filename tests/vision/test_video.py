@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering.canvas import Disc, ImagePose, draw_shapes
+from khepera_forage.vision.rendering.drawing import Disc, ImagePose, draw_shapes
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import CameraLost, FrameSource, VideoSettings, VideoSource
