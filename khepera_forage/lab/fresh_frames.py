@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import PULSE
+from khepera_forage.vision.image_quality import is_well_exposed, why_unusable
 from khepera_forage.vision.tracker import Tracker
-from khepera_forage.vision.unusable_frames import is_well_exposed, why_unusable
 from khepera_forage.vision.video import CameraLost, FrameSource
 
 _HOLD_AFTER = 2
