@@ -29,7 +29,6 @@ FORBIDDEN = {
     "vision": ("task", "experience", *ABOVE_TASK),
     "task": (
         "vision.tracker",
-        "vision.simulated_camera",
         "vision.detection",
         "vision.rendering",
         "noise",

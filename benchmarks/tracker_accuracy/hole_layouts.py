@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.estimates import Column, Table, Value, percent
 from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.canvas import ImagePose, draw_shapes
-from khepera_forage.vision.rendering.frames import marker_shapes
-from khepera_forage.vision.rendering.light import Light
+from khepera_forage.vision.rendering.drawing import ImagePose, draw_shapes
+from khepera_forage.vision.rendering.frames import Light, marker_shapes
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import MARKER_HOLES, PICTURE_HEIGHT, PICTURE_WIDTH
 

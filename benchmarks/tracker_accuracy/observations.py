@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.association import Detection
-from khepera_forage.vision.scene import MM_PER_PIXEL, Region
+from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Truth
 from khepera_forage.vision.shapes import MARKER_FRAME, Plate, distance_to_segment, under_plate
-from khepera_forage.vision.simulated_camera import Truth
 
 TRACKER, MODEL, THRESHOLD = "tracker", "model", "threshold"
 """The tracker on rendered frames; the simulated camera; a plain threshold on rendered frames, without headings."""

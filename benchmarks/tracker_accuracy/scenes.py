@@ -11,9 +11,8 @@ import numpy as np
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.frames import FrameRenderer
-from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
-from khepera_forage.vision.simulated_camera import Truth
 from khepera_forage.vision.tracker import Tracker
 from tracker_accuracy.observations import TRACKER, Observation, Phantoms, observe
 

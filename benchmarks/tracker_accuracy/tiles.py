@@ -9,13 +9,10 @@ from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.cables import draw_cable
-from khepera_forage.vision.rendering.canvas import to_pixels
-from khepera_forage.vision.rendering.frames import FrameRenderer
-from khepera_forage.vision.rendering.light import Light
-from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.rendering.drawing import draw_cable, to_pixels
+from khepera_forage.vision.rendering.frames import FrameRenderer, Light
+from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
-from khepera_forage.vision.simulated_camera import Truth
 
 COLUMNS, ROWS = 5, 4
 """Tiles of a frame, 128 x 120 pixels each."""

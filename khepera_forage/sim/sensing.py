@@ -69,7 +69,7 @@ from khepera_forage.sim.driving import grip_place, in_barrier, seen_from
 from khepera_forage.sim.records import Enclosure, FoodDetection, FoodState, RobotState, constants_of
 from khepera_forage.sim.world import Timing
 from khepera_forage.vision.association import Track, match, may_vanish, start_tracks
-from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
+from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene, Truth
 from khepera_forage.vision.shapes import (
     FOOD_FEATURES,
     FOOD_RADIUS_PX,
@@ -83,7 +83,6 @@ from khepera_forage.vision.shapes import (
     touches_plate,
     visible_clearance,
 )
-from khepera_forage.vision.simulated_camera import Truth
 
 _FRONT = 6
 """Sensors that a lowered arm hides."""

@@ -34,7 +34,7 @@ from khepera_forage.sim.layout_checks import (
 from khepera_forage.sim.records import Enclosure, constants_of
 from khepera_forage.sim.sensing import SimulatedCamera, look, sense
 from khepera_forage.sim.world import FoodPlace, Layout, Timing
-from khepera_forage.vision.simulated_camera import Truth
+from khepera_forage.vision.scene import Truth
 
 
 class SimulatedKhepera:

@@ -7,14 +7,14 @@ of 5 mm on the floor, x to the right and y up.
 
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from khepera_forage.vision.lens import DEFAULT_SIZE, Lens, Point, Size
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -28,14 +28,7 @@ _FLAT = 0.01
 
 
 class Jacobian(NamedTuple):
-    """Jacobian of the calibration at a point: how region coordinates change with picture coordinates.
-
-    Attributes:
-        xu: Change of x with u.
-        xv: Change of x with v.
-        yu: Change of y with u.
-        yv: Change of y with v.
-    """
+    """Jacobian of the calibration at a point: how region coordinates x, y change with picture coordinates u, v."""
 
     xu: float
     xv: float
@@ -87,24 +80,25 @@ class Calibration:
         if camera is not None and camera[2] <= 0:
             raise ValueError(f"calibration camera is {camera}; allowed: a height above 0 mm")
         _check_view(picture, floor)
-        size = self.size
+        size, lens = tuple(self.size), self.lens
         if len(size) != 2 or not all(type(n) is int and n >= 16 for n in size):
             raise ValueError(
                 f"calibration size is {size!r}; allowed: width and height in pixels, at least 16"
             )
-        if self.lens is not None and self.lens.size != tuple(size):
-            object.__setattr__(self, "lens", replace(self.lens, size=(size[0], size[1])))
-        straight = picture if self.lens is None else [self.lens.straightened(*point) for point in picture]
+        if lens is not None:
+            lens = replace(lens, size=size)
+        straight = picture if lens is None else [lens.straightened(*point) for point in picture]
         to_floor = _homography(straight, [(x / MM_PER_PIXEL, y / MM_PER_PIXEL) for x, y in floor])
-        for name, value in (
-            ("picture", picture),
-            ("floor", floor),
-            ("camera", camera),
-            ("size", tuple(size)),
-        ):
+        for name, value in {
+            "picture": picture,
+            "floor": floor,
+            "camera": camera,
+            "size": size,
+            "lens": lens,
+            "_to_floor": tuple(to_floor.ravel().tolist()),
+            "_to_picture": tuple(np.linalg.inv(to_floor).ravel().tolist()),
+        }.items():
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "_to_floor", tuple(to_floor.ravel().tolist()))
-        object.__setattr__(self, "_to_picture", tuple(np.linalg.inv(to_floor).ravel().tolist()))
 
     @classmethod
     def identity(
@@ -201,10 +195,7 @@ class Calibration:
                     f"calibration has no {key!r}; allowed: four points each for picture and floor"
                 )
         numbers = table.get("lens")
-        lens = None
-        if numbers is not None:
-            k1, k2 = _checked_numbers("lens", numbers, 2, "(k1, k2)")
-            lens = Lens(k1, k2)
+        k = None if numbers is None else _checked_numbers("lens", numbers, 2, "(k1, k2)")
         size = _checked_numbers("size", table.get("size", DEFAULT_SIZE), 2, "(width, height)")
         entries = table.get("tags", ())
         if not isinstance(entries, Sequence):
@@ -214,7 +205,7 @@ class Calibration:
             table["picture"],  # type: ignore[arg-type] # checked there
             table["floor"],  # type: ignore[arg-type]
             table.get("camera"),  # type: ignore[arg-type]
-            lens,
+            None if k is None else Lens(k[0], k[1]),
             (int(size[0]), int(size[1])),
             {int(tag): (u, v) for tag, u, v in tags},
         )
@@ -255,10 +246,10 @@ class Calibration:
         return x / MM_PER_PIXEL, y / MM_PER_PIXEL, 1.0 - height / camera_height
 
 
-def _homography(picture: ArrayLike, floor: ArrayLike) -> NDArray[np.float64]:
+def _homography(picture: Iterable[Sequence[float]], floor: Iterable[Point]) -> NDArray[np.float64]:
     """The 3 x 3 matrix that maps four points to four others."""
     rows, targets = [], []
-    for (u, v), (x, y) in zip(np.asarray(picture).tolist(), np.asarray(floor).tolist(), strict=True):
+    for (u, v), (x, y) in zip(picture, floor, strict=True):
         rows += [[u, v, 1, 0, 0, 0, -x * u, -x * v], [0, 0, 0, u, v, 1, -y * u, -y * v]]
         targets += [x, y]
     return np.append(np.linalg.solve(rows, targets), 1.0).reshape(3, 3)
@@ -272,11 +263,7 @@ def _transformed(matrix: Matrix, p: float, q: float) -> Point:
 
 
 def _check_view(picture: Sequence[Sequence[float]], floor: Sequence[Sequence[float]]) -> None:
-    """Check that four points of the picture can be a view from above of four points on the floor.
-
-    Raises:
-        ValueError: They are mirrored or crossed.
-    """
+    """Refuse four points that cannot be a view from above of four points on the floor."""
     # The picture's v grows downwards: in a picture that is not mirrored, a left turn on the floor is a right turn.
     reversed_turns = [
         _cross(*(floor[i] for i in three)) * _cross(*(picture[i] for i in three)) < 0
@@ -291,11 +278,7 @@ def _check_view(picture: Sequence[Sequence[float]], floor: Sequence[Sequence[flo
 
 
 def _checked_numbers(name: str, value: object, count: int, form: str) -> tuple[float, ...]:
-    """A sequence of finite numbers as floats.
-
-    Raises:
-        ValueError: Anything else.
-    """
+    """A sequence of finite numbers as floats; anything else is refused."""
     if (
         not isinstance(value, Sequence | np.ndarray)
         or len(value) != count
@@ -306,11 +289,7 @@ def _checked_numbers(name: str, value: object, count: int, form: str) -> tuple[f
 
 
 def _checked_points(name: str, value: object, form: str) -> tuple[tuple[float, ...], ...]:
-    """Four different points of which no three lie on a line.
-
-    Raises:
-        ValueError: Anything else.
-    """
+    """Four different points of which no three lie on a line; anything else is refused."""
     if not isinstance(value, Sequence | np.ndarray) or len(value) != 4:
         raise ValueError(f"calibration {name} is {value!r}; allowed: four points {form}")
     points = tuple(_checked_numbers(f"{name} point", point, 2, form) for point in value)

@@ -6,7 +6,7 @@ and applied to this one.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -81,15 +81,13 @@ def fit_calibration(
     plain = best = _held_out(points, places, 0, size)
     k, matrix = _fitted(points, places, 0, size)
     for count, least in enumerate(LENS_POINTS, start=1):
-        if len(points) >= least:
-            errors = _held_out(points, places, count, size)
-            if root_mean_square(errors) < _GAIN * root_mean_square(best):
-                k_of_lens, matrix_of_lens = _fitted(points, places, count, size)
-                # Errors of clicks can make a distortion fit best that no lens has.
-                if shows_every_point_once(*k_of_lens.tolist()):
-                    best, k, matrix = errors, k_of_lens, matrix_of_lens
-    width, height = size
-    corners = ((0.0, 0.0), (float(width), 0.0), (float(width), float(height)), (0.0, float(height)))
+        errors = _held_out(points, places, count, size) if len(points) >= least else ()
+        if root_mean_square(errors) < _GAIN * root_mean_square(best):
+            k_of_lens, matrix_of_lens = _fitted(points, places, count, size)
+            # Errors of clicks can make a distortion fit best that no lens has.
+            if shows_every_point_once(*k_of_lens.tolist()):
+                best, k, matrix = errors, k_of_lens, matrix_of_lens
+    corners = Calibration.identity(size=size).picture
     on_floor = _mapped(np.array(corners), k, matrix, size).tolist()
     lens = Lens(float(k[0]), float(k[1]), size) if k.any() else None
     calibration = Calibration(corners, tuple(map(tuple, on_floor)), camera, lens, size)
@@ -130,11 +128,12 @@ def fit_to_tags(
     points, corners = list[Point](), list[Point]()
     for tag in seen:
         # With the turn of a tag known, its corners are points, too.
-        (ax, ay), (bx, by), (cx, cy), (dx, dy) = (first.to_region(u, v) for u, v in tags[tag].tolist())
+        pixels = [(u, v) for u, v in tags[tag].tolist()]
+        (ax, ay), (bx, by), (cx, cy), (dx, dy) = (first.to_region(u, v) for u, v in pixels)
         turn = math.atan2(by - ay + cy - dy, bx - ax + cx - dx)
         cos, sin = math.cos(turn) * side / 2, math.sin(turn) * side / 2
         x, y = places[tag]
-        points += [(u, v) for u, v in tags[tag].tolist()]
+        points += pixels
         corners += [
             (x + right * cos - ahead * sin, y + right * sin + ahead * cos)
             for right, ahead in ((-1, 1), (1, 1), (1, -1), (-1, -1))
@@ -159,10 +158,9 @@ def _distances(
     calibration: Calibration, picture: Sequence[Point], floor: Sequence[Point]
 ) -> tuple[float, ...]:
     """Distance in mm of each place from where the calibration maps its point of the picture."""
-    found = [calibration.to_region(u, v) for u, v in picture]
     return tuple(
-        math.hypot(x * MM_PER_PIXEL - place[0], y * MM_PER_PIXEL - place[1])
-        for (x, y), place in zip(found, floor, strict=True)
+        math.dist([MM_PER_PIXEL * c for c in calibration.to_region(u, v)], place)
+        for (u, v), place in zip(picture, floor, strict=True)
     )
 
 
@@ -183,7 +181,8 @@ def _held_out(
 
 def _determine_homography(points: NDArray[np.float64]) -> bool:
     """Whether points determine a homography: four of them must be in general position, no three on a line."""
-    scaled = (points - points.mean(axis=0)) / max(float(np.abs(points - points.mean(axis=0)).max()), 1e-9)
+    offsets = points - points.mean(axis=0)
+    scaled = offsets / max(float(np.abs(offsets).max()), 1e-9)
     ones, none = np.ones(len(points)), np.zeros((len(points), 3))
     rays = np.column_stack((scaled, ones))
     # The equations of a homography that maps the points to themselves, as an example of any.
@@ -209,23 +208,13 @@ def _fitted(
         return difference.ravel()
 
     k = np.zeros(2)
-    if coefficients:
-        k = _least_squares(misfit, coefficients)
-    return k, _homography(points, _straightened(points, k, size), places)
-
-
-def _least_squares(
-    misfit: Callable[[NDArray[np.float64]], NDArray[np.float64]], coefficients: int
-) -> NDArray[np.float64]:
-    """The k1 and k2 of which the first few minimise the sum of squares, by the Gauss-Newton method."""
-    k = np.zeros(2)
-    for _ in range(_REPEATS):
+    for _ in range(_REPEATS if coefficients else 0):  # Gauss-Newton
         now = misfit(k)
         steps = np.eye(2)[:coefficients] * _STEP
         slopes = np.stack([(misfit(k + step) - now) / _STEP for step in steps], axis=1)
         change = np.linalg.lstsq(slopes, -now, rcond=None)[0]
         k[:coefficients] = (k[:coefficients] + change).clip(-_LARGEST, _LARGEST)
-    return k
+    return k, _homography(points, _straightened(points, k, size), places)
 
 
 def _homography(

@@ -1,21 +1,23 @@
-"""Quality of the camera's picture: contrast, exposure, sharpness and noise, against what the tracker needs.
+"""Quality of the camera's picture: contrast, exposure, sharpness and noise; and frames that show no scene at all.
 
 The tracker fails without a warning when one of them is beyond its limit: nothing is then bright enough, or of the right
 size, to be a region. These figures are therefore measured without the tracker, from all bright shapes.
 """
 
 import math
-from collections.abc import Iterator
 from statistics import NormalDist
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
-from khepera_forage.vision.detection.segmentation import Frame, Segmenter, as_grey
+from khepera_forage.vision.detection.segmentation import Frame, as_grey, segment
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.tracker_settings import TrackerSettings
+
+if TYPE_CHECKING:
+    from khepera_forage.vision.tracker import Tracker
 
 BLUR_LIMIT = 1.3
 """Pixels, standard deviation. docs/tracker/tracker.md shows the losses above it."""
@@ -41,7 +43,9 @@ _HOLE_QUANTILE, _LEAST_HOLE = 1, 0.9
 which it has none."""
 _SIMILAR = 0.85
 """Share of the highest contrast from which a shape counts as white."""
-_NORMAL = NormalDist()
+_REDUCTION, _LEAST_RANGE = 4, 20
+"""Pixels are averaged in squares of this side: less noise, and markers and food remain. And the grey levels between the
+darkest and the brightest square of a scene with a marker or food, which is white."""
 
 
 class ImageQuality(NamedTuple):
@@ -65,44 +69,48 @@ class ImageQuality(NamedTuple):
 
     def described(self, settings: TrackerSettings) -> str:
         """All figures with their limits, in one line."""
-        contrast = "unknown" if self.contrast is None else f"{self.contrast:.2f}"
-        blur = "unknown" if self.blur is None else f"{self.blur:.1f} px"
-        printed = "unknown" if self.print is None else f"{self.print:.2f}"
+
+        def known(value: float | None, form: str, unit: str = "") -> str:
+            return "unknown" if value is None else f"{value:{form}}{unit}"
+
         low, high = FLOOR_LIMITS
         return (
-            f"contrast {contrast} (at least {settings.contrast * _CONTRAST_RESERVE:.2f}), "
-            f"blur {blur} (at most {BLUR_LIMIT:g}), floor {self.floor:.0f} ({low:g} to {high:g}), "
+            f"contrast {known(self.contrast, '.2f')} (at least {settings.contrast * _CONTRAST_RESERVE:.2f}), "
+            f"blur {known(self.blur, '.1f', ' px')} (at most {BLUR_LIMIT:g}), "
+            f"floor {self.floor:.0f} ({low:g} to {high:g}), "
             f"noise {self.noise:.1f} (at most {NOISE_LIMIT:g}), saturated {100 * self.saturated:.1f} %, "
-            f"print {printed} (at most {PRINT_LIMIT:g})"
+            f"print {known(self.print, '.2f')} (at most {PRINT_LIMIT:g})"
         )
 
     def warnings(self, settings: TrackerSettings) -> dict[str, str]:
         """What is beyond its limit, and what to change, by the name of the figure."""
-        return dict(self._warnings(settings))
-
-    def _warnings(self, settings: TrackerSettings) -> Iterator[tuple[str, str]]:
+        found = {}
         low, high = FLOOR_LIMITS
+        level = f"the floor's grey level is {self.floor:.0f} of 255, allowed: "
         if self.floor > high:
-            text = f"the floor's grey level is {self.floor:.0f} of 255, allowed: up to {high:g}"
-            yield "exposure", f"overexposed: {text}; reduce the camera's exposure or gain"
+            found["exposure"] = f"overexposed: {level}up to {high:g}; reduce the camera's exposure or gain"
         elif self.floor < low:
-            text = f"the floor's grey level is {self.floor:.0f} of 255, allowed: from {low:g}"
-            yield "exposure", f"underexposed: {text}; increase the camera's exposure or gain"
+            found["exposure"] = f"underexposed: {level}from {low:g}; increase the camera's exposure or gain"
         elif self.contrast is not None and self.contrast < settings.contrast * _CONTRAST_RESERVE:
-            yield (
-                "contrast",
+            found["contrast"] = (
                 f"low contrast: white is {self.contrast:.2f} times as bright as the floor, and the tracker's contrast "
-                f"is {settings.contrast:g}; set it to {(1 + self.contrast) / 2:.2f}, or use a darker floor",
+                f"is {settings.contrast:g}; set it to {(1 + self.contrast) / 2:.2f}, or use a darker floor"
             )
         if self.blur is not None and self.blur > BLUR_LIMIT:
-            text = f"the blur is {self.blur:.1f} pixels, allowed: up to {BLUR_LIMIT:g}"
-            yield "blur", f"out of focus: {text}; focus the lens"
+            found["blur"] = (
+                f"out of focus: the blur is {self.blur:.1f} pixels, allowed: up to {BLUR_LIMIT:g}; focus the lens"
+            )
         elif self.print is not None and self.print > PRINT_LIMIT:
-            text = f"holes are {self.print:.2f} times as bright as white, allowed: up to {PRINT_LIMIT:g}"
-            yield "print", f"pale print: {text}; print the markers black"
+            found["print"] = (
+                f"pale print: holes are {self.print:.2f} times as bright as white, allowed: up to {PRINT_LIMIT:g}; "
+                "print the markers black"
+            )
         if self.noise > NOISE_LIMIT:
-            text = f"the noise is {self.noise:.0f} grey levels, allowed: up to {NOISE_LIMIT:g}"
-            yield "noise", f"noisy: {text}; use more light, and less gain"
+            found["noise"] = (
+                f"noisy: the noise is {self.noise:.0f} grey levels, allowed: up to {NOISE_LIMIT:g}; use more light, "
+                "and less gain"
+            )
+        return found
 
 
 def measure_quality(frame: Frame) -> ImageQuality:
@@ -118,7 +126,7 @@ def measure_quality(frame: Frame) -> ImageQuality:
     import cv2
 
     frame = as_grey(frame)
-    segmentation = Segmenter(_FAINT).segment(frame)
+    segmentation = segment(frame, _FAINT)
     _, labels, stats, _ = cv2.connectedComponentsWithStats(segmentation.mask)
     areas = stats[1:, cv2.CC_STAT_AREA]
     shapes: list[tuple[float, float]] = []
@@ -174,7 +182,7 @@ def white_and_blur(grey: Frame, inside: NDArray[np.bool_], floor: float) -> tupl
     border = heights > 0.6 * heights.max()
     # The difference between the neighbours of a pixel in the middle of a blurred step is 2 F(1 / blur) - 1 of the step.
     share = float(np.percentile(steepness[border] / heights[border], _EDGE_QUANTILE))
-    return white / floor, 1 / _NORMAL.inv_cdf(min(0.5 + share, 0.9999))
+    return white / floor, 1 / NormalDist().inv_cdf(min(0.5 + share, 0.9999))
 
 
 def _noise(frame: Frame) -> float:
@@ -182,3 +190,31 @@ def _noise(frame: Frame) -> float:
     levels = frame[::4].astype(np.float32)
     differences = levels[:, 2:] - 2 * levels[:, 1:-1] + levels[:, :-2]
     return float(np.median(np.abs(differences)) / (0.6745 * math.sqrt(6)))
+
+
+def is_well_exposed(frame: Frame) -> bool:
+    """Whether the grey level of the floor is within its limits."""
+    low, high = FLOOR_LIMITS
+    return bool(low <= np.median(frame[::_REDUCTION, ::_REDUCTION]) <= high)
+
+
+def why_unusable(frame: Frame, tracker: "Tracker", strict: bool) -> str:
+    """Why a frame shows no scene, and what to change; empty for a usable frame.
+
+    Args:
+        frame: 480 x 640 grey levels.
+        tracker: Finds markers.
+        strict: Whether a frame beyond the limits of exposure is unusable, as it is after a sudden change: food may be
+            invisible. Otherwise it is usable if the tracker finds a marker in it.
+    """
+    import cv2
+
+    rows, columns = frame.shape
+    squares = cv2.resize(frame, (columns // _REDUCTION, rows // _REDUCTION), interpolation=cv2.INTER_AREA)
+    darkest, brightest = int(squares.min()), int(squares.max())
+    if brightest - darkest < _LEAST_RANGE:
+        return f"shows nothing: all grey levels are {darkest} to {brightest}"
+    if is_well_exposed(frame) or not (strict or not any(found.holes for found in tracker.detect(frame))):
+        return ""
+    warning = measure_quality(tracker.reduced(frame)).warnings(tracker.settings).get("exposure", "")
+    return warning and f"is {warning}"

@@ -40,11 +40,6 @@ class Lens:
     size: Size = DEFAULT_SIZE
 
     @property
-    def middle(self) -> Point:
-        """Middle of the picture in pixels."""
-        return self.size[0] / 2, self.size[1] / 2
-
-    @property
     def unit(self) -> float:
         """Pixels from the middle of the picture to a corner."""
         return math.hypot(*self.size) / 2
@@ -61,24 +56,25 @@ class Lens:
     def straightened(self, u: float, v: float) -> Point:
         """Where a lens without distortion would show what this one shows at (u, v), in pixels."""
         du, dv = self._offset(u, v)
-        shown = math.hypot(du, dv)
-        r = self._true(shown)
-        ratio = r / shown if shown > 0 else 1.0
-        return self._point(du * ratio, dv * ratio)
+        r = shown = math.hypot(du, dv)
+        for _ in range(_REPEATS):  # Newton's method
+            slope = max(_slope(r, self.k1, self.k2), _LEAST_SLOPE)
+            step = (r * _ratio(r * r, self.k1, self.k2) - shown) / slope
+            r -= step
+            if abs(step) < _CONVERGED:
+                break
+        return self._point(du, dv, r / shown if shown > 0 else 1.0)
 
     def distorted(self, u: float, v: float) -> Point:
         """Where this lens shows what a lens without distortion would show at (u, v): the inverse of `straightened`."""
         du, dv = self._offset(u, v)
-        r_squared = du * du + dv * dv
-        ratio = 1 + r_squared * (self.k1 + r_squared * self.k2)
-        return self._point(du * ratio, dv * ratio)
+        return self._point(du, dv, _ratio(du * du + dv * dv, self.k1, self.k2))
 
     def jacobian(self, u: float, v: float) -> tuple[float, float, float, float]:
         """Jacobian of `straightened` at (u, v): change of u with u, of u with v, of v with u, of v with v."""
         du, dv = self._offset(*self.straightened(u, v))
         r_squared = du * du + dv * dv
-        ratio = 1 + r_squared * (self.k1 + r_squared * self.k2)
-        growth = 2 * self.k1 + 4 * self.k2 * r_squared
+        ratio, growth = _ratio(r_squared, self.k1, self.k2), 2 * self.k1 + 4 * self.k2 * r_squared
         uu, uv, vv = ratio + growth * du * du, growth * du * dv, ratio + growth * dv * dv
         determinant = uu * vv - uv * uv
         return vv / determinant, -uv / determinant, -uv / determinant, uu / determinant
@@ -86,33 +82,23 @@ class Lens:
     def _offset(self, u: float, v: float) -> Point:
         return (u - self.size[0] / 2) / self.unit, (v - self.size[1] / 2) / self.unit
 
-    def _point(self, du: float, dv: float) -> Point:
-        return self.size[0] / 2 + du * self.unit, self.size[1] / 2 + dv * self.unit
-
-    def _true(self, shown: float) -> float:
-        """The distance that appears as another one, by Newton's method."""
-        r = shown
-        for _ in range(_REPEATS):
-            step = (_shown(r, self.k1, self.k2) - shown) / max(_slope(r, self.k1, self.k2), _LEAST_SLOPE)
-            r -= step
-            if abs(step) < _CONVERGED:
-                break
-        return r
+    def _point(self, du: float, dv: float, ratio: float) -> Point:
+        return self.size[0] / 2 + du * ratio * self.unit, self.size[1] / 2 + dv * ratio * self.unit
 
 
 def shows_every_point_once(k1: float, k2: float) -> bool:
     """Whether a lens, anywhere in the picture, shows a point further out if it lies further out; see `Lens`."""
     r = 0.0
-    while _shown(r, k1, k2) < 1.0:
+    while r * _ratio(r * r, k1, k2) < 1.0:
         r += 0.01
         if _slope(r, k1, k2) <= _LEAST_SLOPE or r > 3:
             return False
     return True
 
 
-def _shown(r: float, k1: float, k2: float) -> float:
-    """The distance from the middle at which a point at the distance r appears."""
-    return r * (1 + r * r * (k1 + r * r * k2))
+def _ratio(r_squared: float, k1: float, k2: float) -> float:
+    """Apparent distance from the middle as a multiple of the distance r."""
+    return 1 + r_squared * (k1 + r_squared * k2)
 
 
 def _slope(r: float, k1: float, k2: float) -> float:

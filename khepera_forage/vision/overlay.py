@@ -56,11 +56,30 @@ def draw_scene(
         raise ValueError(f"enlargement is {enlargement!r}; allowed: at least 1")
     larger = frame.repeat(enlargement, axis=0).repeat(enlargement, axis=1)
     picture: NDArray[np.uint8] = cv2.cvtColor(larger, cv2.COLOR_GRAY2RGB)  # type: ignore[assignment]
-    overlay = _Overlay(
-        picture, calibration or Calibration.identity(), settings or TrackerSettings(), enlargement
-    )
+    calibration, settings = calibration or Calibration.identity(), settings or TrackerSettings()
+    thickness, size = (enlargement + 1) // 2, _TEXT_SIZE + _TEXT_GROWTH * (enlargement - 1)
     for region in scene.regions:
-        overlay.draw(region)
+        marker = region.holes > 0
+        colour = (MARKER if marker else FOOD) if region.found else LOST
+        outline = _outline(region, settings)
+        strokes = [[(-1.5, 0.0), (1.5, 0.0)], [(0.0, -1.5), (0.0, 1.5)]]
+        if marker:
+            tip = settings.marker_length / MM_PER_PIXEL * 0.8
+            strokes += [[(0.0, 0.0), (tip, 0.0)], [(tip - 3, 2.5), (tip, 0.0), (tip - 3, -2.5)]]
+        height = settings.marker_height if marker else settings.food_height
+        for line in (outline, *strokes):
+            corners = enlargement * _shown(region, line, calibration, height)
+            points = np.rint((corners - 0.5) * 2**_FRACTIONAL_BITS).astype(np.int32)
+            closed = line is outline
+            cv2.polylines(picture, [points], closed, colour, thickness, cv2.LINE_AA, _FRACTIONAL_BITS)
+        # The caption of a marker is above its outline, that of food below, so that neighbours stay apart.
+        text = caption(region, settings.markers)
+        (_, letters), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, thickness)
+        places = enlargement * _shown(region, outline, calibration, height)
+        gap = 3 * enlargement
+        bottom = places[:, 1].min() - gap if marker else places[:, 1].max() + gap + letters
+        place = (round(places[:, 0].min()), round(bottom))
+        cv2.putText(picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, size, colour, thickness, cv2.LINE_AA)
     return picture
 
 
@@ -79,86 +98,28 @@ def caption(region: Region, markers: str = "holes") -> str:
     return f"{region.label}: {kind}{'' if region.found else ', lost'}"
 
 
-class _Overlay:
-    """Draws regions on one picture."""
+def _outline(region: Region, settings: TrackerSettings) -> list[tuple[float, float]]:
+    """Corners in the region's own frame (region pixels, x forward)."""
+    if region.holes > 0:
+        length, width = settings.marker_length, settings.marker_width
+        if settings.markers == "tags":
+            length = width = settings.tag_size
+        a, b = length / MM_PER_PIXEL / 2, width / MM_PER_PIXEL / 2
+        return [(a, b), (-a, b), (-a, -b), (a, -b)]
+    radius = settings.food_radius / MM_PER_PIXEL
+    angles = (2 * math.pi * i / _CIRCLE_POINTS for i in range(_CIRCLE_POINTS))
+    return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
 
-    def __init__(
-        self,
-        picture: NDArray[np.uint8],
-        calibration: Calibration,
-        settings: TrackerSettings,
-        enlargement: int,
-    ) -> None:
-        self._picture, self._calibration, self._settings = picture, calibration, settings
-        self._enlargement = enlargement
-        self._thickness = (enlargement + 1) // 2
 
-    def draw(self, region: Region) -> None:
-        marker = region.holes > 0
-        colour = (MARKER if marker else FOOD) if region.found else LOST
-        self._line(region, self._outline(region), colour, closed=True)
-        for stroke in ([(-1.5, 0.0), (1.5, 0.0)], [(0.0, -1.5), (0.0, 1.5)]):
-            self._line(region, stroke, colour)
-        if marker:
-            tip = self._settings.marker_length / MM_PER_PIXEL * 0.8
-            arrow_head = [(tip - 3, 2.5), (tip, 0.0), (tip - 3, -2.5)]
-            self._line(region, [(0.0, 0.0), (tip, 0.0)], colour)
-            self._line(region, arrow_head, colour)
-        self._write(region, colour)
-
-    def _write(self, region: Region, colour: Colour) -> None:
-        """The caption: that of a marker above its outline, that of food below, so that neighbours stay apart."""
-        import cv2
-
-        size = _TEXT_SIZE + _TEXT_GROWTH * (self._enlargement - 1)
-        (_, height), _ = cv2.getTextSize(
-            caption(region, self._settings.markers), cv2.FONT_HERSHEY_SIMPLEX, size, self._thickness
-        )
-        places = [self._frame_point(region, *corner) for corner in self._outline(region)]
-        left = min(u for u, _ in places) * self._enlargement
-        top, bottom = (end(v for _, v in places) * self._enlargement for end in (min, max))
-        gap = 3 * self._enlargement
-        baseline = top - gap if region.holes else bottom + gap + height
-        cv2.putText(
-            self._picture,
-            caption(region, self._settings.markers),
-            (round(left), round(baseline)),
-            cv2.FONT_HERSHEY_SIMPLEX,
-            size,
-            colour,
-            self._thickness,
-            cv2.LINE_AA,
-        )
-
-    def _outline(self, region: Region) -> list[tuple[float, float]]:
-        """Corners in the region's own frame (region pixels, x forward)."""
-        settings = self._settings
-        if region.holes > 0:
-            length, width = settings.marker_length, settings.marker_width
-            if settings.markers == "tags":
-                length = width = settings.tag_size
-            a, b = length / MM_PER_PIXEL / 2, width / MM_PER_PIXEL / 2
-            return [(a, b), (-a, b), (-a, -b), (a, -b)]
-        radius = settings.food_radius / MM_PER_PIXEL
-        angles = (2 * math.pi * i / _CIRCLE_POINTS for i in range(_CIRCLE_POINTS))
-        return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
-
-    def _line(
-        self, region: Region, points: list[tuple[float, float]], colour: Colour, *, closed: bool = False
-    ) -> None:
-        """A line through points in the region's own frame (region pixels, x forward)."""
-        import cv2
-
-        corners = self._enlargement * np.array([self._frame_point(region, *point) for point in points]) - 0.5
-        fixed_point = np.rint(corners * 2**_FRACTIONAL_BITS).astype(np.int32)
-        cv2.polylines(
-            self._picture, [fixed_point], closed, colour, self._thickness, cv2.LINE_AA, _FRACTIONAL_BITS
-        )
-
-    def _frame_point(self, region: Region, forward: float, left: float) -> tuple[float, float]:
-        """The point of the frame that shows a point in the region's own frame (region pixels)."""
-        heading = math.radians(region.orientation)
-        height = self._settings.marker_height if region.holes > 0 else self._settings.food_height
-        x = region.x + forward * math.cos(heading) - left * math.sin(heading)
-        y = region.y + forward * math.sin(heading) + left * math.cos(heading)
-        return self._calibration.to_picture(x, y, height)
+def _shown(
+    region: Region, points: list[tuple[float, float]], calibration: Calibration, height: float
+) -> NDArray[np.float64]:
+    """Where the frame shows points of the region's own frame (region pixels) at a height in mm."""
+    heading = math.radians(region.orientation)
+    cos, sin = math.cos(heading), math.sin(heading)
+    return np.array(
+        [
+            calibration.to_picture(region.x + x * cos - y * sin, region.y + x * sin + y * cos, height)
+            for x, y in points
+        ]
+    )

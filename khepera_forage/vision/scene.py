@@ -48,9 +48,27 @@ class Scene(NamedTuple):
     regions: tuple[Region, ...]
 
 
+class Truth(NamedTuple):
+    """Where everything under the camera really is: what a simulated camera looks at, and frames are rendered from.
+
+    Attributes:
+        markers: For each robot x and y of its centre in mm, its heading in radians, and the number of holes
+            in its marker (1 or 2).
+        foods: Centre of each food object in mm, hidden ones included.
+    """
+
+    markers: tuple[tuple[float, float, float, int], ...]
+    foods: tuple[tuple[float, float], ...]
+
+
 class Camera(Protocol):
     """An overhead camera with its tracker."""
 
     def look(self) -> Scene:
         """The regions tracked now; calling this takes no frame."""
         ...
+
+
+def place_text(x: float, y: float) -> str:
+    """A place in pixels as text in mm, for warnings."""
+    return f"({x * MM_PER_PIXEL:.0f}, {y * MM_PER_PIXEL:.0f}) mm"

@@ -58,7 +58,6 @@ _SURE = 5.0
 """Standard deviations of jitter by which a place must be clear of a marker to count as visible."""
 _HALF_LENGTH, _HALF_WIDTH = MARKER_LENGTH / 2, MARKER_WIDTH / 2
 _HALF_LENGTH_PX, _HALF_WIDTH_PX = _HALF_LENGTH / MM_PER_PIXEL, _HALF_WIDTH / MM_PER_PIXEL
-_HALF_DIAGONAL = math.hypot(_HALF_LENGTH, _HALF_WIDTH)
 
 
 class Features(NamedTuple):
@@ -79,12 +78,13 @@ def _features(area: float, perimeter: float) -> Features:
     return Features(area, perimeter, perimeter * perimeter / area)
 
 
-def _marker_features(holes: int) -> Features:
-    area = (MARKER_LENGTH * MARKER_WIDTH - holes * HOLE_SIDE**2) / MM_PER_PIXEL**2
-    return _features(area, 2 * (MARKER_LENGTH + MARKER_WIDTH) / MM_PER_PIXEL)
-
-
-MARKER_FEATURES = {holes: _marker_features(holes) for holes in (1, 2)}
+MARKER_FEATURES = {
+    holes: _features(
+        (MARKER_LENGTH * MARKER_WIDTH - holes * HOLE_SIDE**2) / MM_PER_PIXEL**2,
+        2 * (MARKER_LENGTH + MARKER_WIDTH) / MM_PER_PIXEL,
+    )
+    for holes in (1, 2)
+}
 """By number of holes."""
 FOOD_FEATURES = _features(math.pi * FOOD_RADIUS_PX**2, 2 * math.pi * FOOD_RADIUS_PX)
 
@@ -107,12 +107,7 @@ def under_plate(x: float, y: float, radius: float, plates: Iterable[Plate]) -> b
         radius: Of the disc in mm.
         plates: The markers, 120 x 80 mm, long side along the heading.
     """
-    reach = _HALF_DIAGONAL + radius
-    for plate in plates:
-        dx, dy = x - plate.x, y - plate.y
-        if dx * dx + dy * dy <= reach * reach and touches_plate(x, y, radius, plate):
-            return True
-    return False
+    return any(touches_plate(x, y, radius, plate) for plate in plates)
 
 
 def touches_plate(x: float, y: float, radius: float, plate: Plate) -> bool:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +9,8 @@ from numpy.typing import NDArray
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.detection.segmentation import Frame
-from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.scene import MM_PER_PIXEL, place_text
 from khepera_forage.vision.tracker_settings import TrackerSettings
-
-if TYPE_CHECKING:
-    import cv2
 
 DICTIONARY = "DICT_4X4_50"
 """Of `cv2.aruco`: 4 x 4 cells within a black border of one cell, ids 0 to 49."""
@@ -67,33 +63,26 @@ class TagFinder:
             default=_ALONE,
         )
         self._dictionary = cv2.aruco.Dictionary(used, whole.markerSize, max(0, (min(least, _ALONE) - 1) // 2))
-        self._detectors: dict[tuple[int, int], cv2.aruco.ArucoDetector] = {}
 
     def find(self, grey: Frame) -> list[tuple[int, Corners]]:
         """Id and corners of each tag in a picture, in pixels; the middle of the upper left pixel is (0.5, 0.5)."""
-        corners, ids, _ = self._detector(grey.shape).detectMarkers(grey)
+        import cv2
+
+        parameters = cv2.aruco.DetectorParameters()
+        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
+        parameters.minMarkerPerimeterRate = 0.6 * 4 * self._side / max(grey.shape)
+        parameters.minDistanceToBorder = 1
+        parameters.errorCorrectionRate = 1.0
+        # One window of almost a tag.
+        window = max(3, round(_WINDOW * self._side) // 2 * 2 + 1)
+        parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = window
+        corners, ids, _ = cv2.aruco.ArucoDetector(self._dictionary, parameters).detectMarkers(grey)
         if ids is None:
             return []
         return [
             (self._ids[int(i)], c.reshape(4, 2).astype(np.float64) + 0.5)
             for i, c in zip(ids.ravel(), corners, strict=True)
         ]
-
-    def _detector(self, shape: tuple[int, ...]) -> "cv2.aruco.ArucoDetector":
-        import cv2
-
-        key = (shape[0], shape[1])
-        if key not in self._detectors:
-            parameters = cv2.aruco.DetectorParameters()
-            parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
-            parameters.minMarkerPerimeterRate = 0.6 * 4 * self._side / max(key)
-            parameters.minDistanceToBorder = 1
-            parameters.errorCorrectionRate = 1.0
-            # One window of almost a tag.
-            window = max(3, round(_WINDOW * self._side) // 2 * 2 + 1)
-            parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = window
-            self._detectors[key] = cv2.aruco.ArucoDetector(self._dictionary, parameters)
-        return self._detectors[key]
 
 
 class TagDetector:
@@ -145,55 +134,39 @@ class TagDetector:
                         found[tag] = [corners]
         warnings, detections = {}, []
         for tag, places in found.items():
-            if len(places) > 1:
-                where = " and ".join(self._place(tag, corners) for corners in places)
+            seen = [self._detection(tag, corners) for corners in places]
+            texts = [place_text(detection.x, detection.y) for detection, _ in seen]
+            detection, side = seen[0]
+            size = (
+                self._settings.food_tag_size if tag in self._settings.food_tags else self._settings.tag_size
+            )
+            if len(seen) > 1:
+                where = " and ".join(texts)
                 warnings["tag twice"] = f"tag {tag} is seen twice, at {where}: use each id once"
-                continue
-            detection, side = self._detection(tag, places[0])
-            size = self._size(tag)
-            if abs(side / size - 1) > _SIZE_TOLERANCE:
+            elif abs(side / size - 1) > _SIZE_TOLERANCE:
                 warnings["tag size"] = (
-                    f"tag {tag} at {self._place(tag, places[0])} measures {side:.0f} mm instead of {size:g} mm: "
-                    "print it at 100 %, or change its size in the settings"
+                    f"tag {tag} at {texts[0]} measures {side:.0f} mm instead of {size:g} mm: print it at 100 %, or "
+                    "change its size in the settings"
                 )
-                continue
-            detections.append(detection)
+            else:
+                detections.append(detection)
         return detections, warnings
-
-    def _size(self, tag: int) -> float:
-        return self._settings.food_tag_size if tag in self._settings.food_tags else self._settings.tag_size
-
-    def _place(self, tag: int, corners: Corners) -> str:
-        detection, _ = self._detection(tag, corners)
-        return f"({detection.x * MM_PER_PIXEL:.0f}, {detection.y * MM_PER_PIXEL:.0f}) mm"
 
     def _detection(self, tag: int, corners: Corners) -> tuple[Detection, float]:
         """The detection of a tag, and its side in mm."""
-        settings = self._settings
-        food = tag in settings.food_tags
-        height = settings.food_height if food else settings.marker_height
+        food = tag in self._settings.food_tags
+        height = self._settings.food_height if food else self._settings.marker_height
         floor = np.array([self._calibration.to_region(u, v, height) for u, v in corners.tolist()])
         x, y = floor.mean(axis=0).tolist()
         ahead = floor[:2].mean(axis=0) - floor[2:].mean(axis=0)
         orientation = 0 if food else round(math.degrees(math.atan2(ahead[1], ahead[0]))) % 360
         sides = np.hypot(*(np.roll(floor, 1, axis=0) - floor).T)
-        width, high = self._calibration.size
-        edge = bool(
-            corners.min() < 2 or (corners[:, 0] > width - 2).any() or (corners[:, 1] > high - 2).any()
-        )
+        edge = bool(corners.min() < 2 or (corners > np.array(self._calibration.size) - 2).any())
         first_x, first_y = floor[int(np.lexsort((floor[:, 0], -floor[:, 1]))[0])].tolist()
         perimeter, side = float(sides.sum()), float(sides.mean())
+        holes, area = 0 if food else tag, side * side
         detection = Detection(
-            x,
-            y,
-            0 if food else tag,
-            orientation,
-            edge,
-            first_x,
-            first_y,
-            side * side,
-            perimeter,
-            perimeter**2 / side**2,
+            x, y, holes, orientation, edge, first_x, first_y, area, perimeter, perimeter**2 / area
         )
         return detection, side * MM_PER_PIXEL
 
@@ -216,12 +189,10 @@ class FloorTags:
         chosen = [tags[(self._next + i) % len(tags)] for i in range(min(_ROUND, len(tags)))]
         self._next += len(chosen)
         shifts = [shift for tag in chosen for shift in self._shift(grey, tag)]
-        if len(shifts) == len(chosen) and max(shifts) < _MOVED:
+        all_stay = len(shifts) == len(chosen) and max(shifts) < _MOVED
+        if all_stay or (len(shifts) > 1 and float(np.median(shifts)) < _MOVED):  # some may be hidden
             return {}
-        if len(shifts) > 1 and float(np.median(shifts)) < _MOVED:
-            return {}  # some are hidden
-        found = dict(self._finder.find(grey))
-        shifts = [self._distance(tag, corners) for tag, corners in found.items()]
+        shifts = [self._distance(tag, corners) for tag, corners in dict(self._finder.find(grey)).items()]
         if not shifts or float(np.median(shifts)) < _MOVED:
             return {}
         return {

@@ -31,13 +31,16 @@ class TrackedCamera:
     Args:
         source: Frame source; it is closed with the camera.
         tracker: A tracker that nothing else uses.
+
+    Attributes:
+        tracker: With its settings and calibration.
+        age: Of the last frame in s when it was taken from the source.
     """
 
     def __init__(self, source: FrameSource, tracker: Tracker) -> None:
+        self.tracker, self.age = tracker, 0.0
         self._source = source
-        self._tracker = tracker
         self._frame: NDArray[np.uint8] | None = None
-        self._age = 0.0
         self._until_check = 0
         self._warned: set[str] = set()
         self._lasted: dict[str, int] = {}
@@ -49,7 +52,7 @@ class TrackedCamera:
         Raises:
             CameraLost: The source has no more frames.
         """
-        self._tracker.reset()
+        self.tracker.reset()
         self._until_check = 0
         self._lasted, self._logged = {}, set()
         self.expose()
@@ -60,22 +63,17 @@ class TrackedCamera:
         Raises:
             CameraLost: The source has no more frames; `look` still returns the last scene.
         """
-        self._frame, self._age = self._source.newest()
-        self._tracker.update(self._frame)
+        self._frame, self.age = self._source.newest()
+        self.tracker.update(self._frame)
         self._log_troubles()
         self._until_check -= 1
         if self._until_check < 0:
             self._until_check = _CHECK_INTERVAL
-            self._log_quality(self._frame)
+            self._log_quality()
 
     def look(self) -> Scene:
         """The scene of the last frame; empty before the first."""
-        return self._tracker.scene
-
-    @property
-    def tracker(self) -> Tracker:
-        """The tracker, with its settings and calibration."""
-        return self._tracker
+        return self.tracker.scene
 
     @property
     def frame(self) -> NDArray[np.uint8]:
@@ -88,11 +86,6 @@ class TrackedCamera:
             raise RuntimeError("frame before any expose(); allowed: after one")
         return self._frame
 
-    @property
-    def age(self) -> float:
-        """Age of the last frame in s when it was taken from the source."""
-        return self._age
-
     def close(self) -> None:
         """Close the source; a second call does nothing."""
         self._source.close()
@@ -103,9 +96,9 @@ class TrackedCamera:
     def __exit__(self, *exception: object) -> None:
         self.close()
 
-    def _log_quality(self, frame: NDArray[np.uint8]) -> None:
+    def _log_quality(self) -> None:
         """Log what is beyond its limit and was not at the last check."""
-        found = measure_quality(self._tracker.reduced(frame)).warnings(self._tracker.settings)
+        found = measure_quality(self.tracker.reduced(self.frame)).warnings(self.tracker.settings)
         for name, text in found.items():
             if name not in self._warned:
                 _LOG.warning("camera picture %s", text)
@@ -113,7 +106,7 @@ class TrackedCamera:
 
     def _log_troubles(self) -> None:
         """Log what the tracker is uncertain about, once in an episode, if it lasts or needs the user."""
-        found = self._tracker.warnings
+        found = self.tracker.warnings
         self._lasted = {name: self._lasted.get(name, 0) + 1 for name in found}
         for name, text in found.items():
             if name not in self._logged and (name in _URGENT or self._lasted[name] >= _LASTING):

@@ -5,13 +5,11 @@ import math
 from khepera_forage.extras import require
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.detector import Detector
-from khepera_forage.vision.detection.floor_visibility import FloorVisibility
-from khepera_forage.vision.detection.segmentation import Frame, Segmentation, Segmenter, as_grey
-from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
+from khepera_forage.vision.detection.segmentation import Frame, Segmentation, as_grey, segment
+from khepera_forage.vision.scene import MM_PER_PIXEL, Scene, place_text
 from khepera_forage.vision.tags import FloorTags, TagDetector
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from khepera_forage.vision.tracks import Confirmation, Tracks
+from khepera_forage.vision.tracks import Confirmation, FloorVisibility, Tracks
 
 __all__ = ["Tracker", "TrackerSettings"]
 
@@ -19,7 +17,6 @@ _NATIVE = (0.8, 1.25)
 """Region pixels per pixel of a frame between which the frame is used as it is; others are resized to 5 mm a pixel."""
 _LEAST_SCALE = 0.55
 """Pixels of a frame per region pixel below which markers with holes cannot be read."""
-
 _AROUND, _DARK, _MOST_DARK = 1.5, 0.6, 0.5
 """Radii of food where floor is expected, the share of the floor's brightness below which a place is dark, and the
 least share of dark places around a white part of a tag."""
@@ -48,11 +45,7 @@ class Tracker:
     Lost food:
         Food is dropped once its last place is visible and empty (`association`). A place is visible when food there
         would be inside the picture and clear of every marker, found or lost, and when its pixels have looked like
-        floor in `settings.patience` consecutive frames (`floor_visibility`).
-
-    Attributes:
-        settings: As given.
-        calibration: As given.
+        floor in `settings.patience` consecutive frames (`tracks`).
 
     Not thread-safe.
 
@@ -64,6 +57,13 @@ class Tracker:
     Raises:
         ImportError: OpenCV is not installed.
         ValueError: Markers or food are as high as the calibration's camera, or its pixels are too large for them.
+
+    Attributes:
+        settings: As given.
+        calibration: As given.
+        scene: The scene of the last frame; empty before the first.
+        warnings: What the last frame does not show for certain, and is therefore not reported, by the name of the
+            cause.
     """
 
     def __init__(
@@ -71,25 +71,20 @@ class Tracker:
     ) -> None:
         require("the tracker", "camera")
         self.settings = settings or TrackerSettings()
-        self._size_is_known = calibration is not None
-        self._segmenter = Segmenter(self.settings.contrast)
-        self._confirmation = Confirmation(by_place=self.settings.featureless)
-        self._tracks = Tracks(by_place=self.settings.featureless)
-        self._scene = Scene(())
-        self._warnings: dict[str, str] = {}
         self.calibration = calibration or Calibration.identity()
+        self.warnings: dict[str, str] = {}
+        self._size_is_known = calibration is not None
         if calibration is not None:
             self._prepare(calibration)
+        self.reset()
 
-    @property
-    def scene(self) -> Scene:
-        """The scene of the last frame; empty before the first."""
-        return self._scene
-
-    @property
-    def warnings(self) -> dict[str, str]:
-        """What the last frame does not show for certain, and is therefore not reported, by the name of the cause."""
-        return self._warnings
+    def reset(self) -> None:
+        """Forget every track; labels start at 0 again."""
+        self.scene = Scene(())
+        self._confirmation = Confirmation(by_place=self.settings.featureless)
+        self._tracks = Tracks(by_place=self.settings.featureless)
+        if self._size_is_known:
+            self._floor = FloorVisibility(self.settings, self._resized)
 
     def detect(self, frame: Frame) -> list[Detection]:
         """The detections of one frame, in no particular order; no track changes.
@@ -100,35 +95,37 @@ class Tracker:
         Raises:
             ValueError: A frame of another type, or of another size than the calibration's.
         """
-        grey = self._checked(frame)
-        return self._detect(grey, self._segmented(grey))
+        return self._detect(frame)[0]
 
     def update(self, frame: Frame) -> Scene:
         """The scene after one more frame; arguments and errors as for `detect`."""
-        grey = self._checked(frame)
-        segmentation = self._segmented(grey)
-        shown = self._detect(grey, segmentation)
-        self._floor.update(segmentation, shown, self._scene)
-        detections = self._confirmation.confirmed(shown, self._scene)
-        doomed = self._confirmation.doomed(detections, self._scene)
-        self._scene = self._tracks.update(detections, self._floor.visible, doomed)
-        self._confirmation.count(self._scene)
-        for region in self._scene.regions:
+        shown, segmentation = self._detect(frame)
+        self._floor.update(segmentation, shown, self.scene)
+        detections = self._confirmation.confirmed(shown, self.scene)
+        doomed = self._confirmation.doomed(detections, self.scene)
+        self.scene = self._tracks.update(detections, self._floor.visible, doomed)
+        self._confirmation.count(self.scene)
+        for region in self.scene.regions:
             if region.holes and not region.found:
-                place = f"({region.x * MM_PER_PIXEL:.0f}, {region.y * MM_PER_PIXEL:.0f}) mm"
-                self._warnings["lost"] = f"marker {region.holes} is not visible; it was last seen at {place}"
-        return self._scene
+                place = place_text(region.x, region.y)
+                self.warnings["lost"] = f"marker {region.holes} is not visible; it was last seen at {place}"
+        return self.scene
 
-    def reset(self) -> None:
-        """Forget every track; labels start at 0 again."""
-        self._confirmation.reset()
-        self._tracks.reset()
-        if self._size_is_known:
-            self._floor.reset()
-        self._scene = Scene(())
+    def reduced(self, frame: Frame) -> Frame:
+        """The frame as grey levels of about 5 mm a pixel; errors as for `detect`."""
+        import cv2
+
+        grey = self._checked(frame)
+        if self._resized.size != self.calibration.size:
+            smaller = self._resized.size[0] < self.calibration.size[0]
+            way = cv2.INTER_AREA if smaller else cv2.INTER_CUBIC
+            grey = cv2.resize(grey, self._resized.size, interpolation=way)  # type: ignore[assignment]
+        return grey
 
     def _prepare(self, calibration: Calibration) -> None:
         """Use a calibration: its picture is resized to 5 mm a pixel, if it is much coarser or finer."""
+        from khepera_forage.vision.detection.detector import Detector
+
         settings = self.settings
         self.calibration = calibration
         width, height = calibration.size
@@ -142,14 +139,12 @@ class Tracker:
                 f"a pixel in the middle of the picture shows {calibration.mm_per_pixel():.1f} mm of the floor; "
                 f"allowed: up to {MM_PER_PIXEL / _LEAST_SCALE:.1f} mm: use a higher resolution, or a lower camera"
             )
-        self._size = (width, height)
+        self._resized = calibration
         if not _NATIVE[0] <= scale <= _NATIVE[1]:
-            self._size = (max(16, round(width / scale)), max(16, round(height / scale)))
-            calibration = calibration.for_size(*self._size)
-        self._picture = calibration
-        pixels_per_mm = 1 / calibration.mm_per_pixel()
-        self._detector = Detector(settings, calibration, pixels_per_mm)
-        self._floor = FloorVisibility(settings, calibration)
+            self._resized = calibration.for_size(
+                max(16, round(width / scale)), max(16, round(height / scale))
+            )
+        self._detector = Detector(settings, self._resized)
 
     def _checked(self, frame: Frame) -> Frame:
         """The frame as grey levels, of the calibration's size."""
@@ -158,6 +153,7 @@ class Tracker:
         if not self._size_is_known and min(size) >= 16:
             self._prepare(Calibration.identity(size=size))
             self._size_is_known = True
+            self.reset()
         if size != self.calibration.size:
             wide, high = self.calibration.size
             raise ValueError(
@@ -166,44 +162,31 @@ class Tracker:
             )
         return grey
 
-    def reduced(self, frame: Frame) -> Frame:
-        """The frame as grey levels of about 5 mm a pixel; errors as for `detect`."""
-        import cv2
-
+    def _detect(self, frame: Frame) -> tuple[list[Detection], Segmentation]:
         grey = self._checked(frame)
-        if self._size != self.calibration.size:
-            reduced = self._size[0] < self.calibration.size[0]
-            grey = cv2.resize(grey, self._size, interpolation=cv2.INTER_AREA if reduced else cv2.INTER_CUBIC)  # type: ignore[assignment]
-        return grey
-
-    def _segmented(self, grey: Frame) -> Segmentation:
-        return self._segmenter.segment(self.reduced(grey))
-
-    def _detect(self, grey: Frame, segmentation: Segmentation) -> list[Detection]:
-        self._warnings = {}
-        tags: list[Detection] = []
-        if self._tags is not None:
-            tags, self._warnings = self._tags.detect(grey)
+        segmentation = segment(self.reduced(grey), self.settings.contrast)
+        tagged = self.settings.markers == "tags"
+        detections = self._detector.detect(segmentation, markers=not tagged)
+        self.warnings = dict(self._detector.warnings)
         if self._floor_tags is not None:
-            self._warnings |= self._floor_tags.check(grey)
-        found = self._detector.detect(segmentation, markers=self.settings.markers != "tags")
-        self._warnings |= {trouble.kind: trouble.text for trouble in found.troubles}
-        detections = found.detections
+            self.warnings |= self._floor_tags.check(grey)
         if self._tags is not None:
+            tags, warnings = self._tags.detect(grey)
+            self.warnings |= warnings
             # White parts of tags look like food.
-            before = [r for r in self._scene.regions if r.holes and self.settings.markers == "tags"]
+            places = [(t.x, t.y) for t in tags]
+            places += [(r.x, r.y) for r in self.scene.regions if r.holes and tagged]
             near = self._tags.reach
-            places = [(t.x, t.y) for t in tags] + [(r.x, r.y) for r in before]
-            detections = [
+            detections = tags + [
                 d
                 for d in detections
                 if d.holes
                 or (
-                    all(math.dist((d.x, d.y), p) > near for p in places)
+                    all(math.dist((d.x, d.y), place) > near for place in places)
                     and self._is_on_floor(segmentation, d)
                 )
             ]
-        return tags + detections
+        return detections, segmentation
 
     def _is_on_floor(self, segmentation: Segmentation, food: Detection) -> bool:
         """Whether food has floor around it, and not the black of a tag."""
@@ -211,7 +194,7 @@ class Tracker:
         rows, columns = segmentation.frame.shape
         dark = 0
         for x, y in _CIRCLE:
-            u, v = self._picture.to_picture(food.x + reach * x, food.y + reach * y, self.settings.food_height)
+            u, v = self._resized.to_picture(food.x + reach * x, food.y + reach * y, self.settings.food_height)
             column, row = min(max(int(u), 0), columns - 1), min(max(int(v), 0), rows - 1)
             dark += segmentation.frame[row, column] < _DARK * segmentation.floor_at(column, row)
         return dark < _MOST_DARK * len(_CIRCLE)

@@ -62,40 +62,29 @@ class TrackerSettings:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if (
-                isinstance(field.default, float | int)
-                and type(field.default) is not bool
-                and not 0 <= value < math.inf
-            ):
+            if type(field.default) in (float, int) and not 0 <= value < math.inf:
                 raise ValueError(f"tracker {field.name} is {value!r}; allowed: a finite number >= 0")
         self._check_numbers()
-        for name in (
-            "marker_length",
-            "marker_width",
-            "hole_side",
-            "food_radius",
-            "tag_size",
-            "food_tag_size",
+        lengths = ("marker_length", "marker_width", "hole_side", "food_radius", "tag_size", "food_tag_size")
+        for names, refused, allowed in (
+            (lengths, lambda value: value == 0, "above 0 mm"),
+            (("hole_contrast", "tolerance"), lambda value: not 0 < value < 1, "between 0 and 1"),
+            (("contrast",), lambda value: value <= 1, "above 1"),
+            (
+                ("marker_length",),
+                lambda value: value < 1.2 * self.marker_width,
+                f"at least 1.2 times the marker_width of {self.marker_width!r}, or the axis is uncertain",
+            ),
+            (
+                ("hole_side",),
+                lambda value: value > 0.5 * self.marker_width,
+                f"up to half the marker_width, which is {self.marker_width!r}",
+            ),
+            (("patience",), lambda value: value < 1 or value != int(value), "whole frames, at least 1"),
         ):
-            if getattr(self, name) == 0:
-                raise ValueError(f"tracker {name} is {getattr(self, name)!r}; allowed: above 0 mm")
-        for name in ("hole_contrast", "tolerance"):
-            if not 0 < getattr(self, name) < 1:
-                raise ValueError(f"tracker {name} is {getattr(self, name)!r}; allowed: between 0 and 1")
-        if self.contrast <= 1:
-            raise ValueError(f"tracker contrast is {self.contrast!r}; allowed: above 1")
-        if self.marker_length < 1.2 * self.marker_width:
-            raise ValueError(
-                f"tracker marker_length is {self.marker_length!r}; allowed: at least 1.2 times the marker_width of "
-                f"{self.marker_width!r}, or the axis is uncertain"
-            )
-        if self.hole_side > 0.5 * self.marker_width:
-            raise ValueError(
-                f"tracker hole_side is {self.hole_side!r}; allowed: up to half the marker_width, "
-                f"which is {self.marker_width!r}"
-            )
-        if self.patience < 1 or self.patience != int(self.patience):
-            raise ValueError(f"tracker patience is {self.patience!r}; allowed: whole frames, at least 1")
+            for name in names:
+                if refused(getattr(self, name)):
+                    raise ValueError(f"tracker {name} is {getattr(self, name)!r}; allowed: {allowed}")
 
     def _check_numbers(self) -> None:
         """Check the kind of markers and the numbers in use."""

@@ -126,23 +126,23 @@ class VideoSource:
                 source = int(str(source))
             elif not Path(source).exists():
                 raise FileNotFoundError(f"camera {source}: there is no such file or device")
-        self._name = str(source)
-        self._timeout = timeout
+        self._name, self._timeout = str(source), timeout
         self._source, self._settings = source, settings or VideoSettings()
         self._size: Size | None = self._settings.size
+        self._is_file = not isinstance(source, int) and Path(source).is_file()
         self._changed = threading.Condition()
         self._frame: NDArray[np.uint8] | None = None
         self._taken = 0.0
         self._end: Exception | None = None
         self._closing = threading.Event()
-        self._taken_by_user: NDArray[np.uint8] | None = None
-        capture = self._opened()
-        self._is_file = not isinstance(source, int) and Path(source).is_file()
-        self._every = not paced and self._is_file
-        self._reader = threading.Thread(
-            target=self._read, args=(capture,), name=f"camera {self._name}", daemon=True
-        )
-        self._reader.start()
+        self._reader: threading.Thread | None = None
+        self._capture = self._opened()
+        self._is_first = True
+        if paced or not self._is_file:
+            self._reader = threading.Thread(target=self._read_all, name=f"camera {self._name}", daemon=True)
+            self._reader.start()
+        else:
+            self._read_one()
         try:
             self._await_frame(10 * timeout)
         except BaseException:
@@ -152,39 +152,35 @@ class VideoSource:
     def newest(self) -> tuple[NDArray[np.uint8], float]:
         """The newest frame and its age in s, without waiting. The frame is shared between calls and read-only.
 
-        A file that is not paced waits for its next frame instead.
+        A file that is not paced reads its next frame instead.
 
         Raises:
             CameraLost: The video has ended, the device is gone, no frame has arrived for `timeout` seconds, or the
                 frames changed their shape.
             ValueError: The source was closed.
         """
-        with self._changed:
-            if self._every:
-                self._changed.wait_for(
-                    lambda: self._frame is not self._taken_by_user or self._end is not None, self._timeout
-                )
-                if self._frame is not self._taken_by_user:
-                    self._taken_by_user = frame = self._frame
-                    self._changed.notify_all()
-                    assert frame is not None
-                    return frame, 0.0
-            frame, age, end = self._frame, time.monotonic() - self._taken, self._end
         if self._closing.is_set():
             raise ValueError(f"camera {self._name} was closed; allowed: newest() before close()")
+        if self._reader is None and not self._is_first:
+            self._read_one()
+        self._is_first = False
+        with self._changed:
+            frame, age, end = self._frame, time.monotonic() - self._taken, self._end
         if end is not None:
             raise CameraLost(self._name, _reason(end), age) from end
+        assert frame is not None
+        if self._reader is None:
+            return frame, 0.0
         if age > self._timeout:
             raise CameraLost(self._name, f"no new frame within {self._timeout:g} s", age)
-        assert frame is not None
         return frame, age
 
     def close(self) -> None:
         """Stop the thread and release the device; a second call does nothing."""
         self._closing.set()
-        with self._changed:
-            self._changed.notify_all()  # the thread may wait until a frame is taken
-        if self._reader is not threading.current_thread():
+        if self._reader is None:
+            self._capture.release()
+        else:
             # If the driver hangs longer, the thread releases the device when its read returns.
             self._reader.join(_CLOSE_TIMEOUT)
 
@@ -217,56 +213,62 @@ class VideoSource:
             _configure(capture, self._settings, self._name)
         return capture
 
-    def _read(self, capture: "cv2.VideoCapture") -> None:
-        """The thread's loop: read frames until the source ends or is closed."""
-        period = _period(capture)
-        began = due = time.monotonic()
-        last = opened = began
-        try:
-            while not self._closing.is_set():
-                good, picture = capture.read()
-                now = time.monotonic()
-                if not good:
-                    if self._is_file:
-                        none = self._frame is None
-                        raise CameraLost(
-                            self._name, "it has no frames" if none else "the video has ended", None
-                        )
-                    patience = self._timeout if self._frame is not None else 10 * self._timeout
-                    if now - last > patience:
-                        raise CameraLost(self._name, f"it has had no more frames for {patience:g} s", None)
-                    if not isinstance(self._source, int) and now - opened > _REOPEN:
-                        capture, opened = self._reopened(capture), now
-                    self._closing.wait(_RETRY)
-                    continue
+    def _read_all(self) -> None:
+        """The thread: read frames until the source ends or is closed."""
+        import cv2
+
+        period = 1 / max(1.0, self._capture.get(cv2.CAP_PROP_FPS))  # of a file
+        began = due = last = opened = time.monotonic()
+        while self._end is None and not self._closing.is_set():
+            now = time.monotonic()
+            if self._read_one():
                 last = now
+                if self._is_file:
+                    # By its time in the file, as far as the file has times.
+                    seconds = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000
+                    planned = (began + seconds if seconds > 0 else due) + period
+                    due = max(due + _LEAST_PERIOD, planned)
+                    self._closing.wait(max(0.0, due - time.monotonic()))
+                continue
+            patience = self._timeout if self._frame is not None else 10 * self._timeout
+            if now - last > patience:
+                self._finish(CameraLost(self._name, f"it has had no more frames for {patience:g} s", None))
+            elif not isinstance(self._source, int) and now - opened > _REOPEN:
+                self._reopen()
+                opened = now
+            self._closing.wait(_RETRY)
+        self._capture.release()
+
+    def _read_one(self) -> bool:
+        """Read a frame; whether there was one. Any error ends the source, and `newest` raises it."""
+        try:
+            good, picture = self._capture.read()
+            if good:
                 frame = self._scaled(as_grey(picture))  # type: ignore[arg-type] # uint8
                 with self._changed:
                     self._frame, self._taken = frame, time.monotonic()
                     self._changed.notify_all()
-                    if self._every:
-                        self._changed.wait_for(
-                            lambda: self._taken_by_user is self._frame or self._closing.is_set()
-                        )
-                        continue
-                if self._is_file:
-                    due = max(due + _LEAST_PERIOD, _due(capture, began, due + period))
-                    self._closing.wait(max(0.0, due - time.monotonic()))
-        except Exception as error:  # `newest` raises any error in the user's thread
-            with self._changed:
-                self._end = error
-                self._changed.notify_all()
-        finally:
-            capture.release()
+            elif self._is_file:
+                reason = "it has no frames" if self._frame is None else "the video has ended"
+                self._finish(CameraLost(self._name, reason, None))
+        except Exception as error:
+            self._finish(error)
+            return False
+        return good
 
-    def _reopened(self, capture: "cv2.VideoCapture") -> "cv2.VideoCapture":
-        """A stream opened again; itself if that fails."""
+    def _finish(self, error: Exception) -> None:
+        with self._changed:
+            self._end = error
+            self._changed.notify_all()
+
+    def _reopen(self) -> None:
+        """Open a stream again; if that fails, it stays as it is."""
         try:
             again = self._opened()
         except CameraLost:
-            return capture
-        capture.release()
-        return again
+            return
+        self._capture.release()
+        self._capture = again
 
     def _scaled(self, grey: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """A frame of the size that all frames have, read-only."""
@@ -287,21 +289,6 @@ class VideoSource:
         grey = np.ascontiguousarray(grey)
         grey.setflags(write=False)
         return grey
-
-
-def _period(capture: "cv2.VideoCapture") -> float:
-    """Seconds between two frames of a file."""
-    import cv2
-
-    return 1 / max(1.0, capture.get(cv2.CAP_PROP_FPS))
-
-
-def _due(capture: "cv2.VideoCapture", began: float, otherwise: float) -> float:
-    """When the frame after the one just read is due: by its time in the file, as far as the file has times."""
-    import cv2
-
-    seconds = capture.get(cv2.CAP_PROP_POS_MSEC) / 1000
-    return began + seconds + _period(capture) if seconds > 0 else otherwise
 
 
 def _configure(capture: "cv2.VideoCapture", settings: VideoSettings, name: str) -> None:
@@ -332,8 +319,6 @@ def _reason(error: Exception) -> str:
     """What ended the frames, in one line."""
     if isinstance(error, CameraLost):
         return error.reason
-    return (
-        f"it has {error}"
-        if isinstance(error, ValueError)
-        else f"reading failed: {' '.join(str(error).split())}"
-    )
+    if isinstance(error, ValueError):
+        return f"it has {error}"
+    return f"reading failed: {' '.join(str(error).split())}"

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.frames import FrameRenderer
-from khepera_forage.vision.scene import Region, Scene
-from khepera_forage.vision.simulated_camera import Truth
+from khepera_forage.vision.scene import Region, Scene, Truth
 
 Frame = NDArray[np.uint8]
 NONE = CameraAppearance.none()

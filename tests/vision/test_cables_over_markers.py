@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.cables import draw_cable
-from khepera_forage.vision.rendering.frames import FrameRenderer
-from khepera_forage.vision.rendering.light import Light
-from khepera_forage.vision.simulated_camera import Truth
+from khepera_forage.vision.rendering.drawing import draw_cable
+from khepera_forage.vision.rendering.frames import FrameRenderer, Light
+from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import Marker
 
@@ -154,14 +153,8 @@ def test_cable_along_a_side_does_not_move_the_marker(
     assert np.quantile(distances, 0.95) <= 2 * np.quantile(clear[0], 0.95)
 
 
-@pytest.mark.parametrize("angle", [0.0, 2.0, 88.0, 90.0])
-def test_marker_under_a_cable_parallel_to_a_side_is_found(angle: float) -> None:
-    """The cable hides a side, runs along it, or covers two holes."""
-    assert len(errors(12.0, GREY, 100, angle)[0]) >= 96
-
-
 @pytest.mark.parametrize("grey", [BLACK, GREY])
-@pytest.mark.parametrize("angle", [0.0, 45.0, 80.0, 85.0, 90.0])
+@pytest.mark.parametrize("angle", [0.0, 2.0, 45.0, 80.0, 85.0, 88.0, 90.0])
 def test_marker_under_a_wide_cable_is_found_at_any_angle(angle: float, grey: float) -> None:
     assert len(errors(12.0, grey, 200, angle)[0]) >= 0.98 * 200
 
@@ -190,8 +183,3 @@ def test_cable_that_cuts_off_a_corner_does_not_turn_the_marker() -> None:
         distances, angles = errors(8.0, GREY, 40, 45.0, place)
         assert max(distances) < 0.5
         assert max(angles) < 3
-
-
-def test_marker_under_a_very_wide_cable_is_lost_or_right() -> None:
-    """17 mm is nearly as wide as a hole."""
-    assert len(errors(17.0, GREY, 100)[0]) > 80

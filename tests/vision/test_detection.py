@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.canvas import Disc, ImagePose, draw_shapes
+from khepera_forage.vision.rendering.drawing import Disc, ImagePose, draw_shapes
 from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import (
     SceneRenderer,
@@ -217,37 +216,3 @@ def test_food_at_the_rim_does_not_move_the_marker(angle: int) -> None:
             assert math.hypot(food.x - x / 5, food.y - y / 5) < 1.0
         if distance == 20.0:
             assert len(scene) == 1
-
-
-def test_cable_never_changes_the_number_of_holes() -> None:
-    """Lines of several grey levels across a marker at all angles, about 7 mm and 17 mm wide (as wide as a hole).
-
-    A marker under the wide ones may be lost, but it never has a wrong number of holes.
-    """
-    rng, renderer, tracker = np.random.default_rng(3), SceneRenderer(), Tracker()
-    lost = {1: 0, 2: 0}
-    for _ in range(400):
-        holes = int(rng.integers(1, 3))
-        frame = renderer.frame(((1000.0, 1000.0, float(rng.uniform(-3, 3)), holes),), ((1250.0, 1000.0),))
-        angle, across = rng.uniform(0, math.pi), rng.uniform(-9, 9)
-        along = np.array([math.cos(angle), math.sin(angle)])
-        start = np.array([200, 280]) + across * np.array([-along[1], along[0]])
-        one, other = (np.rint(start + s * 150 * along).astype(int).tolist() for s in (-1, 1))
-        width = int(rng.integers(1, 3))
-        cv2.line(frame, one, other, int(rng.choice([20, 60, 80, 130])), width, cv2.LINE_AA)
-        markers = [d for d in tracker.detect(frame) if d.holes]
-        assert [d.holes for d in markers] in ([], [holes])
-        lost[width] += not markers
-        for d in markers:
-            assert math.hypot(d.x - 200, d.y - 200) < width
-    assert lost[1] < 0.05 * 200
-    assert lost[2] < 0.25 * 200
-
-
-def test_detections_are_plain_numbers() -> None:
-    found = Tracker().detect(SceneRenderer().frame(((1000.0, 1000.0, 0.0, 2),), ((500.0, 500.0),)))
-    assert len(found) == 2
-    for detection in found:
-        assert isinstance(detection, Detection)
-        assert {type(value) for value in detection} <= {int, float, bool}
-        assert type(detection.holes) is type(detection.orientation) is int

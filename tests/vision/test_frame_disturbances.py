@@ -9,8 +9,8 @@ import pytest
 
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.rendering.frames import FrameRenderer
+from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.shapes import MARKER_HOLES
-from khepera_forage.vision.simulated_camera import Truth
 from tests.vision.scene_renderer import (
     NONE,
     PAIR,
@@ -149,13 +149,3 @@ def test_cables_sway_slowly() -> None:
     assert max(heights) - min(heights) > 3
     assert max(abs(b - a) for a, b in itertools.pairwise(heights)) < 1.5
     assert abs(np.mean(heights) - 280) > 5, "sag to one side"
-
-
-def test_darkness_is_proportional_to_cable_width() -> None:
-    truth, anchor = Truth(((500.0, 1000.0, 0.0, 1),), ()), (2000.0, 1010.0)
-    appearance = replace(NONE, cable_sag=0.0, cable_sway=0.0)
-    dark = [
-        change_by_cables(truth, replace(appearance, cable_width=w), anchor)[0].sum() for w in (2.0, 4.0, 10.0)
-    ]
-    assert dark[1] == pytest.approx(2 * dark[0], rel=0.1)
-    assert dark[2] == pytest.approx(5 * dark[0], rel=0.15)

@@ -116,25 +116,3 @@ def test_food_at_the_last_place_of_a_lost_marker_is_kept() -> None:
     for _ in range(3):
         regions = tracker.update(renderer.frame((FAR,))).regions
     assert [(r.holes, r.found) for r in regions] == [(1, True)]
-
-
-def test_food_carried_away_is_a_new_region_where_it_is_put_down() -> None:
-    renderer, tracker = SceneRenderer(), Tracker()
-    tracker.update(renderer.frame((FAR,), (FOOD,)))
-    for x in range(1000, 1400, 15):
-        tracker.update(renderer.frame(((x + 10.0, 1000.0, 0.0, 1),), ((x + 40.0, 1000.0),)))
-    for _ in range(12):
-        scene = tracker.update(renderer.frame(((1300.0, 1000.0, 0.0, 1),), ((1440.0, 1000.0),)))
-    food = only_region(scene, 0)
-    assert food.found
-    assert food.label > 0
-    assert abs(food.x - 288) < 0.5
-
-
-def test_reset_forgets_how_long_a_place_was_empty() -> None:
-    renderer, tracker = SceneRenderer(), Tracker()
-    for _ in range(2):
-        tracker.reset()
-        tracker.update(renderer.frame((FAR,), (FOOD,)))
-        for _ in range(2):
-            assert foods(tracker, renderer.frame((FAR,))) == [(0, False)]

@@ -122,24 +122,6 @@ def test_overlay_follows_the_calibration() -> None:
     assert abs(float(np.median(rows)) - 100) < 15
 
 
-def test_enlarged_overlay_is_sharp_and_at_the_same_places() -> None:
-    """Pixels of the frame become squares, and the drawing on them is finer than they are."""
-    renderer, tracker = SceneRenderer(), Tracker()
-    frame = renderer.frame(MARKERS, FOODS)
-    scene = tracker.update(frame)
-    large = draw_scene(frame, scene, enlargement=4)
-    assert large.shape == (4 * 480, 4 * 640, 3)
-    squares = frame.repeat(4, axis=0).repeat(4, axis=1)
-    assert (draw_scene(frame, Scene(()), enlargement=4) == squares[:, :, None]).all()
-    for x, y in FOODS:
-        column, row = 4 * x / 5, 4 * (480 - y / 5)
-        red, green = (large[:, :, colour].astype(int) for colour in (0, 1))
-        rows, columns = np.nonzero(green > red + 50)
-        near = np.hypot(columns - column, rows - row) < 4 * 5
-        assert np.hypot(columns[near].mean() - column, rows[near].mean() - row) < 4, "within a pixel"
-        assert np.hypot(columns[near] - column, rows[near] - row).max() > 4 * 3, "the outline"
-
-
 def test_captions_name_the_kind_of_region() -> None:
     tracker = Tracker()
     scene = tracker.update(SceneRenderer().frame(MARKERS, FOODS))

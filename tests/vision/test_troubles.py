@@ -10,9 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.frames import FrameRenderer
-from khepera_forage.vision.rendering.light import Light
-from khepera_forage.vision.simulated_camera import Truth
+from khepera_forage.vision.rendering.frames import FrameRenderer, Light
+from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import Marker, heading_error, position_error
 from tests.vision.troubles import TROUBLES, Picture, brightened

@@ -13,9 +13,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering.canvas import Disc, ImagePose, draw_shapes
-from khepera_forage.vision.tracked_camera import TrackedCamera
-from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import CameraLost, FrameSource, VideoSettings, VideoSource
 
 
@@ -311,20 +308,3 @@ def test_error_of_the_driver_loses_the_camera(device: Device) -> None:
         assert "camera 0: reading failed: assertion failed in retrieve; " in str(lost_after(source, 5.0))
     with pytest.raises(CameraLost, match="reading failed: assertion failed in retrieve; no frame ever came"):
         VideoSource(0)
-
-
-def test_tracked_camera_on_a_video_file(tmp_path: Path) -> None:
-    frame = np.full((480, 640), 100, np.uint8)
-    draw_shapes(frame, ImagePose(200.5, 379.5, 1, 0, 0.2), [Disc(17.5, 230)])
-    path = tmp_path / "food.avi"
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 5, (640, 480), True)
-    for _ in range(20):
-        writer.write(cv2.cvtColor(frame, cv2.COLOR_GRAY2BGR))
-    writer.release()
-    with TrackedCamera(VideoSource(path), Tracker()) as camera:
-        camera.reset()
-        (food,) = camera.look().regions
-        assert (food.x, food.y) == pytest.approx((200.5, 379.5), abs=0.3)
-        assert 0 <= camera.age < 2
-        assert camera.frame.shape == (480, 640)
-    assert threads() == []

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Iterator
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.image_patch import ImagePatch, ShapeMoments, shape_moments
-from khepera_forage.vision.detection.segmentation import Frame
+from khepera_forage.vision.detection.segmentation import Frame, ImagePatch, ShapeMoments, shape_moments
 from khepera_forage.vision.image_quality import white_and_blur
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -25,20 +25,14 @@ _SOFTNESS, _SPREAD = 1.25, 0.2
 _NOT_SATURATED, _SATURATED = 240.0, 0.1
 """Grey level of white below which it is not saturated; and the share of a disc that is saturated in a reflection."""
 _CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.uint8)
-
 _ROUND = 0.98
 """Ratio of the axes from which a shape is taken for a whole disc: at most 1 % of it is then hidden."""
-_RAYS = 36
-_STEP = 0.25
-"""Region pixels from one sample of a ray to the next."""
-_INSIDE, _OUTSIDE = 2.0, 2.0
-"""Region pixels by which rays begin within the radius, and end beyond it."""
+_STEP, _REACH = 0.25, 2.0
+"""Region pixels from one sample of a ray to the next, and between the radius and either end of a ray."""
 _HIDDEN = 0.12
 """Region pixels by which the shape ends before the disc's rim where something hides it."""
-_LEAST_RAYS = 15
-"""Rays to the visible rim from which the centre is known."""
-_REPEATS = 8
-
+_RAYS, _LEAST_RAYS, _REPEATS = 36, 15, 8
+"""Rays, and rays to the visible rim from which the centre is known."""
 _ANGLES = 2 * math.pi * np.arange(_RAYS) / _RAYS
 _DIRECTIONS = np.stack((np.cos(_ANGLES), np.sin(_ANGLES)), axis=1)
 _TERMS = np.column_stack((_DIRECTIONS, np.ones(_RAYS)))
@@ -47,18 +41,12 @@ brightness change a little."""
 
 
 class FoodDetector:
-    """Distinguishes food from other bright shapes.
-
-    Args:
-        settings: Sizes and tolerances.
-        calibration: From the picture to the floor.
-    """
+    """Distinguishes food from other bright shapes."""
 
     def __init__(self, settings: TrackerSettings, calibration: Calibration) -> None:
-        self._settings, self._calibration = settings, calibration
-        # The standard deviation of a disc along any axis is half its radius.
-        self._deviation = settings.food_radius / MM_PER_PIXEL / 2
-        self._area = math.pi * (settings.food_radius / MM_PER_PIXEL) ** 2
+        self._calibration, self._tolerance = calibration, settings.tolerance
+        self._height, self._radius = settings.food_height, settings.food_radius / MM_PER_PIXEL
+        self._area = math.pi * self._radius**2
 
     def trouble(self, patch: ImagePatch, food: ShapeMoments, white: float, blur: float) -> str:
         """Why a disc may be a reflection on the floor: a key of `detector.TROUBLES`; empty if it is none.
@@ -71,8 +59,8 @@ class FoodDetector:
             white: Brightness of white as a multiple of the floor's; 0 if it is unknown.
             blur: Of the lens in pixels.
         """
-        unit = self._calibration.jacobian(food.u, food.v, self._settings.food_height).area
         if 0 < white * patch.floor < _NOT_SATURATED:
+            unit = self._calibration.jacobian(food.u, food.v, self._height).area
             saturated = np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) * unit
             if saturated > _SATURATED * self._area:
                 return "bright food"
@@ -86,20 +74,15 @@ class FoodDetector:
             patch: Contains the disc.
             rim: Whether the centre follows from the rim alone, because the shape has lost or won a part.
         """
-        moments = shape_moments(patch, patch.filled, self._calibration, self._settings.food_height)
-        if moments is None or not self._has_food_size(moments):
-            return None
-        return _with_true_centre(
-            patch, moments, self._calibration, 2 * self._deviation, self._settings.food_height, rim
-        )
+        moments = self._disc(patch, patch.filled)
+        if moments is None or (moments.minor >= _ROUND * moments.major and not rim):
+            return moments
+        return self._with_true_centre(patch, moments)
 
     def split(self, patch: ImagePatch) -> Iterator[tuple[ShapeMoments, Frame]]:
         """The touching food objects in a patch, each with its own mask."""
-        import cv2
-
         # The darker border pixels lower this mean, which helps to separate the discs.
-        level = cv2.mean(patch.grey, patch.filled)[0]
-        cores = patch.filled & (patch.grey > level)
+        cores = patch.filled & (patch.grey > cv2.mean(patch.grey, patch.filled)[0])
         for _ in range(_MAX_EROSIONS):
             count, labels = cv2.connectedComponents(cores)
             if count > 2:
@@ -108,96 +91,72 @@ class FoodDetector:
         else:
             return
         # Each pixel belongs to the nearest core: the border between two touching discs is then straight.
-        distances = np.stack(
-            [cv2.distanceTransform((labels != i).astype(np.uint8), cv2.DIST_L2, 5) for i in range(1, count)]
-        )
-        nearest = distances.argmin(axis=0)
+        distances = [
+            cv2.distanceTransform((labels != i).astype(np.uint8), cv2.DIST_L2, 5) for i in range(1, count)
+        ]
+        nearest = np.argmin(distances, axis=0)
         for i in range(count - 1):
             mask = np.where(nearest == i, patch.filled, np.uint8(0))
-            moments = shape_moments(patch, mask, self._calibration, self._settings.food_height)
-            if moments is not None and self._has_food_size(moments):
+            moments = self._disc(patch, mask)
+            if moments is not None:
                 yield moments, mask
 
-    def _has_food_size(self, moments: ShapeMoments) -> bool:
-        tolerance = self._settings.tolerance
-        least, most = (share * self._area for share in _AREA)
-        full = (
-            least <= moments.area <= most
-            and moments.area >= _MIN_FILL * 4 * math.pi * moments.major * moments.minor
+    def _disc(self, patch: ImagePatch, mask: Frame) -> ShapeMoments | None:
+        """Moments of a shape of food's size."""
+        moments = shape_moments(patch, mask, self._calibration, self._height)
+        if moments is None or not _AREA[0] * self._area <= moments.area <= _AREA[1] * self._area:
+            return None
+        if moments.area < _MIN_FILL * 4 * math.pi * moments.major * moments.minor:
+            return None
+        # The standard deviation of a disc along any axis is half its radius.
+        ratios = (deviation * 2 / self._radius for deviation in (moments.major, moments.minor))
+        return moments if all(abs(ratio - 1) <= self._tolerance for ratio in ratios) else None
+
+    def _with_true_centre(self, patch: ImagePatch, moments: ShapeMoments) -> ShapeMoments:
+        """The moments of a partly hidden disc with the centre of the whole disc, if enough of the rim is visible.
+
+        What hides a part, such as the black frame of a marker, shifts the centre of the rest. Rays from there find the
+        edge of the shape in all directions; the rim is a circle through the edge, without the points that lie inside.
+        """
+        jacobian = self._calibration.jacobian(moments.u, moments.v, self._height)
+        inverse = np.linalg.inv(np.array(jacobian).reshape(2, 2))
+        edges = self._edges(patch, moments, inverse)
+        visible = np.isfinite(edges)
+        shift = np.zeros(3)
+        for _ in range(_REPEATS):
+            if visible.sum() < _LEAST_RAYS:
+                return moments
+            shift = np.linalg.lstsq(_TERMS[visible], edges[visible] - self._radius, rcond=None)[0]
+            residuals = edges - self._radius - _TERMS @ shift
+            # A quarter of the rays at a time, because the hidden part of the rim has shifted the circle, too.
+            worst = np.quantile(residuals[visible], 0.25)
+            hidden = visible & (residuals < -_HIDDEN) & (residuals <= worst)
+            if not hidden.any():
+                break
+            visible &= ~hidden
+        u, v = (np.array(moments[:2]) + inverse @ shift[:2]).tolist()
+        x, y = self._calibration.to_region(u, v, self._height)
+        return moments._replace(u=u, v=v, x=x, y=y)
+
+    def _edges(
+        self, patch: ImagePatch, moments: ShapeMoments, to_picture: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Distance from the centre to the edge of the shape along each ray, region pixels; nan without edge."""
+        along = np.arange(max(0.0, self._radius - _REACH), self._radius + _REACH, _STEP)
+        steps = _DIRECTIONS @ to_picture.T
+        columns = moments.u - patch.column - 0.5 + steps[:, :1] * along
+        rows = moments.v - patch.row - 0.5 + steps[:, 1:] * along
+        grey = cv2.remap(
+            patch.grey.astype(np.float32),
+            columns.astype(np.float32),
+            rows.astype(np.float32),
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_REPLICATE,
         )
-        return full and all(abs(d / self._deviation - 1) <= tolerance for d in (moments.major, moments.minor))
-
-
-def _with_true_centre(
-    patch: ImagePatch,
-    moments: ShapeMoments,
-    calibration: Calibration,
-    radius: float,
-    height: float,
-    always: bool = False,
-) -> ShapeMoments:
-    """The moments of a disc with the centre of the whole disc, if a part of it is hidden.
-
-    What hides a part, such as the black frame of a marker, shifts the centre of the rest. Rays from there find the
-    edge of the shape in all directions; a circle through the edge is the rim, without the points that lie inside it.
-
-    Args:
-        patch: Contains the disc.
-        moments: Of its visible part.
-        calibration: From the picture to the floor.
-        radius: Of the disc, region pixels.
-        height: Of the disc above the floor in mm.
-        always: Whether a round shape may be a part, too.
-
-    Returns:
-        The moments themselves for a round shape, or if too little of the rim is visible.
-    """
-    if moments.minor >= _ROUND * moments.major and not always:
-        return moments
-    jacobian = calibration.jacobian(moments.u, moments.v, height)
-    inverse = np.linalg.inv(np.array(jacobian).reshape(2, 2))
-    edges = _edges(patch, moments, inverse, radius)
-    visible = np.isfinite(edges)
-    shift = np.zeros(3)
-    for _ in range(_REPEATS):
-        if visible.sum() < _LEAST_RAYS:
-            return moments
-        shift = np.linalg.lstsq(_TERMS[visible], edges[visible] - radius, rcond=None)[0]
-        residuals = edges - radius - _TERMS @ shift
-        # A quarter of the rays at a time, because the hidden part of the rim has shifted the circle, too.
-        worst = np.quantile(residuals[visible], 0.25)
-        hidden = visible & (residuals < -_HIDDEN) & (residuals <= worst)
-        if not hidden.any():
-            break
-        visible &= ~hidden
-    du, dv = inverse @ shift[:2]
-    u, v = moments.u + float(du), moments.v + float(dv)
-    x, y = calibration.to_region(u, v, height)
-    return moments._replace(u=u, v=v, x=x, y=y)
-
-
-def _edges(
-    patch: ImagePatch, moments: ShapeMoments, to_picture: NDArray[np.float64], radius: float
-) -> NDArray[np.float64]:
-    """Distance from the centre to the edge of the shape along each ray, region pixels; not a number without edge."""
-    import cv2
-
-    along = np.arange(max(0.0, radius - _INSIDE), radius + _OUTSIDE, _STEP)
-    steps = _DIRECTIONS @ to_picture.T
-    columns = moments.u - patch.column - 0.5 + steps[:, :1] * along
-    rows = moments.v - patch.row - 0.5 + steps[:, 1:] * along
-    grey = cv2.remap(
-        patch.grey.astype(np.float32),
-        columns.astype(np.float32),
-        rows.astype(np.float32),
-        cv2.INTER_LINEAR,
-        borderMode=cv2.BORDER_REPLICATE,
-    )
-    middle = (moments.level + patch.floor) / 2
-    dark = grey < middle
-    first = dark.argmax(axis=1)
-    rays = np.arange(_RAYS)
-    inner, outer = grey[rays, np.maximum(first - 1, 0)], grey[rays, first]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        edges = along[first] - _STEP * (middle - outer) / (inner - outer)
-    return np.where(first > 0, edges, np.nan).astype(np.float64)
+        middle = (moments.level + patch.floor) / 2
+        first = (grey < middle).argmax(axis=1)
+        rays = np.arange(_RAYS)
+        inner, outer = grey[rays, np.maximum(first - 1, 0)], grey[rays, first]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            edges = along[first] - _STEP * (middle - outer) / (inner - outer)
+        return np.where(first > 0, edges, np.nan).astype(np.float64)

@@ -5,8 +5,7 @@ the visible parts of the sides are where they were. Points that fit no rectangle
 fingers at the border do not move the result.
 """
 
-from typing import NamedTuple
-
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,17 +36,12 @@ _BEHIND, _FLOOR_DEVIATION = (2.6, 5.4), 0.15
 share of the floor's brightness by which it differs at most."""
 _USUAL_DIFFERENCE = 0.4
 """Region pixels by which sides differ in this without a cable."""
-_USUAL_GROWTH, _GROWTH_DEVIATION = -0.45, 0.6
+_USUAL_GROWTH, _GROWTH_DEVIATION, _GROWTH_PENALTY = -0.45, 0.6, 10.0
 """Region pixels by which blur and exposure move all sides outwards, and by which they differ from it at most: measured
-over all disturbances of `benchmarks/tracker.py`."""
-_GROWTH_PENALTY = 10.0
-"""Number of points that every further region pixel costs when it is decided which side is hidden: a marker that seems
-too small has its border where a cable begins."""
-_LEAST_SHARE = 0.35
-"""Share of all points that must lie on the rectangle."""
-_LEAST_ON_SIDE = 3
-"""Points from which a side counts as seen; three sides must be."""
-
+over all disturbances of `benchmarks/tracker.py`. And the number of points that every further region pixel costs when
+it is decided which side is hidden: a marker that seems too small has its border where a cable begins."""
+_LEAST_SHARE, _LEAST_ON_SIDE = 0.35, 3
+"""Share of all points that must lie on the rectangle; points from which a side counts as seen: three sides must be."""
 _BEYOND_ENDS = (5.0, 6.0, 7.0)
 """Region pixels beyond the end of a side where the floor is looked at: beyond the black frame and its blur, even of a
 marker that appears 15 % too large."""
@@ -57,22 +51,10 @@ up to 10 degrees with the side are found."""
 _CABLE_DEVIATION = 0.1
 """Share of the floor's brightness by which a cable differs from it: a grey one, 4 mm wide and blurred, differs by 0.15
 to 0.2, and floor with its texture, noise and light by up to 0.09."""
+_SIDES = np.array([(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
+"""Outward normals of the front, back, left and right side."""
 _OPPOSITE = [1, 0, 3, 2]
-"""Number of the side that is opposite to each: front, back, left, right."""
-
-
-class Rectangle(NamedTuple):
-    """A rectangle in the picture.
-
-    Attributes:
-        shift: Of the centre along and across the expected long axis, region pixels.
-        turn: Of the long axis, radians.
-        clear: Whether little of its border is hidden.
-    """
-
-    shift: tuple[float, float]
-    turn: float
-    clear: bool
+_OFFSETS = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
 
 
 class RectangleFit:
@@ -84,22 +66,18 @@ class RectangleFit:
     """
 
     def __init__(self, length: float, width: float) -> None:
-        a, b = length / 2, width / 2
-        shares = np.linspace(-_SHARE, _SHARE, _POINTS)
-        ones, none = np.ones(_POINTS), np.zeros(_POINTS)
-        # Front, back, left and right side.
-        places = np.concatenate(
-            [np.column_stack((sign * a * ones, b * shares)) for sign in (1, -1)]
-            + [np.column_stack((a * shares, sign * b * ones)) for sign in (1, -1)]
+        half = np.array((length, width)) / 2
+        normals = np.repeat(_SIDES, _POINTS, axis=0)
+        shares = np.tile(np.linspace(-_SHARE, _SHARE, _POINTS), 4)[:, None]
+        places = (normals + shares * (1 - np.abs(normals))) * half
+        samples = places[:, None, :] + normals[:, None, :] * _OFFSETS[:, None]
+        # Beyond both ends of each side, where a cable along it would be.
+        end, aside, beyond = np.meshgrid((1, -1), _ASIDE, _BEYOND_ENDS, indexing="ij")
+        normal = _SIDES[:, None, None, None, :]
+        ends = normal * (half + aside[..., None]) + (1 - np.abs(normal)) * end[..., None] * (
+            half + beyond[..., None]
         )
-        normals = np.concatenate(
-            [np.column_stack((sign * ones, none)) for sign in (1, -1)]
-            + [np.column_stack((none, sign * ones)) for sign in (1, -1)]
-        )
-        sides = np.repeat(np.arange(4), _POINTS)
-        self._offsets = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
-        samples = places[:, None, :] + normals[:, None, :] * self._offsets[:, None]
-        self._places = np.concatenate((samples.reshape(-1, 2), _places_beyond_ends(length, width)))
+        self._places = np.concatenate((samples.reshape(-1, 2), ends.reshape(-1, 2)))
         # Outward shift of each point with the centre, the turn, and the size: blur, exposure and paper move all sides
         # about equally.
         levers = normals[:, 1] * places[:, 0] - normals[:, 0] * places[:, 1]
@@ -107,94 +85,65 @@ class RectangleFit:
         # Two candidates for each point.
         self._terms = np.concatenate((terms, terms))
         self._products = (self._terms[:, :, None] * self._terms[:, None, :]).reshape(-1, 16)
+        sides = np.repeat(np.arange(4), _POINTS)
         self._sides = np.concatenate((sides, sides))
-        self._points = len(places)
         # First all sides where their white ends first; then each side where its white ends last.
         self._trusted = np.stack(
             [np.concatenate((sides != hidden, sides == hidden)) for hidden in (-1, 0, 1, 2, 3)]
         )
         # Keeps the solution finite when too few points are visible.
-        self._prior = 1e-3 * np.diag((1.0, 1.0, a * a, 1.0))
+        self._prior = 1e-3 * np.diag((1.0, 1.0, half[0] ** 2, 1.0))
 
     def fit(
         self, grey: Frame, affine: NDArray[np.float64], white: float, floor: float, loose: bool
-    ) -> Rectangle | None:
+    ) -> tuple[float, float, float, bool] | None:
         """The rectangle near an expected pose.
 
         Args:
-            grey: Grey levels.
+            grey: Grey levels of the frame.
             affine: 2 x 3: from places in the expected rectangle's own frame (region pixels) to columns and rows.
             white: Grey level of the marker.
             floor: Grey level of the floor around it.
             loose: Whether points far from the rectangle count, too, if no rectangle fits exactly.
 
         Returns:
-            None if too little of the border is visible.
+            Shift of the centre along and across the expected long axis (region pixels), turn of the axis (radians), and
+            whether little of the border is hidden; None if too little of it is visible.
         """
-        levels = self._sampled(grey, affine)
-        border = self._points * len(self._offsets)
-        samples = levels[:border].reshape(self._points, -1)
-        edges = self._edges(samples, (white + floor) / 2)
+        columns, rows = (self._places @ affine[:, :2].T + affine[:, 2]).astype(np.float32).T
+        levels = cv2.remap(grey, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        samples, beyond_ends = np.split(levels.astype(np.float64).ravel(), [4 * _POINTS * len(_OFFSETS)])
+        samples = samples.reshape(4 * _POINTS, -1)
+        edges = _edges(samples, (white + floor) / 2)
         visible = np.isfinite(edges)
-        if visible[: self._points].sum() < _LEAST_SHARE * self._points:
+        first, seen = edges[: 4 * _POINTS], visible[: 4 * _POINTS]
+        if seen.sum() < _LEAST_SHARE * 4 * _POINTS:
             return None
         edges = np.where(visible, edges, 0.0)
-        first = edges[: self._points]
-        # A border of which little is hidden needs only its first candidates, and only one choice of trusted points.
-        points = self._points
-        shown = ~np.repeat(_sides_along_cables(levels[border:], floor), _POINTS)
-        solution = self._clear_solution(edges[:points], visible[:points], shown)
-        if solution is not None:
-            return _rectangle(solution, clear=True)
+        # A border of which little is hidden needs only its first candidates.
+        shown = ~np.repeat(_sides_along_cables(beyond_ends, floor), _POINTS)
+        usable = np.concatenate((seen & shown, np.zeros(4 * _POINTS, bool)))
+        solutions, weights = self._solutions(edges, usable[None], _CLEAR_CUTOFFS, 0.0)
+        if np.count_nonzero(weights) >= _CLEAR_SHARE * np.count_nonzero(shown):
+            return (*solutions[0, :3].tolist(), True)
         # Of two sides of which one must be hidden, it is the one with more darkness outside: the cable's.
         # Behind a cable that leaves a strip of the marker there is something else than floor, too.
-        beyond = self._offsets - first[:, None]
-        behind = (beyond >= _BEHIND[0]) & (beyond <= _BEHIND[1]) & visible[:points, None]
+        beyond = _OFFSETS - np.where(seen, first, 0.0)[:, None]
+        behind = (beyond >= _BEHIND[0]) & (beyond <= _BEHIND[1]) & seen[:, None]
         other = behind & (np.abs(samples - floor) > _FLOOR_DEVIATION * floor)
-        strange = ((samples < _DARK * floor).sum(axis=1) + other.sum(axis=1)).reshape(4, -1).mean(
-            axis=1
-        ) * _STEP
-        bonus = _DARK_BONUS * np.concatenate(
-            ([0.0], np.maximum(strange - strange.min() - _USUAL_DIFFERENCE, 0.0))
-        )
-        trusted = self._trusted & visible
+        dark = (samples < _DARK * floor).sum(axis=1) + other.sum(axis=1)
+        strange = dark.reshape(4, -1).mean(axis=1) * _STEP
+        bonus = np.maximum(strange - strange.min() - _USUAL_DIFFERENCE, 0.0) * _DARK_BONUS
         for spread_cutoff in (0.0, _SPREAD_CUTOFF) if loose else (0.0,):
-            solutions, weights = self._solutions(edges, trusted, _CUTOFFS, spread_cutoff)
+            solutions, weights = self._solutions(edges, self._trusted & visible, _CUTOFFS, spread_cutoff)
             unusual = np.maximum(np.abs(solutions[:, 3] - _USUAL_GROWTH) - _GROWTH_DEVIATION, 0.0)
-            best = int((weights.sum(axis=1) + bonus - _GROWTH_PENALTY * unusual).argmax())
+            scores = weights.sum(axis=1) + np.append(0.0, bonus) - _GROWTH_PENALTY * unusual
+            best = int(scores.argmax())
             fitting = weights[best] > 0
             counts = np.bincount(self._sides[fitting], minlength=4)
-            if fitting.sum() >= _LEAST_SHARE * points and (counts >= _LEAST_ON_SIDE).sum() >= 3:
-                return _rectangle(solutions[best], clear=False)
+            if fitting.sum() >= _LEAST_SHARE * 4 * _POINTS and (counts >= _LEAST_ON_SIDE).sum() >= 3:
+                return (*solutions[best, :3].tolist(), False)
         return None
-
-    def _clear_solution(
-        self, edges: NDArray[np.float64], visible: NDArray[np.bool_], shown: NDArray[np.bool_]
-    ) -> NDArray[np.float64] | None:
-        """Shift, turn and growth of a rectangle of which little is hidden; None if more is.
-
-        Args:
-            edges: Outward distances of the border at each point.
-            visible: Whether the border was found there.
-            shown: Whether the point is on a side that no cable lies along.
-        """
-        import cv2
-
-        terms, products = self._terms[: self._points], self._products[: self._points]
-        solution = np.zeros(4)
-        weights = usable = (visible & shown).astype(np.float64)
-        least = _CLEAR_SHARE * np.count_nonzero(shown)
-        for cutoff in _CLEAR_CUTOFFS:
-            # For one small system, several times faster than numpy.
-            matrix = (weights @ products).reshape(4, 4) + self._prior
-            vector = ((weights * edges) @ terms)[:, None]
-            solution = cv2.solve(matrix, vector, flags=cv2.DECOMP_CHOLESKY)[1].ravel()  # type: ignore[assignment] # float64
-            residuals = edges - terms @ solution
-            weights = np.maximum(1 - residuals * residuals / (cutoff * cutoff), 0.0) ** 2 * usable
-            # The cutoffs fall, so points that do not fit now hardly do in the end.
-            if np.count_nonzero(weights) < least:
-                return None
-        return solution
 
     def _solutions(
         self,
@@ -207,80 +156,44 @@ class RectangleFit:
 
         In the beginning only the trusted points count; near the end, all visible ones that fit.
         """
-        terms, products = self._terms, self._products
         visible = trusted.any(axis=0)
         weights = trusted.astype(np.float64)
         for cutoff in cutoffs:
-            matrices = (weights @ products).reshape(-1, 4, 4) + self._prior
-            solutions = np.linalg.solve(matrices, ((weights * edges) @ terms)[..., None])[..., 0]
-            squares = (edges - solutions @ terms.T) ** 2
+            matrices = (weights @ self._products).reshape(-1, 4, 4) + self._prior
+            solutions = np.linalg.solve(matrices, ((weights * edges) @ self._terms)[..., None])[..., 0]
+            squares = (edges - solutions @ self._terms.T) ** 2
             limits: float | NDArray[np.float64] = cutoff * cutoff
             if spread_cutoff > 0:
                 spreads = np.median(squares[:, visible], axis=1)
                 limits = np.maximum(limits, spread_cutoff**2 * spreads[:, None])
             weights = np.maximum(1 - squares / limits, 0.0) ** 2 * (trusted if cutoff > _COARSE else visible)
-        return np.asarray(solutions, np.float64), np.asarray(weights, np.float64)
-
-    def _sampled(self, grey: Frame, affine: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Grey levels across the border at each point, from inside to outside, and beyond the ends of the sides."""
-        import cv2
-
-        places = (self._places @ affine[:, :2].T + affine[:, 2]).astype(np.float32)
-        columns, rows = places.T
-        levels = cv2.remap(grey, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        return levels.astype(np.float64).ravel()
-
-    def _edges(self, samples: NDArray[np.float64], middle: float) -> NDArray[np.float64]:
-        """Outward distances of the border from its expected place, region pixels: two candidates for each point.
-
-        First the places where white ends first. Then those where it ends last, for a cable may lie within the border.
-        They are nan if white does not end, and if it ends only once.
-        """
-        ends = (samples[:, :-1] >= middle) & (samples[:, 1:] < middle)
-        points = np.arange(self._points)
-        first, last = ends.argmax(axis=1), ends.shape[1] - 1 - ends[:, ::-1].argmax(axis=1)
-        candidates = []
-        # The first and the last of no ends lie apart, too.
-        some = ends.any(axis=1)
-        for i, found in ((first, some), (last, some & (last > first))):
-            inner, outer = samples[points, i], samples[points, i + 1]
-            shares = (inner - middle) / np.maximum(inner - outer, 1e-9)
-            candidates.append(np.where(found, self._offsets[i] + _STEP * shares, np.nan))
-        return np.concatenate(candidates)
+        return solutions, weights
 
 
-def _rectangle(solution: NDArray[np.float64], clear: bool) -> Rectangle:
-    a, b, turn = solution[:3].tolist()
-    return Rectangle((a, b), turn, clear)
+def _edges(samples: NDArray[np.float64], middle: float) -> NDArray[np.float64]:
+    """Outward distances of the border from its expected place, region pixels: two candidates for each point.
 
-
-def _places_beyond_ends(length: float, width: float) -> NDArray[np.float64]:
-    """Where to look for cables.
-
-    Args:
-        length: Of the rectangle: its extent along x, region pixels.
-        width: Its extent along y.
-
-    Returns:
-        x and y from its centre, for front, back, left and right side; shape (places, 2).
+    First the places where white ends first. Then those where it ends last, for a cable may lie within the border.
+    They are nan if white does not end, and if it ends only once.
     """
-    a, b = length / 2, width / 2
-    ends = [(end, aside, beyond) for end in (1, -1) for aside in _ASIDE for beyond in _BEYOND_ENDS]
-    across = [(sign * (a + aside), end * (b + beyond)) for sign in (1, -1) for end, aside, beyond in ends]
-    along = [(end * (a + beyond), sign * (b + aside)) for sign in (1, -1) for end, aside, beyond in ends]
-    return np.array(across + along)
+    ends = (samples[:, :-1] >= middle) & (samples[:, 1:] < middle)
+    first, last = ends.argmax(axis=1), ends.shape[1] - 1 - ends[:, ::-1].argmax(axis=1)
+    some = ends.any(axis=1)
+    points = np.arange(len(samples))
+    candidates = []
+    # The first and the last of no ends lie apart, too.
+    for i, found in ((first, some), (last, some & (last > first))):
+        inner, outer = samples[points, i], samples[points, i + 1]
+        shares = (inner - middle) / np.maximum(inner - outer, 1e-9)
+        candidates.append(np.where(found, _OFFSETS[i] + _STEP * shares, np.nan))
+    return np.concatenate(candidates)
 
 
 def _sides_along_cables(levels: NDArray[np.float64], floor: float) -> NDArray[np.bool_]:
-    """For each side, whether a cable lies along it, which goes on beyond both of its ends.
+    """For each side, whether a cable lies along it, given grey levels beyond its ends.
 
-    Such a cable covers only a fraction of a pixel of the white, and looks like the black frame.
-
-    Of two opposite sides one is needed to measure the marker: if something lies along both, neither is given.
-
-    Args:
-        levels: Grey levels at `_places_beyond_ends`.
-        floor: Grey level of the floor.
+    Such a cable covers only a fraction of a pixel of the white, and looks like the black frame. Of two opposite sides
+    one is needed to measure the marker: if something lies along both, neither is given.
     """
     means = levels.reshape(4, 2, len(_ASIDE), len(_BEYOND_ENDS)).mean(axis=3)
     seen: NDArray[np.bool_] = (np.abs(means - floor) > _CABLE_DEVIATION * floor).any(axis=2).all(axis=1)

@@ -1,27 +1,35 @@
-"""Segmentation: from a grey frame to a mask of bright pixels, and the contours of that mask (3.5).
+"""Bright shapes of a frame: their segmentation (3.5), and centre and axes of a shape to a fraction of a pixel.
 
 Quek's tracker takes a pixel for part of a region when it is brighter than an absolute threshold, or when it contrasts
 with the background (3.5). Here only the contrast counts: the threshold of each pixel is the brightness of the floor
 around it times a factor. Lamps, windows and vignetting multiply floor and paper alike, so one factor holds in every
-corner and all day, whereas an absolute threshold would have to be adjusted. The floor's brightness is the median over
-56 x 56 pixels of a frame reduced eightfold: markers and food cover less than half of any such square. OpenCV's adaptive
-threshold does not fit, because it averages white objects into its background.
+corner and all day. The floor's brightness is the median over 56 x 56 pixels: markers and food cover less than half of
+any such square. OpenCV's adaptive threshold does not fit, because it averages white objects into its background.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.vision.calibration import Calibration
+
 Frame = NDArray[np.uint8]
 Contour = NDArray[np.int32]
 """Points of a contour in OpenCV's form: n x 1 x 2, column and row."""
 
-_REDUCTION = 8
-_MEDIAN_SIZE = 7
+_REDUCTION, _MEDIAN_SIZE = 8, 7
+"""The floor is the median over 7 x 7 of these, in a frame reduced eightfold."""
 _LEVELS = np.arange(256)
 _BRIGHTEST_FLOOR = 215
 """Grey level of the floor above which nothing is a region: the noise would be, by the thousand."""
+_MARGIN = 4
+"""Pixels of floor that a patch includes on each side of its contour."""
+_CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.uint8)
+_SQUARE = np.ones((3, 3), np.uint8)
+_PIXEL_VARIANCE = 1 / 12
+"""Variance that the extent of the pixels themselves adds to the variance of a sampled shape (Sheppard's correction)."""
 
 
 class Segmentation(NamedTuple):
@@ -43,29 +51,52 @@ class Segmentation(NamedTuple):
         return int(self.floor[min(row // _REDUCTION, rows - 1), min(column // _REDUCTION, columns - 1)])
 
 
-class Segmenter:
-    """Segments frames with one table of thresholds, indexed by the floor's brightness.
+class ImagePatch(NamedTuple):
+    """The part of a frame around one contour.
 
-    Args:
-        contrast: How many times brighter than the floor a bright pixel is.
+    Attributes:
+        column: Column of the frame at the patch's left side.
+        row: Row of the frame at the patch's top.
+        grey: Grey levels within the patch; read only.
+        white: Mask of bright pixels from the segmentation.
+        filled: 255 within the contour, holes included.
+        floor: Brightness of the floor around the shape.
+        edge: Whether the contour touches the edge of the picture.
     """
 
-    def __init__(self, contrast: float) -> None:
-        # On a floor so bright that white saturates, the threshold is at most halfway to 255.
-        levels = np.minimum(_LEVELS * contrast, (_LEVELS + 255) / 2)
-        self._thresholds = np.round(levels).astype(np.uint8)
-        self._thresholds[_BRIGHTEST_FLOOR:] = 255
+    column: int
+    row: int
+    grey: Frame
+    white: Frame
+    filled: Frame
+    floor: int
+    edge: bool
 
-    def segment(self, frame: Frame) -> Segmentation:
-        """The bright pixels of a frame of grey levels."""
-        import cv2
 
-        rows, columns = frame.shape
-        small = cv2.resize(frame, (columns // _REDUCTION, rows // _REDUCTION), interpolation=cv2.INTER_AREA)
-        floor = cv2.medianBlur(small, _MEDIAN_SIZE)
-        threshold = cv2.resize(self._thresholds[floor], (columns, rows), interpolation=cv2.INTER_LINEAR)
-        mask = cv2.compare(frame, threshold, cv2.CMP_GT)
-        return Segmentation(frame, floor, mask)  # type: ignore[arg-type] # all uint8
+class ShapeMoments(NamedTuple):
+    """Image moments of a shape up to the second order.
+
+    Attributes:
+        u: Centre in the picture.
+        v: Centre in the picture.
+        x: Centre on the floor, region coordinates.
+        y: Centre on the floor.
+        major: Standard deviation of the shape along its long axis, in region pixels.
+        minor: Standard deviation across the long axis, in region pixels.
+        axis: Direction of the long axis on the floor in radians, -pi/2..pi/2.
+        area: In square region pixels; border pixels count by their share.
+        level: Mean grey level of the bright pixels inside the shape.
+    """
+
+    u: float
+    v: float
+    x: float
+    y: float
+    major: float
+    minor: float
+    axis: float
+    area: float
+    level: float
 
 
 def as_grey(frame: Frame) -> Frame:
@@ -85,12 +116,22 @@ def as_grey(frame: Frame) -> Frame:
     return frame[:, :, 0] if frame.shape[2] == 1 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)  # type: ignore[return-value]
 
 
-def outer_contours(mask: Frame) -> list[Contour]:
-    """The outer contours of all white shapes in a mask, each with all its border pixels.
+def segment(frame: Frame, contrast: float) -> Segmentation:
+    """The pixels of a frame of grey levels that are `contrast` times brighter than the floor."""
+    import cv2
 
-    The contour hierarchy has two levels, outer borders and the holes in them. Shapes inside a bright ring (an arena
-    with white walls) therefore have outer contours too.
-    """
+    # On a floor so bright that white saturates, the threshold is at most halfway to 255.
+    thresholds = np.round(np.minimum(_LEVELS * contrast, (_LEVELS + 255) / 2)).astype(np.uint8)
+    thresholds[_BRIGHTEST_FLOOR:] = 255
+    rows, columns = frame.shape
+    small = cv2.resize(frame, (columns // _REDUCTION, rows // _REDUCTION), interpolation=cv2.INTER_AREA)
+    floor = cv2.medianBlur(small, _MEDIAN_SIZE)
+    threshold = cv2.resize(thresholds[floor], (columns, rows), interpolation=cv2.INTER_LINEAR)
+    return Segmentation(frame, floor, cv2.compare(frame, threshold, cv2.CMP_GT))  # type: ignore[arg-type] # uint8
+
+
+def outer_contours(mask: Frame) -> list[Contour]:
+    """The outer contours of all white shapes in a mask, those inside of bright rings too, with all border pixels."""
     import cv2
 
     contours, hierarchy = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
@@ -98,3 +139,72 @@ def outer_contours(mask: Frame) -> list[Contour]:
         return []
     parents = hierarchy[0, :, 3].tolist()
     return [c for c, parent in zip(contours, parents, strict=True) if parent < 0]  # type: ignore[misc] # int32
+
+
+def filled_area(contour: Contour) -> float:
+    """Number of pixels within a contour, border pixels included (Pick's theorem)."""
+    import cv2
+
+    return cv2.contourArea(contour) + len(contour) / 2 + 1
+
+
+def cut_patch(segmentation: Segmentation, contour: Contour) -> ImagePatch:
+    """The part of a frame around a contour, with a margin where the picture has one."""
+    import cv2
+
+    left, top, width, height = cv2.boundingRect(contour)
+    rows, columns = segmentation.frame.shape
+    column, row = max(0, left - _MARGIN), max(0, top - _MARGIN)
+    part = slice(row, min(rows, top + height + _MARGIN)), slice(column, min(columns, left + width + _MARGIN))
+    grey = segmentation.frame[part]
+    filled = np.zeros_like(grey)
+    cv2.drawContours(filled, [contour], 0, 255, cv2.FILLED, offset=(-column, -row))
+    floor = segmentation.floor_at(left + width // 2, top + height // 2)
+    edge = left == 0 or top == 0 or left + width == columns or top + height == rows
+    return ImagePatch(column, row, grey, segmentation.mask[part], filled, floor, edge)
+
+
+def shape_moments(
+    patch: ImagePatch, mask: Frame, calibration: Calibration, height: float
+) -> ShapeMoments | None:
+    """Moments of a shape whose mask is known to a pixel.
+
+    Border pixels are weighted by their brightness between floor and inside, which locates the border to a small
+    fraction of a pixel. Inner pixels count in full whatever their grey level, so that holes, print and uneven light do
+    not shift the centre.
+
+    Args:
+        patch: Contains the shape.
+        mask: 255 within the shape, of the patch's size.
+        calibration: From the picture to the floor.
+        height: Of the shape above the floor in mm.
+
+    Returns:
+        None for a shape without inner pixels, or no brighter than the floor.
+    """
+    import cv2
+
+    inside, around = cv2.erode(mask, _SQUARE), cv2.dilate(mask, _CROSS)
+    level = cv2.mean(patch.grey, cv2.bitwise_and(inside, patch.white))[0]
+    if level <= patch.floor:
+        return None
+    share = cv2.convertScaleAbs(cv2.subtract(patch.grey, patch.floor), alpha=255 / (level - patch.floor))  # type: ignore[call-overload]
+    moments = cv2.moments(cv2.bitwise_and(cv2.bitwise_or(share, inside), around))
+    mass = moments["m00"]
+    u = patch.column + moments["m10"] / mass + 0.5
+    v = patch.row + moments["m01"] / mass + 0.5
+    uu = moments["mu20"] / mass - _PIXEL_VARIANCE
+    vv = moments["mu02"] / mass - _PIXEL_VARIANCE
+    uv = moments["mu11"] / mass
+    # The covariance in region coordinates is J C J^T.
+    jacobian = calibration.jacobian(u, v, height)
+    xu, xv, yu, yv = jacobian
+    xx = xu * xu * uu + 2 * xu * xv * uv + xv * xv * vv
+    yy = yu * yu * uu + 2 * yu * yv * uv + yv * yv * vv
+    xy = xu * yu * uu + (xu * yv + xv * yu) * uv + xv * yv * vv
+    mean, spread = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
+    if mean <= spread:
+        return None
+    x, y = calibration.to_region(u, v, height)
+    axis, area = 0.5 * math.atan2(2 * xy, xx - yy), mass / 255 * jacobian.area
+    return ShapeMoments(u, v, x, y, math.sqrt(mean + spread), math.sqrt(mean - spread), axis, area, level)

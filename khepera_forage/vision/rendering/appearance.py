@@ -61,18 +61,11 @@ class CameraAppearance:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name == "height" and value is None:
-                continue
-            if not 0 <= value < math.inf:
-                raise ValueError(
-                    f"camera appearance {field.name} is {value!r}; allowed: a finite number >= 0"
-                )
-        for name in _GREYS:
-            if getattr(self, name) > 255:
-                raise ValueError(
-                    f"camera appearance {name} is {getattr(self, name)!r}; allowed: a grey level 0..255"
-                )
+            name, value = field.name, getattr(self, field.name)
+            if not (name == "height" and value is None) and not 0 <= value < math.inf:
+                raise ValueError(f"camera appearance {name} is {value!r}; allowed: a finite number >= 0")
+            if name in _GREYS and value > 255:
+                raise ValueError(f"camera appearance {name} is {value!r}; allowed: a grey level 0..255")
         if self.cable_width > 40:
             raise ValueError(
                 f"camera appearance cable_width is {self.cable_width!r} mm; allowed: up to 40 mm"

@@ -61,39 +61,18 @@ Page = list[Element]
 
 
 def marker_pages(numbers: Sequence[int] = (1, 2), grid: bool = False) -> list[Page]:
-    """Pages with two markers each.
-
-    Args:
-        numbers: Of the markers.
-        grid: Whether they are those of the table of twelve.
-    """
+    """Pages with two markers each, of some numbers; `grid` are those of the table of twelve."""
+    foot = PAGE_HEIGHT - 36
     pages = []
     for first in range(0, len(numbers), 2):
-        page: Page = [
-            TextLine(
-                _MIDDLE, 10, 3.2, "Markers for the overhead camera. Print at 100 %, on matt paper, and check:"
-            )
-        ]
+        page = [_text(10, "Markers for the overhead camera. Print at 100 %, on matt paper, and check:")]
         for place, number in enumerate(numbers[first : first + 2]):
             page += _marker(number, grid, _MIDDLE, _FIRST_MARKER + place * _SPACING)
-        foot = PAGE_HEIGHT - 36
         page += _ruler(foot, "this line is 100 mm long, and the white of a marker 120 x 80 mm.")
-        page.append(
-            TextLine(
-                _MIDDLE,
-                foot + 13,
-                3.2,
-                "Cut along the outer edge of the frame. Mount it level over the gripper,",
-            )
-        )
-        page.append(
-            TextLine(
-                _MIDDLE,
-                foot + 18,
-                3.2,
-                "its middle over the middle of the robot, its arrow towards the gripper.",
-            )
-        )
+        page += [
+            _text(foot + 13, "Cut along the outer edge of the frame. Mount it level over the gripper,"),
+            _text(foot + 18, "its middle over the middle of the robot, its arrow towards the gripper."),
+        ]
         pages.append(page)
     return pages
 
@@ -101,14 +80,7 @@ def marker_pages(numbers: Sequence[int] = (1, 2), grid: bool = False) -> list[Pa
 def tag_pages(
     robots: Sequence[int], food: Sequence[int], floor: Sequence[int], robot_size: float, food_size: float
 ) -> list[Page]:
-    """Pages with the tags of robots, food and floor.
-
-    Args:
-        robots: Their ids.
-        food: Their ids.
-        floor: Their ids.
-        robot_size: Side of a robot's tag in mm.
-        food_size: Side of a food object's tag in mm.
+    """Pages with the tags of robots, food and floor, by their ids; sizes are those of a robot's and food's tag in mm.
 
     Raises:
         ValueError: An id twice, or one that no tag has, or a size that does not fit on a page.
@@ -130,18 +102,20 @@ def tag_pages(
         step = size + 2 * max(5.5, size / 10)
         columns, rows = int(200 // step), max(1, int(262 // (step + 7)))
         for first in range(0, len(group), columns * rows):
-            page: Page = [
-                TextLine(_MIDDLE, 7, 3.2, "ArUco tags, 4 x 4. Print at 100 %, on matt paper, and check:")
-            ]
+            page = [_text(7, "ArUco tags, 4 x 4. Print at 100 %, on matt paper, and check:")]
             page += _ruler(12, f"this line is 100 mm long, and a black square {size:g} mm wide.")
             for place, tag in enumerate(group[first : first + columns * rows]):
                 x = _MIDDLE + (place % columns - (columns - 1) / 2) * step
                 y = 22 + (place // columns) * (step + 7) + step / 2
                 page += _tag(tag, size, step, x, y)
                 front = ", top is front" if kind == "robot" else ""
-                page.append(TextLine(x, y + step / 2 + 4, 3.2, f"{kind} {tag}{front}"))
+                page.append(_text(y + step / 2 + 4, f"{kind} {tag}{front}", x))
             pages.append(page)
     return pages
+
+
+def _text(y: float, text: str, x: float = _MIDDLE, size: float = 3.2) -> Element:
+    return TextLine(x, y, size, text)
 
 
 def _ruler(y: float, text: str) -> Iterator[Element]:
@@ -150,7 +124,7 @@ def _ruler(y: float, text: str) -> Iterator[Element]:
     for end in (-1, 1):
         x = _MIDDLE + end * _SCALE_LINE / 2
         yield Line(x, y - 2, x, y + 2)
-    yield TextLine(_MIDDLE, y + 6, 3.2, text)
+    yield _text(y + 6, text)
 
 
 def _tag(tag: int, size: float, outer: float, x: float, y: float) -> Iterator[Element]:
@@ -165,9 +139,9 @@ def _tag(tag: int, size: float, outer: float, x: float, y: float) -> Iterator[El
     for row, column in zip(*cells.nonzero(), strict=True):
         yield Rectangle(left + column * cell, top + row * cell, cell, cell, False)
     for dx, dy in ((-1, -1), (1, -1), (-1, 1), (1, 1)):
-        corner = (x + dx * outer / 2, y + dy * outer / 2)
-        yield Line(*corner, corner[0] - dx * 3, corner[1])
-        yield Line(*corner, corner[0], corner[1] - dy * 3)
+        corner_x, corner_y = x + dx * outer / 2, y + dy * outer / 2
+        yield Line(corner_x, corner_y, corner_x - dx * 3, corner_y)
+        yield Line(corner_x, corner_y, corner_x, corner_y - dy * 3)
 
 
 def _marker(number: int, grid: bool, x: float, y: float) -> Iterator[Element]:
@@ -183,9 +157,9 @@ def _marker(number: int, grid: bool, x: float, y: float) -> Iterator[Element]:
     yield Line(front, y, front + 12, y)
     for side in (-1, 1):
         yield Line(front + 12, y, front + 8, y + side * 3)
-    yield TextLine(front + 7, y + 9, 3.2, "front")
+    yield _text(y + 9, "front", front + 7)
     name = f"marker {number}" if grid else "1 hole" if number == 1 else f"{number} holes"
-    yield TextLine(x, y + MARKER_WIDTH / 2 + MARKER_FRAME + 6, 4.2, name)
+    yield _text(y + MARKER_WIDTH / 2 + MARKER_FRAME + 6, name, x, 4.2)
 
 
 def svg(page: Page) -> str:
@@ -196,21 +170,17 @@ def svg(page: Page) -> str:
         f'viewBox="0 0 {PAGE_WIDTH:g} {PAGE_HEIGHT:g}" shape-rendering="crispEdges">',
         '<rect width="100%" height="100%" fill="white"/>',
     ]
-    for element in page:
-        if isinstance(element, Rectangle):
-            x, y, width, height, black = element
-            fill = "black" if black else "white"
-            lines.append(f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{height:g}" fill="{fill}"/>')
-        elif isinstance(element, Line):
-            x1, y1, x2, y2 = element
-            lines.append(
-                f'<line x1="{x1:g}" y1="{y1:g}" x2="{x2:g}" y2="{y2:g}" stroke="black" stroke-width="0.3"/>'
-            )
+    for e in page:
+        if isinstance(e, Rectangle):
+            fill = "black" if e.black else "white"
+            size = f'width="{e.width:g}" height="{e.height:g}"'
+            lines.append(f'<rect x="{e.x:g}" y="{e.y:g}" {size} fill="{fill}"/>')
+        elif isinstance(e, Line):
+            ends = f'x1="{e.x1:g}" y1="{e.y1:g}" x2="{e.x2:g}" y2="{e.y2:g}"'
+            lines.append(f'<line {ends} stroke="black" stroke-width="0.3"/>')
         else:
-            lines.append(
-                f'<text x="{element.x:g}" y="{element.y:g}" font-family="sans-serif" '
-                f'font-size="{element.size / 0.72:g}" text-anchor="middle">{element.text}</text>'
-            )
+            font = f'font-family="sans-serif" font-size="{e.size / 0.72:g}" text-anchor="middle"'
+            lines.append(f'<text x="{e.x:g}" y="{e.y:g}" {font}>{e.text}</text>')
     return "\n".join([*lines, "</svg>", ""])
 
 
