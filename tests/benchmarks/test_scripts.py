@@ -101,9 +101,9 @@ SCRIPTS = {
         subcommand="compare",
     ),
     "tracker": Script(
-        ("--scenes", "--trainings", "--rounds", "--jobs", "--fresh"),
-        ("observations", "phantoms", "hole_layouts"),
-        repeatable=(),
+        ("--scenes", "--trainings", "--rounds", "--frames", "--troubled", "--only", "--jobs", "--fresh"),
+        ("observations", "limits", "calibrations", "troubles"),
+        repeatable=("--only", "scenes"),
         needs=("cv2",),
     ),
     "virtual_lab": Script(

@@ -1,0 +1,1 @@
+"""Parts of the scripts that measure the laboratory: what cameras see, how robots fail, and what is true."""
