@@ -143,7 +143,7 @@ class ObservedTraining(TrainingEnv):
         attempt.complete = self.terminations[TEACHER]
         attempt.discarded = self.truncations[TEACHER] and not attempt.lost
         if attempt.lost:
-            attempt.moving = 0 if self._wanted is None else len(moving(self._lab))
+            attempt.moving = len(moving(self._lab))
         else:
             misread, miscounted = self._truth.end_round()
             attempt.misread += misread
