@@ -16,6 +16,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager, redirect_stdout, suppress
 from dataclasses import dataclass, field
 from io import StringIO
+from itertools import zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
@@ -472,7 +473,8 @@ def _compare_files(faults: Sequence[Present], attempts: Sequence[Attempt], out: 
         row.intact = is_intact(fault.before, out, discarded)
         row.perceived = len(attempt.perceived[during])
         row.missing = 0 if attempt.discarded else row.perceived - len(attempt.perceived[:count][during])
-        row.altered = differences(vectors, attempt.perceived)
+        altered = sum(a != b for a, b in zip(vectors, attempt.perceived, strict=False))
+        row.altered = altered + max(0, count - len(attempt.perceived))
         row.wrong = sum(attempt.wrong[:count][during])
         row.outdated = sum(attempt.outdated[:count][during])
 
@@ -491,21 +493,14 @@ def stored_attempts(folder: Path, attempts: Sequence[Attempt]) -> list[list[Vect
             # Only an attempt that an error has interrupted may have a part of its vectors on disk.
             if number in found or (attempt.discarded and not whole):
                 continue
-            own = {
-                differences(list(file), attempt.perceived, whole): name
+            own = [
+                (sum(a != b for a, b in zip_longest(file, attempt.perceived)), name)
                 for name, file in files.items()
                 if file.seed == attempt.seed and (".lost-" in name) == bool(attempt.lost)
-            }
-            if own and (not whole or min(own) == 0):
-                found[number] = list(files.pop(own[min(own)]))
+            ]
+            if own and (not whole or min(own)[0] == 0):
+                found[number] = list(files.pop(min(own)[1]))
     return [found.get(number, []) for number in range(len(attempts))]
-
-
-def differences(stored: Sequence[Vector], perceived: Sequence[Vector], missing: bool = False) -> int:
-    """Stored vectors that were not perceived like this, at this place; and missing ones, if these count."""
-    altered = sum(a != b for a, b in zip(stored, perceived, strict=False))
-    longer = len(stored) - len(perceived)
-    return altered + (abs(longer) if missing else max(0, longer))
 
 
 def is_intact(before: dict[str, bytes], folder: Path, discarded: set[int | None]) -> bool:

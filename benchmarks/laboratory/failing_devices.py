@@ -378,7 +378,7 @@ KINDS = (
     Kind("black for a while", CAMERA, _camera("black"), _CAMERA_BURST),
     Kind("overexposed for a while", CAMERA, _camera("overexposed"), _CAMERA_BURST),
     Kind("no frames", CAMERA, _camera("silent"), cause="no frame"),
-    Kind("reads fail", CAMERA, _camera("failing"), cause="no more frames"),
+    Kind("reads fail", CAMERA, _camera("failing"), cause="no frame|no more frames"),
     Kind("reads raise errors", CAMERA, _camera("raising"), cause="Assertion failed"),
     Kind("frozen", CAMERA, _camera("frozen"), cause="has not changed"),
     Kind("black", CAMERA, _camera("black"), cause="underexposed|shows nothing"),
