@@ -12,14 +12,15 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import closing, contextmanager, redirect_stdout, suppress
+from collections.abc import Sequence
+from contextlib import closing, redirect_stdout, suppress
 from dataclasses import dataclass, field
 from io import StringIO
 from itertools import zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
+from unittest.mock import patch
 
 import numpy as np
 from laboratory.failing_devices import (
@@ -140,14 +141,10 @@ class TrainingResult:
 
 
 class WheelWatch:
-    """Measures how long wheels turn without control: from the end of the last round, while any wheel is commanded.
+    """The longest time for which a wheel was commanded to turn since the last round ended, in seconds.
 
-    The virtual laboratory simulates no time while the driver waits, but the commands at the robots' ends of the lines
-    are real, and so are the driver's timeouts.
-
-    Attributes:
-        longest: Seconds, since the last `restart`.
-        left_out: Robots that nothing can reach.
+    The virtual laboratory simulates no time while the driver waits, but commands and timeouts of the driver are real.
+    Robots that nothing can reach are left out.
     """
 
     def __init__(self, lab: VirtualLaboratory) -> None:
@@ -215,6 +212,8 @@ class Injector:
         remaining: Kinds that have not happened yet.
         observed: All faults so far.
         notices: What the user has read, and no fault has caused yet.
+        folder: Of the present training's files.
+        attempts: At the present training.
     """
 
     def __init__(self, kinds: Sequence[Kind], rng: np.random.Generator, pause: int) -> None:
@@ -227,21 +226,13 @@ class Injector:
         self._lab: VirtualLaboratory
         self._camera: VirtualCamera
         self._wheels: WheelWatch
-        self._folder = Path()
+        self.folder = Path()
+        self.attempts: list[Attempt] = []
         self._repairing = threading.Lock()
-        self._attempts: list[Attempt] = []
 
-    def attach(
-        self,
-        lab: VirtualLaboratory,
-        camera: VirtualCamera,
-        wheels: WheelWatch,
-        folder: Path,
-        attempts: list[Attempt],
-    ) -> None:
+    def attach(self, lab: VirtualLaboratory, camera: VirtualCamera, wheels: WheelWatch) -> None:
         """Use another laboratory from now on: the command was started again."""
-        self._lab, self._camera, self._wheels, self._folder = lab, camera, wheels, folder
-        self._attempts = attempts
+        self._lab, self._camera, self._wheels = lab, camera, wheels
 
     def operator(self, request: OperatorRequest) -> None:
         """Carry out a request; repair the present fault if something is lost, or cannot be placed."""
@@ -290,16 +281,16 @@ class Injector:
     def _begin(self) -> None:
         kind = self.remaining.pop(0)
         robot = int(self._rng.integers(len(self._lab.robots)))
-        files = sorted(self._folder.glob("g*.csv"), key=lambda path: path.stat().st_mtime)
+        files = sorted(self.folder.glob("g*.csv"), key=lambda path: path.stat().st_mtime)
         if kind.part == CAMERA:
             device = f"camera {self._lab.settings.camera.source}"
         elif kind.part == ROBOT:
             device = self._lab.robots[robot].port
         else:
-            device = str(self._folder / ATTEMPTS if ATTEMPTS in kind.name else self._folder)
+            device = str(self.folder / ATTEMPTS if ATTEMPTS in kind.name else self.folder)
         self.notices.clear()
         present = self._observed(kind, device, None)
-        target = Target(self._lab, self._camera, self._folder, files[-1], robot, self._rng)
+        target = Target(self._lab, self._camera, self.folder, files[-1], robot, self._rng)
         self._wheels.left_out = frozenset({robot} if kind.unreachable else ())
         present.repair = begin_soon(kind, target)
         duration = kind.duration or (_LASTS, _LASTS)
@@ -307,9 +298,9 @@ class Injector:
         present.timer.start()
 
     def _observed(self, kind: Kind, device: str, repair: Repair | None) -> Present:
-        before = {} if kind is UNEXPECTED else snapshot(self._folder)
+        before = {} if kind is UNEXPECTED else snapshot(self.folder)
         self._wheels.restart()
-        attempt, first = len(self._attempts) - 1, len(self._attempts[-1].perceived)
+        attempt, first = len(self.attempts) - 1, len(self.attempts[-1].perceived)
         row = FaultRow(kind.part, kind.name)
         self._present = Present(kind, row, device, attempt, first, before, repair)
         self.observed.append(self._present)
@@ -348,11 +339,11 @@ class Injector:
             present.device in notice and any(cause in notice for cause in causes) for notice in self.notices
         )
         row.text = (
-            self.notices[0].replace(f"{self._folder.parent}/", "").replace("\n", " ") if self.notices else ""
+            self.notices[0].replace(f"{self.folder.parent}/", "").replace("\n", " ") if self.notices else ""
         )
         row.continued = True
-        if present.attempt == len(self._attempts) - 1:
-            present.end = len(self._attempts[-1].perceived)
+        if present.attempt == len(self.attempts) - 1:
+            present.end = len(self.attempts[-1].perceived)
         self.notices.clear()
         self._present = None
         self._wheels.left_out = frozenset()
@@ -373,29 +364,8 @@ class _Collector(logging.Handler):
         self._notices.append(record.getMessage())
 
 
-@contextmanager
-def collected(notices: list[str]) -> Iterator[None]:
-    """Append all warnings of the package to a list instead of printing them."""
-    logger = logging.getLogger("khepera_forage")
-    handler, propagated = _Collector(notices), logger.propagate
-    logger.addHandler(handler)
-    logger.propagate = False
-    try:
-        yield
-    finally:
-        logger.removeHandler(handler)
-        logger.propagate = propagated
-
-
 class Series(NamedTuple):
-    """Whole trainings, one after the other, until every kind of fault has happened once.
-
-    Attributes:
-        number: Of the series.
-        kinds: Of faults.
-        seed: Of the campaign.
-        pause: Rounds, at most, from the end of one fault to the next.
-    """
+    """Whole trainings, one after the other, until every kind of fault has happened once."""
 
     number: int
     kinds: tuple[Kind, ...]
@@ -413,7 +383,11 @@ class Series(NamedTuple):
         order = [self.kinds[i] for i in rng.permutation(len(self.kinds))]
         injector = Injector(order, rng, self.pause)
         rows: list[FaultRow | TrainingResult] = []
-        with collected(injector.notices):
+        logger = logging.getLogger("khepera_forage")
+        with (
+            patch.object(logger, "handlers", [_Collector(injector.notices)]),
+            patch.object(logger, "propagate", False),
+        ):
             while injector.remaining:
                 with TemporaryDirectory() as folder:
                     rows += _training(Path(folder).resolve(), injector, rng)
@@ -424,7 +398,8 @@ def _training(folder: Path, injector: Injector, rng: np.random.Generator) -> lis
     """A training with the functions of `khepera-forage train --lab lab.toml`, continued after every error."""
     began, first = time.perf_counter(), len(injector.observed)
     out, lab_file = folder / "experience", write_lab_file(folder)
-    attempts: list[Attempt] = []
+    injector.folder, injector.attempts = out, []
+    attempts = injector.attempts
     parser = OneLineParser()
     train.add_arguments(parser)
     options = ["--lab", str(lab_file), "--episodes", str(EPISODES), "--out", str(out)]
@@ -437,8 +412,8 @@ def _training(folder: Path, injector: Injector, rng: np.random.Generator) -> lis
                 laboratory(lab_file, injector.operator, seed) as (lab, camera),
                 closing(WheelWatch(lab)) as wheels,
             ):
-                injector.attach(lab, camera, wheels, out, attempts)
-                env = ObservedTraining(lab, injector.end_round, attempts=attempts)
+                injector.attach(lab, camera, wheels)
+                env = ObservedTraining(lab, attempts, injector.end_round)
                 env.max_cycles = MAX_ROUNDS
                 try:
                     train.record(env, files, arguments)

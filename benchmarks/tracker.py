@@ -14,10 +14,12 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
+from laboratory import Work
 from laboratory.lenses import LAYOUTS, Lenses, Trial, lenses_table
 from laboratory.limits import SWEEPS, Conditions, Limit, Point, frames, limits_picture, limits_table
 from laboratory.observations import (
@@ -104,81 +106,57 @@ class Rate:
     rate: float
 
 
-class Speed(NamedTuple):
+def speeds(seed: int, count: int, repeats: int) -> list[Rate]:
     """The speed of all parts on frames of a training, and on frames with two markers under cables."""
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    training = RenderedTraining(seed)
+    images = [training.newest()[0] for _ in range(count)]
+    rng = np.random.default_rng(seed)
+    crossed = [frame for _, frame in frames(Conditions(8.0), count, rng, tiles=2)]
 
-    seed: int
-    frames: int
-    repeats: int
+    def track() -> None:
+        tracker = Tracker()
+        for image in images:
+            tracker.update(image)
 
-    @property
-    def key(self) -> str:
-        """There is one unit of this kind."""
-        return SPEED
+    def track_crossed() -> None:
+        for image in crossed:
+            Tracker().update(image)
 
-    def run(self) -> list[Rate]:
-        """Measure all parts in alternation."""
-        threads = cv2.getNumThreads()
-        cv2.setNumThreads(1)
-        training = RenderedTraining(self.seed)
-        images = [training.newest()[0] for _ in range(self.frames)]
-        rng = np.random.default_rng(self.seed)
-        crossed = [frame for _, frame in frames(Conditions(8.0), self.frames, rng, tiles=2)]
+    def render() -> None:
+        for _ in images:
+            training.renderer.frame()
 
-        def track() -> None:
-            tracker = Tracker()
-            for image in images:
-                tracker.update(image)
-
-        def track_crossed() -> None:
-            for image in crossed:
-                Tracker().update(image)
-
-        def render() -> None:
-            for _ in images:
-                training.renderer.frame()
-
-        works: dict[str, Callable[[], None]] = {TRACKER: track, CROSSED: track_crossed, RENDERER: render}
-        rows = []
-        for _ in range(self.repeats):
-            for part, work in works.items():
-                began = time.process_time()
-                work()
-                rows.append(Rate(part, self.frames / (time.process_time() - began)))
-        training.close()
-        cv2.setNumThreads(threads)
-        return rows
+    works: dict[str, Callable[[], None]] = {TRACKER: track, CROSSED: track_crossed, RENDERER: render}
+    rows = []
+    for _ in range(repeats):
+        for part, work in works.items():
+            began = time.process_time()
+            work()
+            rows.append(Rate(part, count / (time.process_time() - began)))
+    training.close()
+    cv2.setNumThreads(threads)
+    return rows
 
 
-class Scenes(NamedTuple):
+def single_frames(appearance: str, seed: int, scenes: int) -> list[Observation]:
     """Random scenes in one appearance: two markers, two foods, and cables from anywhere; all have the same scenes."""
-
-    appearance: str
-    seed: int
-    scenes: int
-
-    @property
-    def key(self) -> str:
-        """The appearance."""
-        return self.appearance
-
-    def run(self) -> list[Observation]:
-        """All observations."""
-        cv2.setNumThreads(1)
-        corrected = self.appearance.endswith("parallax corrected")
-        camera = (_FLOOR[0] / 2, _FLOOR[1] / 2, _HEIGHT) if corrected else None
-        tracker = Tracker(calibration=Calibration.identity(camera))
-        places, noise = np.random.default_rng(self.seed).spawn(2)
-        rows: list[Observation] = []
-        shown = [Truth((), ())]
-        for number, (truth, anchor) in enumerate(_scenes(places, self.scenes)):
-            shown[0] = truth
-            if number % _BATCH == 0:
-                renderer = FrameRenderer(lambda: shown[0], APPEARANCES[self.appearance], anchor)
-                renderer.reset(noise)
-            regions = tracker.detect(renderer.frame())
-            rows += observe((self.appearance, TRACKER, 0, number), truth, regions, renderer.cables)
-        return rows
+    cv2.setNumThreads(1)
+    corrected = appearance.endswith("parallax corrected")
+    camera = (_FLOOR[0] / 2, _FLOOR[1] / 2, _HEIGHT) if corrected else None
+    tracker = Tracker(calibration=Calibration.identity(camera))
+    places, noise = np.random.default_rng(seed).spawn(2)
+    rows: list[Observation] = []
+    shown = [Truth((), ())]
+    for number, (truth, anchor) in enumerate(_scenes(places, scenes)):
+        shown[0] = truth
+        if number % _BATCH == 0:
+            renderer = FrameRenderer(lambda: shown[0], APPEARANCES[appearance], anchor)
+            renderer.reset(noise)
+        regions = tracker.detect(renderer.frame())
+        rows += observe((appearance, TRACKER, 0, number), truth, regions, renderer.cables)
+    return rows
 
 
 def _scenes(rng: np.random.Generator, count: int) -> Iterator[tuple[Truth, tuple[float, float]]]:
@@ -196,52 +174,40 @@ def _scenes(rng: np.random.Generator, count: int) -> Iterator[tuple[Truth, tuple
         yield Truth(markers, tuple(places[2:])), (anchor_x, anchor_y)
 
 
-class ObservedTraining(NamedTuple):
+def observed_training(number: int, seed: int, rounds: int) -> list[Observation]:
     """Two robots forage, one following the other, for some rounds, in as many attempts as that takes."""
-
-    number: int
-    seed: int
-    rounds: int
-
-    @property
-    def key(self) -> str:
-        """Number of the training."""
-        return f"training {self.number}"
-
-    def run(self) -> list[Observation]:
-        """All observations of all cameras."""
-        cv2.setNumThreads(1)
-        rng = np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(self.number,)))
-        training = RenderedTraining(int(rng.integers(2**31)))
-        middle = training.anchor
-        training.close()
-        x, y = rng.uniform(-_ANCHOR, _ANCHOR, 2).tolist()
-        anchor = (middle[0] + x, middle[1] + y)
-        training = RenderedTraining(int(rng.integers(2**31)), anchor=anchor)
-        tracker = Tracker()
-        # The world's own camera has its cables between the arenas; this model has the anchor of the rendered ones.
-        model = OverheadCamera(training.world.truth, Noise.laboratory(), anchor)
-        rows: list[Observation] = []
-        attempts = 0
-        for frame in range(self.rounds):
-            picture, _ = training.newest()
-            if training.attempts != attempts:
-                attempts = training.attempts
-                tracker.reset()
-                model.reset(rng)
-            else:
-                model.expose()
-            truth, rendered = training.world.truth(), training.renderer.cables
-            straight = [np.array((anchor, marker[:2])) / MM_PER_PIXEL for marker in truth.markers]
-            for camera, regions, cables in (
-                (TRACKER, tracker.update(picture).regions, rendered),
-                (THRESHOLD, threshold_regions(picture), rendered),
-                (MODEL, model.look().regions, straight),
-            ):
-                number = frame + ATTEMPT * attempts
-                rows += observe((TRAINING, camera, self.number, number), truth, regions, cables)
-        training.close()
-        return rows
+    cv2.setNumThreads(1)
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
+    training = RenderedTraining(int(rng.integers(2**31)))
+    middle = training.anchor
+    training.close()
+    x, y = rng.uniform(-_ANCHOR, _ANCHOR, 2).tolist()
+    anchor = (middle[0] + x, middle[1] + y)
+    training = RenderedTraining(int(rng.integers(2**31)), anchor=anchor)
+    tracker = Tracker()
+    # The world's own camera has its cables between the arenas; this model has the anchor of the rendered ones.
+    model = OverheadCamera(training.world.truth, Noise.laboratory(), anchor)
+    rows: list[Observation] = []
+    attempts = 0
+    for frame in range(rounds):
+        picture, _ = training.newest()
+        if training.attempts != attempts:
+            attempts = training.attempts
+            tracker.reset()
+            model.reset(rng)
+        else:
+            model.expose()
+        truth, rendered = training.world.truth(), training.renderer.cables
+        straight = [np.array((anchor, marker[:2])) / MM_PER_PIXEL for marker in truth.markers]
+        for camera, regions, cables in (
+            (TRACKER, tracker.update(picture).regions, rendered),
+            (THRESHOLD, threshold_regions(picture), rendered),
+            (MODEL, model.look().regions, straight),
+        ):
+            place = (TRAINING, camera, number, frame + ATTEMPT * attempts)
+            rows += observe(place, truth, regions, cables)
+    training.close()
+    return rows
 
 
 def speed_table(rows: Sequence[Rate], repeats: int) -> Table:
@@ -471,9 +437,12 @@ def main() -> int:
     }
     repeats = SPEED_REPEATS[quick]
     units: dict[str, list[Unit]] = {
-        SPEED: [Speed(seed, SPEED_FRAMES[quick], repeats)],
-        SCENES: [Scenes(appearance, seed, given.scenes) for appearance in APPEARANCES],
-        TRAININGS: [ObservedTraining(number, seed, given.rounds) for number in range(given.trainings)],
+        SPEED: [Work(SPEED, partial(speeds, seed, SPEED_FRAMES[quick], repeats))],
+        SCENES: [Work(name, partial(single_frames, name, seed, given.scenes)) for name in APPEARANCES],
+        TRAININGS: [
+            Work(f"training {number}", partial(observed_training, number, seed, given.rounds))
+            for number in range(given.trainings)
+        ],
         LIMITS: [
             Limit(name, curve, seed, given.frames, quick)
             for name, sweep in SWEEPS.items()

@@ -14,9 +14,11 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from laboratory import Work
 
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, extremes, pick, quantiles
@@ -45,7 +47,7 @@ from khepera_forage.sim.arena import copies
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from khepera_forage.study import Count, Page, Picture, Rows, Unit, collect, finish, parse
+from khepera_forage.study import Count, Page, Picture, Rows, collect, finish, parse
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 if TYPE_CHECKING:
@@ -106,14 +108,7 @@ with SerialKhepera(sys.argv[1]) as robot:
 
 
 class VirtualFleet(NamedTuple):
-    """Robots in a simulated world, behind virtual Kheperas at the pace of their lines.
-
-    Attributes:
-        ports: Their ends of the lines.
-        firmwares: Of the robots.
-        advance: Advances their simulated world by a round.
-        truth: Returns the senses of the first one.
-    """
+    """Robots behind virtual Kheperas at the pace of their lines; `truth` returns the senses of the first one."""
 
     ports: list[VirtualKhepera]
     firmwares: list[Firmware]
@@ -170,49 +165,36 @@ class Round:
     taken: float
 
 
-class Drive(NamedTuple):
+def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Round]:
     """Robots that drive about and now and then move the gripper; all drives have the same commands."""
-
-    baud: int
-    robots: int
-    rounds: int
-    seed: int
-
-    @property
-    def key(self) -> str:
-        """Baud rate and number of robots."""
-        return f"{self.baud} baud, robots: {self.robots}"
-
-    def run(self) -> list[Round]:
-        """Measure every round."""
-        wheels = np.random.default_rng(self.seed).integers(-12, 13, (self.rounds + _WARM_UP, 2)).tolist()
-        rows = []
-        with (
-            virtual_fleet(self.baud, self.robots, self.seed) as virtual,
-            closing(SerialKhepera(virtual.ports[0].url, baud=self.baud)) as first,
-            Fleet([first, *(SerialKhepera(port.url, baud=self.baud) for port in virtual.ports[1:])]) as fleet,
-        ):
-            heard: list[Traffic] = []
-            first.on_traffic(heard.append)
-            for number, (left, right) in enumerate(wheels, -_WARM_UP):
-                down = number >= 0 and number // _MOVEMENT_PERIOD % 2
-                for robot in fleet.robots:
-                    robot.drive(_motors(left, right, down))
-                heard.clear()
-                begin = time.perf_counter()
-                fleet.transmit()
-                taken = time.perf_counter() - begin
-                virtual.advance()
-                begin = time.perf_counter()
-                fleet.receive()
-                taken += time.perf_counter() - begin
-                if number >= 0:
-                    sent = b"".join(traffic.data for traffic in heard if traffic.sent)
-                    gripper = any(command in sent for command in (b"T,1,D", b"T,1,E", b"T,1,H"))
-                    count = sum(len(traffic.data) for traffic in heard)
-                    wire = 1000 * seconds_on_wire(count, self.baud)
-                    rows.append(Round(self.baud, self.robots, gripper, count, wire, 1000 * taken))
-        return rows
+    wheels = np.random.default_rng(seed).integers(-12, 13, (rounds + _WARM_UP, 2)).tolist()
+    rows = []
+    with (
+        virtual_fleet(baud, robots, seed) as virtual,
+        closing(SerialKhepera(virtual.ports[0].url, baud=baud)) as first,
+        Fleet([first, *(SerialKhepera(port.url, baud=baud) for port in virtual.ports[1:])]) as fleet,
+    ):
+        heard: list[Traffic] = []
+        first.on_traffic(heard.append)
+        for number, (left, right) in enumerate(wheels, -_WARM_UP):
+            down = number >= 0 and number // _MOVEMENT_PERIOD % 2
+            for robot in fleet.robots:
+                robot.drive(_motors(left, right, down))
+            heard.clear()
+            begin = time.perf_counter()
+            fleet.transmit()
+            taken = time.perf_counter() - begin
+            virtual.advance()
+            begin = time.perf_counter()
+            fleet.receive()
+            taken += time.perf_counter() - begin
+            if number >= 0:
+                sent = b"".join(traffic.data for traffic in heard if traffic.sent)
+                gripper = any(command in sent for command in (b"T,1,D", b"T,1,E", b"T,1,H"))
+                count = sum(len(traffic.data) for traffic in heard)
+                wire = 1000 * seconds_on_wire(count, baud)
+                rows.append(Round(baud, robots, gripper, count, wire, 1000 * taken))
+    return rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,53 +220,41 @@ class SlowRound:
     bound: float = 0.0
 
 
-class SlowLine(NamedTuple):
+def slow_line(latency: int, rounds: int, seed: int) -> list[SlowRound]:
     """A robot on a line with a constant latency in ms."""
-
-    latency: int
-    rounds: int
-    seed: int
-
-    @property
-    def key(self) -> str:
-        """The latency."""
-        return f"latency {self.latency} ms"
-
-    def run(self) -> list[SlowRound]:
-        """Measure every round."""
-        seconds, period = self.latency / 1000, TIMING.round_duration
-        with virtual_fleet(BAUD, 1, self.seed) as ((port,), _, advance, _):
-            port.faults = Faults(delay=1.0 if self.latency else 0.0, lateness=(seconds, seconds))
-            begin = time.perf_counter()
-            try:
-                robot = SerialKhepera(port.url, baud=BAUD, period=period)
-            except LineTooSlow:
-                return [SlowRound(self.latency, 1000 * (time.perf_counter() - begin), False)]
-            opening = 1000 * (time.perf_counter() - begin)
-            timing = robot.timing._replace(latency=seconds)
-            latest, bound = 1000 * timing.latest_end(period), 1000 * timing.longest_round(period)
-            rows = []
-            with robot:
-                robot.receive()  # as at the reset of a laboratory: all readings, twice
-                clock = WallClock(period, time.perf_counter)
-                _command(robot, -1)
-                end = clock.beginning
-                # Round -1 gives the moment from which the next one is measured.
-                for number in range(-1, self.rounds):
-                    clock.wait()
-                    # A long delay shortens the next period, which then begins at once.
-                    beginning = min(clock.beginning, time.perf_counter())
-                    advance()  # by a whole round, after the command has arrived
-                    robot.receive()
-                    taken = time.perf_counter() - end
-                    end += taken
-                    _command(robot, number + 1)
-                    exchanged = time.perf_counter() - beginning
-                    if number >= 0:
-                        times = (1000 * exchanged, latest, 1000 * taken, bound)
-                        rows.append(SlowRound(self.latency, opening, True, *times))
-                port.faults = Faults()
-        return rows
+    seconds, period = latency / 1000, TIMING.round_duration
+    with virtual_fleet(BAUD, 1, seed) as ((port,), _, advance, _):
+        port.faults = Faults(delay=1.0 if latency else 0.0, lateness=(seconds, seconds))
+        begin = time.perf_counter()
+        try:
+            robot = SerialKhepera(port.url, baud=BAUD, period=period)
+        except LineTooSlow:
+            return [SlowRound(latency, 1000 * (time.perf_counter() - begin), False)]
+        opening = 1000 * (time.perf_counter() - begin)
+        timing = robot.timing._replace(latency=seconds)
+        latest, bound = 1000 * timing.latest_end(period), 1000 * timing.longest_round(period)
+        rows = []
+        with robot:
+            robot.receive()  # as at the reset of a laboratory: all readings, twice
+            clock = WallClock(period, time.perf_counter)
+            _command(robot, -1)
+            end = clock.beginning
+            # Round -1 gives the moment from which the next one is measured.
+            for number in range(-1, rounds):
+                clock.wait()
+                # A long delay shortens the next period, which then begins at once.
+                beginning = min(clock.beginning, time.perf_counter())
+                advance()  # by a whole round, after the command has arrived
+                robot.receive()
+                taken = time.perf_counter() - end
+                end += taken
+                _command(robot, number + 1)
+                exchanged = time.perf_counter() - beginning
+                if number >= 0:
+                    times = (1000 * exchanged, latest, 1000 * taken, bound)
+                    rows.append(SlowRound(latency, opening, True, *times))
+            port.faults = Faults()
+    return rows
 
 
 def _command(robot: SerialKhepera, number: int) -> None:
@@ -314,48 +284,36 @@ class DisturbedRound:
     lost: bool
 
 
-class DisturbedLine(NamedTuple):
+def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[DisturbedRound]:
     """A robot on a line with one of `DISTURBANCES`; its last round is undisturbed, and shows what remains."""
-
-    disturbance: str
-    rounds: int
-    seed: int
-
-    @property
-    def key(self) -> str:
-        """The disturbance."""
-        return f"disturbance {self.disturbance}"
-
-    def run(self) -> list[DisturbedRound]:
-        """Measure every round."""
-        rng = np.random.default_rng(self.seed)
-        wheels = rng.integers(-MAX_SPEED, MAX_SPEED + 1, (self.rounds, 2)).tolist()
-        rows = []
-        with (
-            virtual_fleet(BAUD, 1, self.seed) as ((port,), _, advance, truth),
-            SerialKhepera(port.url, baud=BAUD) as robot,
-        ):
-            robot.receive()
-            for number, (left, right) in enumerate(wheels, 1):
-                port.faults = Faults() if number == len(wheels) else DISTURBANCES[self.disturbance]
-                lost, error = False, 0
-                robot.drive(_motors(left, right, 0))
+    rng = np.random.default_rng(seed)
+    wheels = rng.integers(-MAX_SPEED, MAX_SPEED + 1, (rounds, 2)).tolist()
+    rows = []
+    with (
+        virtual_fleet(BAUD, 1, seed) as ((port,), _, advance, truth),
+        SerialKhepera(port.url, baud=BAUD) as robot,
+    ):
+        robot.receive()
+        for number, (left, right) in enumerate(wheels, 1):
+            port.faults = Faults() if number == len(wheels) else DISTURBANCES[disturbance]
+            lost, error = False, 0
+            robot.drive(_motors(left, right, 0))
+            begin = time.perf_counter()
+            try:
+                robot.transmit()
+                taken = time.perf_counter() - begin
+                advance()
                 begin = time.perf_counter()
-                try:
-                    robot.transmit()
-                    taken = time.perf_counter() - begin
-                    advance()
-                    begin = time.perf_counter()
-                    robot.receive()
-                    taken += time.perf_counter() - begin
-                    read, true = robot.sense(), truth()
-                    error = max(abs(a - b) for a, b in zip(read[1:3], true[1:3], strict=True))
-                except RobotLost:
-                    taken, lost = time.perf_counter() - begin, True
-                counts = port.fault_counts.undetectable, robot.statistics.unknown
-                rows.append(DisturbedRound(self.disturbance, 1000 * taken, error, *counts, lost))
-            port.faults = Faults()
-        return rows
+                robot.receive()
+                taken += time.perf_counter() - begin
+                read, true = robot.sense(), truth()
+                error = max(abs(a - b) for a, b in zip(read[1:3], true[1:3], strict=True))
+            except RobotLost:
+                taken, lost = time.perf_counter() - begin, True
+            counts = port.fault_counts.undetectable, robot.statistics.unknown
+            rows.append(DisturbedRound(disturbance, 1000 * taken, error, *counts, lost))
+        port.faults = Faults()
+    return rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -366,47 +324,38 @@ class End:
     taken: float
 
 
-class Ending(NamedTuple):
+def end_processes(ending: str, processes: int) -> list[End]:
     """Processes that end in one way."""
+    return [End(ending, 1000 * seconds_until_stopped(ending)) for _ in range(processes)]
 
-    ending: str
-    processes: int
 
-    @property
-    def key(self) -> str:
-        """The way."""
-        return f"ending {self.ending}"
-
-    def run(self) -> list[End]:
-        """Measure every process."""
-        return [End(self.ending, 1000 * self._seconds()) for _ in range(self.processes)]
-
-    def _seconds(self) -> float:
-        with (
-            virtual_fleet(BAUD, 1, 0) as ((port,), (firmware,), _, _),
-            subprocess.Popen(
-                [sys.executable, "-c", _PROGRAM, port.url],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                process_group=0,
-            ) as process,
-        ):
-            assert process.stdin is not None
-            assert process.stdout is not None
-            process.stdout.readline()
-            begin = time.perf_counter()
-            number = ENDINGS[self.ending]
-            if number is None:
-                process.stdin.write(b"\n")
-                process.stdin.flush()
-            else:
-                process.send_signal(number)
-            while firmware.turning and time.perf_counter() < begin + _TIMEOUT:
-                time.sleep(0.0005)
-            taken = math.inf if firmware.turning else time.perf_counter() - begin
-            process.kill()
-        return taken
+def seconds_until_stopped(ending: str) -> float:
+    """Seconds from the end of a process in this way until the wheels stand."""
+    with (
+        virtual_fleet(BAUD, 1, 0) as ((port,), (firmware,), _, _),
+        subprocess.Popen(
+            [sys.executable, "-c", _PROGRAM, port.url],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            process_group=0,
+        ) as process,
+    ):
+        assert process.stdin is not None
+        assert process.stdout is not None
+        process.stdout.readline()
+        begin = time.perf_counter()
+        number = ENDINGS[ending]
+        if number is None:
+            process.stdin.write(b"\n")
+            process.stdin.flush()
+        else:
+            process.send_signal(number)
+        while firmware.turning and time.perf_counter() < begin + _TIMEOUT:
+            time.sleep(0.0005)
+        taken = math.inf if firmware.turning else time.perf_counter() - begin
+        process.kill()
+    return taken
 
 
 def wire_table(rows: Sequence[Round]) -> Table:
@@ -575,12 +524,21 @@ def main() -> int:
     count = Count("rounds", 200, 12, "rounds at each baud rate and with each number of robots")
     given = parse("wire", __doc__, count, jobs=None)
     rounds, seed, quick = given.rounds, given.seed, given.quick
-    units: list[Unit] = [
-        *(Drive(baud, 1, rounds, seed) for baud in BAUD_RATES),
-        *(Drive(BAUD, robots, rounds, seed) for robots in FLEETS if robots > 1),
-        *(SlowLine(ms, max(10, rounds // 4), seed) for ms in (QUICK_LATENCIES if quick else LATENCIES)),
-        *(DisturbedLine(name, rounds, seed) for name in list(DISTURBANCES)[:: 1 + quick]),
-        *(Ending(name, max(1, rounds // 40)) for name in (QUICK_ENDINGS if quick else ENDINGS)),
+    units = [
+        *(Work(f"{baud} baud", partial(drive, baud, 1, rounds, seed)) for baud in BAUD_RATES),
+        *(Work(f"{n} robots", partial(drive, BAUD, n, rounds, seed)) for n in FLEETS if n > 1),
+        *(
+            Work(f"latency {ms} ms", partial(slow_line, ms, max(10, rounds // 4), seed))
+            for ms in (QUICK_LATENCIES if quick else LATENCIES)
+        ),
+        *(
+            Work(f"disturbance {name}", partial(disturbed_line, name, rounds, seed))
+            for name in list(DISTURBANCES)[:: 1 + quick]
+        ),
+        *(
+            Work(f"ending {name}", partial(end_processes, name, max(1, rounds // 40)))
+            for name in (QUICK_ENDINGS if quick else ENDINGS)
+        ),
     ]
     tables = {Round: "rounds", SlowRound: "slow_lines", DisturbedRound: "disturbed_lines", End: "endings"}
     return finish(given, page(collect(given, units, tables)))

@@ -1,12 +1,20 @@
 """`benchmarks/lab_faults.py`: after every fault the robots stand, the experience is right, and training goes on."""
 
+import numpy as np
 import pytest
-
-from tests.benchmarks.conftest import QuickRun
-from tests.benchmarks.running import read
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
+
+from laboratory.observed_training import LEARNER, ObservedTraining, moving
+
+from khepera_forage.envs.laboratories import virtual_laboratory
+from khepera_forage.envs.training import TEACHER
+from khepera_forage.robots.khepera import Motors
+from khepera_forage.sim.world import Layout
+from khepera_forage.task.states import Behaviour
+from tests.benchmarks.conftest import QuickRun
+from tests.benchmarks.running import read
 
 
 def test_after_every_fault_robots_stand_experience_is_right_and_training_goes_on(quick_run: QuickRun) -> None:
@@ -31,3 +39,33 @@ def test_after_every_fault_robots_stand_experience_is_right_and_training_goes_on
     (training,) = read(out / "table_trainings.csv")
     assert training["complete"] == training["planned"]
     assert training["foreign"] == "0"
+
+
+def test_a_robot_that_is_left_moving_is_detected() -> None:
+    with virtual_laboratory("corridor", 2) as lab:
+        lab.reset(np.random.default_rng(0), Layout(tuple(arena.start for arena in lab.arenas), ()))
+        assert moving(lab) == set()
+        lab.robots[1].drive(Motors(1, -1, 215, 200))
+        lab.advance()
+        assert moving(lab) == {1}
+        lab.stop()
+        assert moving(lab) == set()
+
+
+def test_untrue_vectors_are_detected() -> None:
+    with virtual_laboratory("corridor", 2) as lab:
+        env = ObservedTraining(lab, [])
+        env.reset(seed=1)
+
+        def one_round(word: Behaviour) -> None:
+            env.observe(TEACHER)
+            env.step(word)
+            env.observe(LEARNER)
+            env.step(word)
+
+        one_round(Behaviour.SEARCH_FOR_FOOD)
+        one_round(Behaviour.GO_HOME)  # not what the teacher would call
+        learner = env.foragers[1]
+        learner.vector = learner.vector._replace(arms_height=learner.vector.arms_height + 1)
+        one_round(Behaviour.SEARCH_FOR_FOOD)
+        assert env.attempts[-1].wrong == [False, True, True]

@@ -107,8 +107,8 @@ SCRIPTS = {
         needs=("cv2",),
     ),
     "virtual_lab": Script(
-        ("--replications", "--rounds", "--jobs", "--fresh"),
-        ("recalls", "trainings", "rounds", "attempts"),
+        ("--replications", "--jobs", "--fresh"),
+        ("recalls", "trainings"),
         run=("--jobs", "1"),
         needs=("serial", "cv2"),
     ),
