@@ -44,7 +44,7 @@ from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, ex
 from khepera_forage.figures import COLOURS, GREY, OURS, SMALL, THESIS, WIDTH, grid, mark, new_figure
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rendered_training import RenderedTraining
-from khepera_forage.sim.camera import OverheadCamera
+from khepera_forage.sim.sensing import OverheadCamera
 from khepera_forage.study import Count, Page, Picture, Unit, collect, finish, in_processes, parse
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.overlay import FOOD, MARKER, draw_scene
