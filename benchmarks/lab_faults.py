@@ -15,14 +15,16 @@ import warnings
 from collections.abc import Sequence
 from contextlib import closing, redirect_stdout, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from io import StringIO
 from itertools import zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 from unittest.mock import patch
 
 import numpy as np
+from laboratory import Work
 from laboratory.failing_devices import (
     CAMERA,
     KINDS,
@@ -364,34 +366,21 @@ class _Collector(logging.Handler):
         self._notices.append(record.getMessage())
 
 
-class Series(NamedTuple):
+def series(number: int, kinds: Sequence[Kind], seed: int, pause: int) -> list[FaultRow | TrainingResult]:
     """Whole trainings, one after the other, until every kind of fault has happened once."""
-
-    number: int
-    kinds: tuple[Kind, ...]
-    seed: int
-    pause: int
-
-    @property
-    def key(self) -> str:
-        """The number."""
-        return f"series {self.number}"
-
-    def run(self) -> list[FaultRow | TrainingResult]:
-        """Train until all faults have happened and the last training is complete."""
-        rng = np.random.default_rng((self.seed, self.number))
-        order = [self.kinds[i] for i in rng.permutation(len(self.kinds))]
-        injector = Injector(order, rng, self.pause)
-        rows: list[FaultRow | TrainingResult] = []
-        logger = logging.getLogger("khepera_forage")
-        with (
-            patch.object(logger, "handlers", [_Collector(injector.notices)]),
-            patch.object(logger, "propagate", False),
-        ):
-            while injector.remaining:
-                with TemporaryDirectory() as folder:
-                    rows += _training(Path(folder).resolve(), injector, rng)
-        return rows
+    rng = np.random.default_rng((seed, number))
+    order = [kinds[i] for i in rng.permutation(len(kinds))]
+    injector = Injector(order, rng, pause)
+    rows: list[FaultRow | TrainingResult] = []
+    logger = logging.getLogger("khepera_forage")
+    with (
+        patch.object(logger, "handlers", [_Collector(injector.notices)]),
+        patch.object(logger, "propagate", False),
+    ):
+        while injector.remaining:
+            with TemporaryDirectory() as folder:
+                rows += _training(Path(folder).resolve(), injector, rng)
+    return rows
 
 
 def _training(folder: Path, injector: Injector, rng: np.random.Generator) -> list[FaultRow | TrainingResult]:
@@ -614,7 +603,10 @@ def main() -> int:
     """Run the benchmark."""
     given = parse("lab_faults", __doc__, COUNT)
     kinds, pause = (KINDS[::QUICK], QUICK_PAUSE) if given.quick else (KINDS, PAUSE)
-    units = [Series(number, kinds, given.seed, pause) for number in range(given.series)]
+    units = [
+        Work(f"series {number}", partial(series, number, kinds, given.seed, pause))
+        for number in range(given.series)
+    ]
     rows = collect(given, units, {FaultRow: "faults", TrainingResult: "trainings"})
     faults = rows.of(FaultRow)
     caption = "seconds until a fault is noticed, and wheels without control"

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 from laboratory import Work
-from laboratory.lenses import LAYOUTS, Lenses, Trial, lenses_table
-from laboratory.limits import SWEEPS, Conditions, Limit, Point, frames, limits_picture, limits_table
+from laboratory.lenses import LAYOUTS, Trial, calibrations, lenses_table
+from laboratory.limits import SWEEPS, Conditions, Point, frames, limit_points, limits_picture, limits_table
 from laboratory.observations import (
     ATTEMPT,
     CAMERAS,
@@ -37,7 +37,7 @@ from laboratory.observations import (
     swapped_labels,
     threshold_regions,
 )
-from laboratory.troubles import SETUPS, Trouble, TroubledDrive, troubles_table
+from laboratory.troubles import SETUPS, Trouble, troubled_drive, troubles_table
 from numpy.typing import NDArray
 
 from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, extremes, percent, pick, plain
@@ -45,7 +45,7 @@ from khepera_forage.figures import COLOURS, GREY, OURS, SMALL, THESIS, WIDTH, gr
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.sim.sensing import OverheadCamera
-from khepera_forage.study import Count, Page, Picture, Unit, collect, finish, in_processes, parse
+from khepera_forage.study import Count, Page, Picture, collect, finish, in_processes, parse
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.overlay import FOOD, MARKER, draw_scene
 from khepera_forage.vision.rendering.appearance import CameraAppearance
@@ -436,7 +436,7 @@ def main() -> int:
         Trouble: "troubles",
     }
     repeats = SPEED_REPEATS[quick]
-    units: dict[str, list[Unit]] = {
+    units: dict[str, list[Work]] = {
         SPEED: [Work(SPEED, partial(speeds, seed, SPEED_FRAMES[quick], repeats))],
         SCENES: [Work(name, partial(single_frames, name, seed, given.scenes)) for name in APPEARANCES],
         TRAININGS: [
@@ -444,12 +444,18 @@ def main() -> int:
             for number in range(given.trainings)
         ],
         LIMITS: [
-            Limit(name, curve, seed, given.frames, quick)
+            Work(f"limit {name}, {curve}", partial(limit_points, name, curve, seed, given.frames, quick))
             for name, sweep in SWEEPS.items()
             for curve in sweep.curves
         ],
-        LENSES: [Lenses(layout, seed, given.trials) for layout in LAYOUTS],
-        TROUBLES: [TroubledDrive(*setup, given.troubled, seed) for setup in SETUPS],
+        LENSES: [Work(f"lenses {name}", partial(calibrations, name, seed, given.trials)) for name in LAYOUTS],
+        TROUBLES: [
+            Work(
+                f"troubles {width} x {height}, {kind}",
+                partial(troubled_drive, width, height, kind, given.troubled, seed),
+            )
+            for width, height, kind in SETUPS
+        ],
     }
     chosen = [part for part in PARTS if part in (given.only or PARTS)]
     parts: list[Table | Picture] = []

@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 
@@ -73,39 +72,28 @@ class Trial:
     worst: float
 
 
-class Lenses(NamedTuple):
+def calibrations(layout: str, seed: int, trials: int) -> list[Trial]:
     """Calibrations with one layout of points, through all lenses."""
+    rng = np.random.default_rng(seed)
+    return [_trial(layout, k1, rng) for _ in range(trials) for k1 in DISTORTIONS]
 
-    layout: str
-    seed: int
-    trials: int
 
-    @property
-    def key(self) -> str:
-        """The layout."""
-        return f"lenses {self.layout}"
-
-    def run(self) -> list[Trial]:
-        """All calibrations."""
-        rng = np.random.default_rng(self.seed)
-        return [self._trial(k1, rng) for _ in range(self.trials) for k1 in DISTORTIONS]
-
-    def _trial(self, k1: float, rng: np.random.Generator) -> Trial:
-        size = np.array((PICTURE_WIDTH, PICTURE_HEIGHT))
-        plain = Calibration.identity()
-        floor = np.array(plain.floor) + rng.uniform(-_TILT, _TILT, (4, 2))
-        true = Calibration(plain.picture, tuple(map(tuple, floor.tolist())), lens=Lens(k1) if k1 else None)
-        points = np.array(LAYOUTS[self.layout]) * size
-        places = [_place(true, u, v) for u, v in points.tolist()]
-        clicks = [(u, v) for u, v in (points + rng.normal(0, _CLICK, points.shape)).tolist()]
-        fit = fit_calibration(clicks, places)
-        everywhere = (np.array(_grid(13, 10, 1.0)) * size).tolist()
-        errors = [math.dist(_place(fit.calibration, u, v), _place(true, u, v)) for u, v in everywhere]
-        return Trial(
-            *(self.layout, k1, fit.calibration.lens is not None, root_mean_square(fit.residuals)),
-            root_mean_square(fit.held_out) if fit.held_out else math.nan,
-            *(root_mean_square(errors), max(errors)),
-        )
+def _trial(layout: str, k1: float, rng: np.random.Generator) -> Trial:
+    size = np.array((PICTURE_WIDTH, PICTURE_HEIGHT))
+    plain = Calibration.identity()
+    floor = np.array(plain.floor) + rng.uniform(-_TILT, _TILT, (4, 2))
+    true = Calibration(plain.picture, tuple(map(tuple, floor.tolist())), lens=Lens(k1) if k1 else None)
+    points = np.array(LAYOUTS[layout]) * size
+    places = [_place(true, u, v) for u, v in points.tolist()]
+    clicks = [(u, v) for u, v in (points + rng.normal(0, _CLICK, points.shape)).tolist()]
+    fit = fit_calibration(clicks, places)
+    everywhere = (np.array(_grid(13, 10, 1.0)) * size).tolist()
+    errors = [math.dist(_place(fit.calibration, u, v), _place(true, u, v)) for u, v in everywhere]
+    return Trial(
+        *(layout, k1, fit.calibration.lens is not None, root_mean_square(fit.residuals)),
+        root_mean_square(fit.held_out) if fit.held_out else math.nan,
+        *(root_mean_square(errors), max(errors)),
+    )
 
 
 def _place(calibration: Calibration, u: float, v: float) -> tuple[float, float]:

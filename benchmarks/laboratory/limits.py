@@ -152,41 +152,28 @@ class Point:
     warned: float
 
 
-class Limit(NamedTuple):
-    """One curve; the seed gives all points the same scenes, and the quick run has every fourth value."""
+def limit_points(sweep: str, curve: str, seed: int, images: int, quick: bool) -> list[Point]:
+    """All points of a curve, in the same scenes; every fourth value with `quick`."""
+    cv2.setNumThreads(1)
+    return [_point(sweep, curve, value, seed, images) for value in SWEEPS[sweep].values[:: 4 if quick else 1]]
 
-    sweep: str
-    curve: str
-    seed: int
-    images: int
-    quick: bool
 
-    @property
-    def key(self) -> str:
-        """Sweep and curve."""
-        return f"limit {self.sweep}, {self.curve}"
-
-    def run(self) -> list[Point]:
-        """All points of the curve."""
-        cv2.setNumThreads(1)
-        return [self._point(value) for value in SWEEPS[self.sweep].values[:: 4 if self.quick else 1]]
-
-    def _point(self, value: float) -> Point:
-        sweep, tracker, settings = SWEEPS[self.sweep], Tracker(), TrackerSettings()
-        conditions = sweep.conditions(value, sweep.curves[self.curve])
-        rows, warned = [], 0
-        for truth, frame in frames(conditions, self.images, np.random.default_rng(self.seed)):
-            rows += observe((self.sweep, TRACKER, 0, 0), truth, tracker.detect(frame), [])
-            warned += bool(measure_quality(frame).warnings(settings))
-        foods, markers = pick(rows, kind="food"), [row for row in rows if "hole" in row.kind]
-        found = errors(markers)
-        return Point(
-            *(self.sweep, self.curve, value, len(markers)),
-            *(sum(row.found for row in markers), sum(row.found for row in foods)),
-            *(len(pick(rows, kind="")), found.reversals),
-            *(_percentile(found.distances), _percentile(np.abs(found.turns))),
-            100 * warned / self.images,
-        )
+def _point(name: str, curve: str, value: float, seed: int, images: int) -> Point:
+    sweep, tracker, settings = SWEEPS[name], Tracker(), TrackerSettings()
+    conditions = sweep.conditions(value, sweep.curves[curve])
+    rows, warned = [], 0
+    for truth, frame in frames(conditions, images, np.random.default_rng(seed)):
+        rows += observe((name, TRACKER, 0, 0), truth, tracker.detect(frame), [])
+        warned += bool(measure_quality(frame).warnings(settings))
+    foods, markers = pick(rows, kind="food"), [row for row in rows if "hole" in row.kind]
+    found = errors(markers)
+    return Point(
+        *(name, curve, value, len(markers)),
+        *(sum(row.found for row in markers), sum(row.found for row in foods)),
+        *(len(pick(rows, kind="")), found.reversals),
+        *(_percentile(found.distances), _percentile(np.abs(found.turns))),
+        100 * warned / images,
+    )
 
 
 def _percentile(values: NDArray[np.float64]) -> float:

@@ -10,7 +10,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -68,69 +67,56 @@ class Trouble:
     rate: float
 
 
-class TroubledDrive(NamedTuple):
-    """Frames of one of `SETUPS`."""
+def troubled_drive(width: int, height: int, markers: str, frames: int, seed: int) -> list[Trouble]:
+    """Track frames of one of `SETUPS`."""
+    cv2.setNumThreads(1)
+    rng = np.random.default_rng(width + seed)
+    tracker = Tracker(TrackerSettings(markers=markers, numbers=_ROBOTS, tag_size=100.0))
+    wrong = off = warned = silent = 0
+    seconds, distances = 0.0, []
+    for number in range(frames):
+        frame, poses = _frame(width, height, markers, number, rng)
+        began = time.process_time()
+        regions = tracker.update(frame).regions
+        seconds += time.process_time() - began
+        seen = {region.holes: region for region in regions if region.found and region.holes}
+        wrong += len([region for region in regions if region.holes]) > len(_ROBOTS)
+        for robot, (x, y, heading) in poses.items():
+            region = seen.get(robot)
+            if region is None:
+                warned += bool(tracker.warnings)
+                silent += not tracker.warnings
+                continue
+            distance = math.dist((5 * region.x, 5 * region.y), (x, y))
+            turned = abs(math.remainder(region.orientation - math.degrees(heading), 360))
+            wrong += distance > _WRONG or turned > 90
+            off += _OFF < distance <= _WRONG
+            distances.append(distance)
+    median, most = np.quantile(distances, (0.5, 0.99)).tolist()
+    size, rate = f"{width} x {height}", frames / seconds
+    counts = (frames, len(distances), warned, silent, wrong, off)
+    return [Trouble(size, markers, *counts, median, most, rate)]
 
-    width: int
-    height: int
-    markers: str
-    frames: int
-    seed: int
 
-    @property
-    def key(self) -> str:
-        """Size and markers."""
-        return f"troubles {self.width} x {self.height}, {self.markers}"
-
-    def run(self) -> list[Trouble]:
-        """Track all frames."""
-        cv2.setNumThreads(1)
-        rng = np.random.default_rng(self.width + self.seed)
-        tracker = Tracker(TrackerSettings(markers=self.markers, numbers=_ROBOTS, tag_size=100.0))
-        wrong = off = warned = silent = 0
-        seconds, distances = 0.0, []
-        for number in range(self.frames):
-            frame, poses = self._frame(number, rng)
-            began = time.process_time()
-            regions = tracker.update(frame).regions
-            seconds += time.process_time() - began
-            seen = {region.holes: region for region in regions if region.found and region.holes}
-            wrong += len([region for region in regions if region.holes]) > len(_ROBOTS)
-            for robot, (x, y, heading) in poses.items():
-                region = seen.get(robot)
-                if region is None:
-                    warned += bool(tracker.warnings)
-                    silent += not tracker.warnings
-                    continue
-                distance = math.dist((5 * region.x, 5 * region.y), (x, y))
-                turned = abs(math.remainder(region.orientation - math.degrees(heading), 360))
-                wrong += distance > _WRONG or turned > 90
-                off += _OFF < distance <= _WRONG
-                distances.append(distance)
-        median, most = np.quantile(distances, (0.5, 0.99)).tolist()
-        size, rate = f"{self.width} x {self.height}", self.frames / seconds
-        counts = (self.frames, len(distances), warned, silent, wrong, off)
-        return [Trouble(size, self.markers, *counts, median, most, rate)]
-
-    def _frame(
-        self, number: int, rng: np.random.Generator
-    ) -> tuple[Picture, dict[int, tuple[float, float, float]]]:
-        """A frame, and the pose of each robot in mm and radians."""
-        scene = Scene(self.width, self.height, seed=number)
-        middle = 1600 * self.height / self.width
-        poses = {}
-        for i, robot in enumerate(_ROBOTS):
-            angle = _STEP * number + i
-            x, y = 800.0 + 1600 * i + _CIRCLE * math.cos(angle), middle + _CIRCLE * math.sin(angle)
-            poses[robot] = x, y, angle + math.pi / 2
-            sheet = grid_sheet(robot, thesis=True) if self.markers == "holes" else tag_sheet(robot, 100.0)
-            scene.put(sheet, poses[robot])
-        trouble = _TROUBLES[int(rng.integers(len(_TROUBLES)))] if number % 2 else ""
-        if trouble == "cables":
-            for x, y, _ in poses.values():
-                scene.cable(x + rng.uniform(-20, 20), y + rng.uniform(-20, 20), rng.uniform(0, math.pi), 8.0)
-        x, y, _ = poses[int(rng.choice(_ROBOTS))]
-        return _troubled(scene, trouble, x, y, rng), poses
+def _frame(
+    width: int, height: int, markers: str, number: int, rng: np.random.Generator
+) -> tuple[Picture, dict[int, tuple[float, float, float]]]:
+    """A frame, and the pose of each robot in mm and radians."""
+    scene = Scene(width, height, seed=number)
+    middle = 1600 * height / width
+    poses = {}
+    for i, robot in enumerate(_ROBOTS):
+        angle = _STEP * number + i
+        x, y = 800.0 + 1600 * i + _CIRCLE * math.cos(angle), middle + _CIRCLE * math.sin(angle)
+        poses[robot] = x, y, angle + math.pi / 2
+        sheet = grid_sheet(robot, thesis=True) if markers == "holes" else tag_sheet(robot, 100.0)
+        scene.put(sheet, poses[robot])
+    trouble = _TROUBLES[int(rng.integers(len(_TROUBLES)))] if number % 2 else ""
+    if trouble == "cables":
+        for x, y, _ in poses.values():
+            scene.cable(x + rng.uniform(-20, 20), y + rng.uniform(-20, 20), rng.uniform(0, math.pi), 8.0)
+    x, y, _ = poses[int(rng.choice(_ROBOTS))]
+    return _troubled(scene, trouble, x, y, rng), poses
 
 
 def _troubled(scene: Scene, name: str, x: float, y: float, rng: np.random.Generator) -> Picture:
