@@ -4,104 +4,478 @@
 
 Speed on one core; curves of what is found as cables, blur, exposure, contrast and noise become worse, up to failure;
 errors of calibrations by number of points and lens; errors of centre and heading over random scenes, in several
-appearances; and trainings in simulation that all cameras observe: rates and lengths of losses, jitter, reversals,
-swapped labels. A frame with the tracker's regions drawn on it is saved, too.
+appearances; trainings in simulation that all cameras observe: rates and lengths of losses, jitter, reversals, swapped
+labels; and drives through glare, shadows, hands and other troubles at three resolutions.
 """
 
+import argparse
+import math
 import sys
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
-from tracker_accuracy import hole_layouts, lenses, page, pictures
-from tracker_accuracy.hole_layouts import LAYOUTS, HoleCount, Layout
-from tracker_accuracy.lenses import Lenses, Trial
-from tracker_accuracy.limits import SWEEPS, Limit, Point
-from tracker_accuracy.limits_page import limits_picture, limits_table
-from tracker_accuracy.observations import Observation, Phantoms
-from tracker_accuracy.scenes import APPEARANCES, Scenes
-from tracker_accuracy.speed import Rate, Speed
-from tracker_accuracy.trainings import ObservedTraining
+import cv2
+import numpy as np
+from laboratory import Work
+from laboratory.lenses import LAYOUTS, Trial, calibrations, lenses_table
+from laboratory.limits import SWEEPS, Conditions, Point, frames, limit_points, limits_picture, limits_table
+from laboratory.observations import (
+    ATTEMPT,
+    CAMERAS,
+    KINDS,
+    MODEL,
+    THRESHOLD,
+    TRACKER,
+    TRAINING,
+    Observation,
+    errors,
+    losses,
+    observe,
+    swapped_labels,
+    threshold_regions,
+)
+from laboratory.troubles import SETUPS, Trouble, troubled_drive, troubles_table
+from numpy.typing import NDArray
 
-from khepera_forage.estimates import Table
+from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, extremes, percent, pick, plain
+from khepera_forage.figures import COLOURS, GREY, OURS, SMALL, THESIS, WIDTH, grid, mark, new_figure
+from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rendered_training import RenderedTraining
-from khepera_forage.study import Count, Page, Picture, Unit, collect, finish, in_processes, parse
-from khepera_forage.vision.overlay import draw_scene
+from khepera_forage.sim.sensing import OverheadCamera
+from khepera_forage.study import Count, Page, Picture, collect, finish, in_processes, parse
+from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.overlay import FOOD, MARKER, draw_scene
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.frames import FrameRenderer
+from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
+from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker import Tracker
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+SPEED, LIMITS, LENSES, SCENES, TRAININGS, TROUBLES = PARTS = (
+    *("speed", "limits", "lenses", "scenes", "trainings", "troubles"),
+)
 COUNTS = (
-    Count("scenes", 1000, 30, "random scenes of each appearance"),
+    Count("scenes", 1000, 20, "random scenes of each appearance"),
     Count("trainings", 60, 2, "trainings to observe", adds_units=True),
-    Count("rounds", 500, 150, "rounds of each"),
+    Count("rounds", 500, 100, "rounds of each"),
     Count("frames", 20, 1, "frames of each point of a curve, with 20 markers each"),
     Count("trials", 20, 1, "calibrations of each lens and layout of points"),
+    Count("troubled", 1000, 10, "frames with and without trouble at each resolution"),
 )
-TABLES = {
-    Observation: "observations",
-    Phantoms: "phantoms",
-    HoleCount: "hole_layouts",
-    Rate: "speeds",
-    Point: "limits",
-    Trial: "calibrations",
+SPEED_FRAMES, SPEED_REPEATS = (200, 20), (5, 2)
+"""Frames and repeats of the speed, and with --quick."""
+_LAB = CameraAppearance.laboratory()
+_HEIGHT = 2700.0
+"""mm above the floor of a camera that sees 3.2 x 2.4 m through a lens of 60 degrees."""
+_FLOOR = (PICTURE_WIDTH * MM_PER_PIXEL, PICTURE_HEIGHT * MM_PER_PIXEL)
+"""mm that the picture shows."""
+APPEARANCES = {
+    "nothing but quantisation": CameraAppearance.none(),
+    "laboratory": _LAB,
+    "laboratory, no cables": replace(_LAB, cable_width=0.0),
+    "blur 1.2 pixels": replace(_LAB, blur=1.2),
+    "sensor noise 6 levels": replace(_LAB, grain=6.0),
+    "corners at half the light": replace(_LAB, vignette=0.5),
+    "cables 8 mm thick": replace(_LAB, cable_width=8.0),
+    "light grey cables": replace(_LAB, cable=190.0),
+    "camera at 2.7 m, parallax corrected": replace(_LAB, height=_HEIGHT),
+    "camera at 2.7 m, not corrected": replace(_LAB, height=_HEIGHT),
 }
-FRAMES, REPEATS, IMAGES = 200, 5, 20
-QUICK_FRAMES, QUICK_REPEATS, QUICK_IMAGES = 20, 2, 1
-"""Frames and repeats of the speed; images of each layout of holes."""
-_SHOWN = 25
-"""Round of a training that the picture shows: the robots are on their way to the food."""
-_ANCHOR = (1690.0, 1640.0)
-"""mm: beside the corridors, so that a cable passes over the other robot's marker (3.7)."""
-_CROP, _ENLARGEMENT = (slice(165, 305), slice(240, 400)), 4
+_BATCH = 10
+"""Scenes with the same floor and light, and with cables from the same anchor."""
+_BORDER, _DISTANCE = 110.0, 200.0
+"""Smallest distances in mm of a thing from the border, and from another thing: nothing hides another thing."""
+_ANCHOR = 400.0
+"""Cables hang from a point within this many mm, along each axis, of the middle of both arenas. In the middle itself
+they would hang between the arenas and cross nothing."""
+CROSSED, RENDERER = "tracker, each marker under a cable", "renderer"
 
 
-def frame_picture(seed: int) -> "Figure":
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """One repeat of the speed of one part: frames a second, by the processor time of one thread."""
+
+    part: str
+    rate: float
+
+
+def speeds(seed: int, count: int, repeats: int) -> list[Rate]:
+    """The speed of all parts on frames of a training, and on frames with two markers under cables."""
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    training = RenderedTraining(seed)
+    images = [training.newest()[0] for _ in range(count)]
+    rng = np.random.default_rng(seed)
+    crossed = [frame for _, frame in frames(Conditions(8.0), count, rng, tiles=2)]
+
+    def track() -> None:
+        tracker = Tracker()
+        for image in images:
+            tracker.update(image)
+
+    def track_crossed() -> None:
+        for image in crossed:
+            Tracker().update(image)
+
+    def render() -> None:
+        for _ in images:
+            training.renderer.frame()
+
+    works: dict[str, Callable[[], None]] = {TRACKER: track, CROSSED: track_crossed, RENDERER: render}
+    rows = []
+    for _ in range(repeats):
+        for part, work in works.items():
+            began = time.process_time()
+            work()
+            rows.append(Rate(part, count / (time.process_time() - began)))
+    training.close()
+    cv2.setNumThreads(threads)
+    return rows
+
+
+def single_frames(appearance: str, seed: int, scenes: int) -> list[Observation]:
+    """Random scenes in one appearance: two markers, two foods, and cables from anywhere; all have the same scenes."""
+    cv2.setNumThreads(1)
+    corrected = appearance.endswith("parallax corrected")
+    camera = (_FLOOR[0] / 2, _FLOOR[1] / 2, _HEIGHT) if corrected else None
+    tracker = Tracker(calibration=Calibration.identity(camera))
+    places, noise = np.random.default_rng(seed).spawn(2)
+    rows: list[Observation] = []
+    shown = [Truth((), ())]
+    for number, (truth, anchor) in enumerate(_scenes(places, scenes)):
+        shown[0] = truth
+        if number % _BATCH == 0:
+            renderer = FrameRenderer(lambda: shown[0], APPEARANCES[appearance], anchor)
+            renderer.reset(noise)
+        regions = tracker.detect(renderer.frame())
+        rows += observe((appearance, TRACKER, 0, number), truth, regions, renderer.cables)
+    return rows
+
+
+def _scenes(rng: np.random.Generator, count: int) -> Iterator[tuple[Truth, tuple[float, float]]]:
+    """Random scenes, each with the anchor of its cables."""
+    low, high = np.full(2, _BORDER), np.array(_FLOOR) - _BORDER
+    for number in range(count):
+        if number % _BATCH == 0:
+            anchor_x, anchor_y = rng.uniform(0, _FLOOR).tolist()
+        while True:
+            places = [(float(x), float(y)) for x, y in rng.uniform(low, high, (4, 2))]
+            turns = rng.uniform(-math.pi, math.pi, 2).tolist()
+            if min(math.dist(a, b) for i, a in enumerate(places) for b in places[:i]) > _DISTANCE:
+                break
+        markers = tuple((*places[i], turns[i], i + 1) for i in range(2))
+        yield Truth(markers, tuple(places[2:])), (anchor_x, anchor_y)
+
+
+def observed_training(number: int, seed: int, rounds: int) -> list[Observation]:
+    """Two robots forage, one following the other, for some rounds, in as many attempts as that takes."""
+    cv2.setNumThreads(1)
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
+    training = RenderedTraining(int(rng.integers(2**31)))
+    middle = training.anchor
+    training.close()
+    x, y = rng.uniform(-_ANCHOR, _ANCHOR, 2).tolist()
+    anchor = (middle[0] + x, middle[1] + y)
+    training = RenderedTraining(int(rng.integers(2**31)), anchor=anchor)
+    tracker = Tracker()
+    # The world's own camera has its cables between the arenas; this model has the anchor of the rendered ones.
+    model = OverheadCamera(training.world.truth, Noise.laboratory(), anchor)
+    rows: list[Observation] = []
+    attempts = 0
+    for frame in range(rounds):
+        picture, _ = training.newest()
+        if training.attempts != attempts:
+            attempts = training.attempts
+            tracker.reset()
+            model.reset(rng)
+        else:
+            model.expose()
+        truth, rendered = training.world.truth(), training.renderer.cables
+        straight = [np.array((anchor, marker[:2])) / MM_PER_PIXEL for marker in truth.markers]
+        for camera, regions, cables in (
+            (TRACKER, tracker.update(picture).regions, rendered),
+            (THRESHOLD, threshold_regions(picture), rendered),
+            (MODEL, model.look().regions, straight),
+        ):
+            place = (TRAINING, camera, number, frame + ATTEMPT * attempts)
+            rows += observe(place, truth, regions, cables)
+    training.close()
+    return rows
+
+
+def speed_table(rows: Sequence[Rate], repeats: int) -> Table:
+    """Frames a second."""
+    goals = {TRACKER: "at least 300", CROSSED: "at least 300", RENDERER: ""}
+    lines = [
+        (part, extremes([row.rate for row in pick(rows, part=part)]), goal) for part, goal in goals.items()
+    ]
+    columns = (Column("part"), Column("frames/s", 0, estimate=True), Column("goal"))
+    note = (
+        "One thread, by its processor time, frames of a training; median [lowest, highest] of "
+        f"{repeats} repeats."
+    )
+    return Table("speed", "Speed", note, columns, lines)
+
+
+def accuracy_table(rows: Sequence[Observation]) -> Table:
+    """The accuracy of single frames, by appearance and kind of region."""
+    note = (
+        "Random scenes anywhere in the image: two markers and two foods each, nothing hidden by a marker, cables from "
+        "anywhere. Every frame is read without tracks, and the scenes are the same for every appearance. Errors are "
+        "those of found regions: regions within 6 pixels of a thing of their kind. Headings are reported in whole "
+        "degrees. Shares with Wilson's 95 % interval."
+    )
+    lines: list[tuple[Value, ...]] = []
+    for appearance in APPEARANCES:
+        for kind in KINDS:
+            own = pick(rows, source=appearance, kind=kind)
+            error, marker = errors(own), kind != KINDS[0]
+            distances, turns = error.distances, np.abs(error.turns)
+            heading = percent(int((turns <= 3).sum()), len(turns) + error.reversals) if marker else UNKNOWN
+            found = percent(sum(row.found for row in own), len(own))
+            within = percent(int((distances <= 1).sum()), len(distances))
+            centre, stray = _median_and_99(distances), len(pick(rows, source=appearance, kind=""))
+            what: tuple[Value, ...] = (appearance, kind, len(own), found)
+            how: tuple[Value, ...] = (*centre, within, *_median_and_99(turns), heading)
+            lines.append((*what, *how, error.reversals, "" if marker else stray))
+    columns = (
+        *(Column("appearance"), Column("region"), Column("frames"), Column("found (%)", estimate=True)),
+        *(Column("centre: median (px)", 2), Column("99 % (px)", 2), Column("within 1 px (%)", estimate=True)),
+        *(Column("heading: median (deg)", 2), Column("99 % (deg)", 2)),
+        *(Column("within 3 deg (%)", estimate=True), Column("reversed"), Column("regions of nothing")),
+    )
+    return Table("accuracy", "Single frames", note, columns, lines)
+
+
+def _median_and_99(values: NDArray[np.float64]) -> list[float]:
+    return np.percentile(values, (50, 99)).tolist() if len(values) else [math.nan, math.nan]
+
+
+def model_table(rows: Sequence[Observation]) -> Table:
+    """The simulated camera beside the tracker, in the quantities of `Noise`."""
+    note = (
+        "Trainings in simulation, observed by all cameras with the same anchor of the cables, one frame a round. The "
+        "first column is the model's parameter, the second the same quantity measured on the model. The threshold "
+        "reads contours and holes without any repair. Jitter: standard deviation of the error along an axis, of things "
+        "that nothing hides; that of headings includes the rounding to whole degrees (0.29), which the model applies "
+        "after its jitter. Loss rate: a round; things hidden by a marker do not count. Shares and rates with Wilson's "
+        "95 % interval, loss_rounds with 5th and 95th percentile."
+    )
+    noise = Noise.laboratory()
+    by = {camera: pick(rows, camera=camera) for camera in (MODEL, TRACKER, THRESHOLD)}
+    lines: list[tuple[Value, ...]] = []
+
+    def add(
+        name: str, told: float | str, value: Callable[[list[Observation]], Estimate | float], kind: str
+    ) -> None:
+        values = [value(pick(own, kind=kind) if kind else own) for own in by.values()]
+        estimates = (each if isinstance(each, Estimate) else plain(each) for each in values)
+        lines.append((f"{name}, {kind}" if kind else name, told, *estimates))
+
+    for kind in KINDS:
+        add("position_jitter (px)", noise.position_jitter, lambda own: _spread(errors(own).offsets), kind)
+    for kind in KINDS[1:]:
+        add("heading_jitter (deg)", noise.heading_jitter, lambda own: _spread(errors(own).turns), kind)
+    add("reversal_rate", noise.reversal_rate, _reversals, "")
+    rates = (noise.loss_rate_food, noise.loss_rate_one_hole, noise.loss_rate_two_holes)
+    for kind, rate in zip(KINDS, rates, strict=True):
+        add("loss rate", rate, lambda own: losses(own, cable=False).rate, kind)
+    for kind in KINDS:
+        add("loss rate under a cable", "", lambda own: losses(own, cable=True).rate, kind)
+    add("loss_rounds", noise.loss_rounds, _loss_rounds, "")
+    add("labels that changed things", "", _swaps, "")
+    add("regions of nothing, a round", "", lambda own: len(pick(own, kind="")) / max(1, _rounds(own)), "")
+    add("rounds", "", _rounds, "")
+    columns = (
+        *(Column("quantity"), Column("Noise.laboratory()", 4), Column("model, measured", 4, estimate=True)),
+        Column("tracker on rendered frames", 4, estimate=True),
+        Column("threshold on rendered frames", 4, estimate=True),
+    )
+    return Table("model", "The simulated camera and the tracker", note, columns, lines)
+
+
+def _spread(values: NDArray[np.float64]) -> float:
+    return float(values.std()) if values.size else math.nan
+
+
+def _reversals(rows: list[Observation]) -> Estimate:
+    error = errors(rows)
+    share = percent(error.reversals, error.reversals + len(error.turns))
+    return Estimate(*(value / 100 for value in share))
+
+
+def _loss_rounds(rows: list[Observation]) -> Estimate:
+    lengths = [n for cable in (False, True) for n in losses(rows, cable).lengths]
+    if not lengths:
+        return UNKNOWN
+    return Estimate(float(np.mean(lengths)), *np.percentile(lengths, (5, 95)).tolist())
+
+
+def _swaps(rows: list[Observation]) -> float:
+    return math.nan if rows[0].camera == THRESHOLD else swapped_labels(rows)
+
+
+def _rounds(rows: Iterable[Observation]) -> float:
+    return len({(row.training, row.frame) for row in rows})
+
+
+_LOOKS = {
+    TRACKER: (OURS, "o", "tracker, rendered frames"),
+    MODEL: (THESIS, "s", "simulated camera"),
+    THRESHOLD: (GREY, "D", "threshold, rendered frames"),
+}
+"""Colour, marker and name of each camera."""
+_LINES = dict(zip(KINDS, (":", "-", "--"), strict=True))
+_RARE = 0.01
+"""Share of the found regions that may be worse than the goals."""
+
+
+def errors_figure(rows: Sequence[Observation]) -> "Figure":
+    """Errors of all cameras in trainings as curves, and loss rates with and without a cable."""
+    from matplotlib.lines import Line2D
+
+    figure = new_figure(WIDTH, 6.6)
+    panels = figure.subplot_mosaic([["centre", "heading"], ["losses", "losses"]], height_ratios=(1.1, 1.0))
+    below, names, highest = panels["losses"], [], 1.0
+    for place, kind in enumerate(KINDS):
+        names += [kind, f"{kind}, under a cable"]
+        for shift, camera in zip((0.24, 0.0, -0.24), CAMERAS, strict=True):
+            own = pick(rows, camera=camera, kind=kind)
+            colour, marker, _ = _LOOKS[camera]
+            error = errors(own)
+            for name, values in (("centre", error.distances), ("heading", np.abs(error.turns))):
+                share = 1 - np.arange(len(values)) / max(1, len(values))
+                panels[name].step(np.sort(values), share, color=colour, ls=_LINES[kind], lw=1.4)
+            for cable in (False, True):
+                rate = Estimate(*(1000 * value for value in losses(own, cable).rate))
+                mark(below, rate.value, 2 * place + cable + shift, rate, colour, level=True, marker=marker)
+                highest = max([highest, *(value for value in rate if np.isfinite(value))])
+    for name, goal, unit in (("centre", 1.0, "pixels"), ("heading", 3.0, "degrees")):
+        panels[name].set_yscale("log")
+        panels[name].set_ylim(1e-4, 1.2)
+        panels[name].axvline(goal, color=COLOURS[2], lw=1)
+        panels[name].axhline(_RARE, color=COLOURS[2], lw=1)
+        panels[name].set_xlabel(f"error of the {name} above ({unit})")
+        panels[name].set_xlim(0, 2.5 * goal)
+    panels["centre"].set_ylabel("share of found regions")
+    below.set_yticks(range(len(names)), names)
+    below.set_xscale("symlog", linthresh=1)
+    below.set_xlim(-0.15, 1.5 * highest)  # marks at 0 and at the highest rate are shown whole
+    below.set_xticks([tick for tick in (0, 1, 10, 100, 1000) if tick <= 1.5 * highest])
+    below.xaxis.set_major_formatter(lambda rate, _: f"{rate:g}")
+    below.set_xlabel("losses in 1000 rounds, with 95 % interval")
+    for axes in panels.values():
+        grid(axes, "both")
+        axes.tick_params(labelsize=SMALL)
+    figure.suptitle("Errors and losses of the cameras in simulated trainings")
+    handles = [
+        Line2D([], [], color=colour, marker=marker, ms=7, mec="white", label=camera)
+        for colour, marker, camera in _LOOKS.values()
+    ]
+    handles += [Line2D([], [], color="black", ls=line, lw=1.4, label=kind) for kind, line in _LINES.items()]
+    goals = f"goals: 1 pixel and 3 degrees, {100 * _RARE:g} % of regions"
+    handles.append(Line2D([], [], color=COLOURS[2], lw=1, label=goals))
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize=SMALL)
+    return figure
+
+
+def frame_figure(seed: int) -> "Figure":
     """Part of a frame of a training: as rendered, and with the tracker's regions drawn on it."""
-    training, tracker = RenderedTraining(seed, anchor=_ANCHOR), Tracker()
-    for _ in range(_SHOWN):
+    from matplotlib.lines import Line2D
+
+    # Beside the corridors, so that a cable passes over the other robot's marker (3.7).
+    training, tracker = RenderedTraining(seed, anchor=(1690.0, 1640.0)), Tracker()
+    for _ in range(25):  # the robots are on their way to the food
         frame, _ = training.newest()
         scene = tracker.update(frame)
     training.close()
-    part = tuple(slice(_ENLARGEMENT * side.start, _ENLARGEMENT * side.stop) for side in _CROP)
-    return pictures.frame_figure(frame[_CROP], draw_scene(frame, scene, enlargement=_ENLARGEMENT)[part])
+    crop, enlargement = (slice(165, 305), slice(240, 400)), 4
+    drawn = draw_scene(frame, scene, enlargement=enlargement)
+    figure = new_figure(WIDTH, 4.1)
+    left, right = figure.subplots(1, 2)
+    # Without smoothing: the frame has no finer detail than its pixels.
+    left.imshow(frame[crop], cmap="gray", vmin=0, vmax=255, interpolation="nearest")
+    right.imshow(drawn[tuple(slice(enlargement * side.start, enlargement * side.stop) for side in crop)])
+    titles = "Rendered frame, 5 mm a pixel", "The tracker's regions"
+    for axes, title in zip((left, right), titles, strict=True):
+        axes.set_title(title, fontsize=10)
+        axes.set_axis_off()
+    names = {
+        "robot's marker: number of the region, holes; arrow: heading": MARKER,
+        "food: number of the region": FOOD,
+    }
+    handles = [
+        Line2D([], [], color=(red / 255, green / 255, blue / 255), lw=2, label=name)
+        for name, (red, green, blue) in names.items()
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False, fontsize=SMALL)
+    return figure
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    text = "one part; may be given several times (all)"
+    parser.add_argument("--only", action="append", choices=PARTS, help=text)
 
 
 def main() -> int:
     """Run the benchmark."""
-    given = parse("tracker", __doc__, *COUNTS)
-    seed = given.seed
-    frames, repeats, images = (
-        (QUICK_FRAMES, QUICK_REPEATS, QUICK_IMAGES) if given.quick else (FRAMES, REPEATS, IMAGES)
-    )
-    # Speed first, while nothing else runs.
-    speeds = collect(given, [Speed(seed, frames, repeats)], TABLES, in_processes(1))
-    units: list[Unit] = [
-        *(Scenes(appearance, seed, given.scenes) for appearance in APPEARANCES),
-        *(ObservedTraining(number, seed, given.rounds) for number in range(given.trainings)),
-        *(Layout(name, seed, images) for name in LAYOUTS),
-        *(
-            Limit(n, curve, seed, given.frames, given.quick)
-            for n, sweep in SWEEPS.items()
+    given = parse("tracker", __doc__, *COUNTS, add=_add_arguments)
+    seed, quick = given.seed, given.quick
+    tables = {
+        Observation: "observations",
+        Rate: "speeds",
+        Point: "limits",
+        Trial: "calibrations",
+        Trouble: "troubles",
+    }
+    repeats = SPEED_REPEATS[quick]
+    units: dict[str, list[Work]] = {
+        SPEED: [Work(SPEED, partial(speeds, seed, SPEED_FRAMES[quick], repeats))],
+        SCENES: [Work(name, partial(single_frames, name, seed, given.scenes)) for name in APPEARANCES],
+        TRAININGS: [
+            Work(f"training {number}", partial(observed_training, number, seed, given.rounds))
+            for number in range(given.trainings)
+        ],
+        LIMITS: [
+            Work(f"limit {name}, {curve}", partial(limit_points, name, curve, seed, given.frames, quick))
+            for name, sweep in SWEEPS.items()
             for curve in sweep.curves
-        ),
-        *(Lenses(layout, seed, given.trials, given.quick) for layout in lenses.LAYOUTS),
-    ]
-    given.fresh = False
-    rows = collect(given, units, TABLES)
-    found = page.Observed(rows.of(Observation), rows.of(Phantoms), speeds.of(Rate))
-    parts: list[Table | Picture] = [
-        page.speed_table(found, frames),
-        limits_table(rows.of(Point)),
-        Picture(
-            "limits", "found markers and food up to failure", limits_picture(rows.of(Point), rows.of(Trial))
-        ),
-        lenses.table(rows.of(Trial)),
-        page.accuracy_table(found),
-        page.model_table(found),
-        hole_layouts.table(rows.of(HoleCount)),
-        Picture("tracker", "errors and losses", pictures.errors_figure(found.observations)),
-        Picture("frame", "a frame with the tracker's regions", frame_picture(seed)),
-    ]
+        ],
+        LENSES: [Work(f"lenses {name}", partial(calibrations, name, seed, given.trials)) for name in LAYOUTS],
+        TROUBLES: [
+            Work(
+                f"troubles {width} x {height}, {kind}",
+                partial(troubled_drive, width, height, kind, given.troubled, seed),
+            )
+            for width, height, kind in SETUPS
+        ],
+    }
+    chosen = [part for part in PARTS if part in (given.only or PARTS)]
+    parts: list[Table | Picture] = []
+    if SPEED in chosen:  # first, while nothing else runs
+        parts.append(speed_table(collect(given, units[SPEED], tables, in_processes(1)).of(Rate), repeats))
+        given.fresh = False
+    rows = collect(given, [unit for part in chosen if part != SPEED for unit in units[part]], tables)
+    observations, points = rows.of(Observation), rows.of(Point)
+    if LIMITS in chosen:
+        parts.append(limits_table(points))
+        parts.append(Picture("limits", "found markers and food up to failure", limits_picture(points)))
+    if LENSES in chosen:
+        parts.append(lenses_table(rows.of(Trial)))
+    if SCENES in chosen:
+        parts.append(accuracy_table(observations))
+        parts.append(Picture("frame", "a frame with the tracker's regions", frame_figure(seed)))
+    if TRAININGS in chosen:
+        trainings = pick(observations, source=TRAINING)
+        parts += [model_table(trainings), Picture("tracker", "errors and losses", errors_figure(trainings))]
+    if TROUBLES in chosen:
+        parts.append(troubles_table(rows.of(Trouble)))
     return finish(given, Page("The tracker", parts))
 
 

@@ -6,169 +6,367 @@ Real drivers and virtual Kheperas exchange real bytes over pseudo-terminals, at 
 """
 
 import math
+import signal
+import subprocess
 import sys
+import threading
 import time
-from collections.abc import Sequence
-from contextlib import closing
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from serial_lines.disturbances import DISTURBANCES, DisturbedLine, DisturbedRound, disturbance_table
-from serial_lines.endings import ENDINGS, End, Ending, ending_table
-from serial_lines.latency import LATENCIES, SlowLine, SlowRound, latency_table
-from serial_lines.virtual_fleet import DECISIONS, TIMING, virtual_fleet
+from laboratory import Work
 
-from khepera_forage.estimates import Column, Estimate, Table, extremes, pick, quantiles
+from khepera_forage.envs.arguments import checked_arena, timing_of
+from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, extremes, pick, quantiles
 from khepera_forage.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
+from khepera_forage.lab.clock import WallClock
 from khepera_forage.robots.fleet import Fleet
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    ARM_RAISED,
+    JAW_CLOSED,
+    JAW_OPEN,
+    MAX_SPEED,
+    Motors,
+    RobotLost,
+    Senses,
+)
 from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
 from khepera_forage.robots.serial.line import Traffic
+from khepera_forage.robots.serial.line_timing import LineTooSlow
 from khepera_forage.robots.serial.protocol import seconds_on_wire
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.virtual.faults import Faults
+from khepera_forage.robots.virtual.firmware import Firmware
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from khepera_forage.sim.arena import copies
+from khepera_forage.sim.arenas.thesis import CORRIDOR
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
 from khepera_forage.study import Count, Page, Picture, Rows, collect, finish, parse
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+BAUD = 38400
+"""Of all measurements but those by baud rate."""
 FLEETS = (1, 2, 4, 8)
-"""Numbers of robots."""
-FLEET_BAUD = 38400
+LATENCIES, QUICK_LATENCIES = (0, 5, 16, 40, 80, 100, 200, 300, 1000), (16, 80, 100)
+"""Milliseconds: 16 is that of a USB adapter with the usual setting; 100 and more do not allow a period of 0.1 s."""
+DISTURBANCES = {
+    "none": Faults(),
+    "20 % late by 0.2 to 0.6 s": Faults(delay=0.2, lateness=(0.2, 0.6)),
+    "20 % garbled": Faults(garble=0.2),
+    "5 % lost": Faults(drop=0.05),
+}
+ENDINGS = {
+    "Ctrl-C": signal.SIGINT,
+    "termination": signal.SIGTERM,
+    "hang-up": signal.SIGHUP,
+    "Ctrl-\\": signal.SIGQUIT,
+    "Ctrl-Z": signal.SIGTSTP,
+    "SIGABRT": signal.SIGABRT,
+    "SIGALRM": signal.SIGALRM,
+    "SIGXCPU": signal.SIGXCPU,
+    "crash (SIGSEGV)": signal.SIGSEGV,
+    "os._exit": None,
+    "kill -9": signal.SIGKILL,
+    "SIGSTOP": signal.SIGSTOP,
+}
+QUICK_ENDINGS = ("Ctrl-C", "Ctrl-Z", "kill -9", "SIGSTOP")
+DECISIONS = replace(DEFAULT_DECISIONS, arm_travel_time=1.0)
+"""An arm that takes several rounds, as the driver expects, so that rounds with a moving gripper are typical ones."""
+TIMING = timing_of(DECISIONS)
 PERIOD_MS = 1000 * TIMING.round_duration
 _MOVEMENT_PERIOD = 2 * math.ceil(DECISIONS.arm_travel_time / TIMING.round_duration)
 """Rounds from one movement of the gripper to the next: in half of the rounds, the arm moves."""
 _WARM_UP = 12
 """Rounds that are not counted: first readings are requested twice, and the gripper comes to rest."""
 _KINDS = {False: "gripper rests", True: "gripper moves, or its position is read"}
-_LINE_NOTE = (
-    "One robot. The bytes are those that the driver and a virtual Khepera exchange while the robot drives about and "
-    f"moves its gripper, whose arm takes {DECISIONS.arm_travel_time:g} s; a byte takes 11 bits. Bytes and "
-    "time on the wire: median [lowest, highest]. Measured: `transmit` and `receive` with a virtual Khepera at the pace "
-    "of the baud rate, without the time of the simulation; median [5th, 95th percentile]. Rounds in which the driver "
-    "reads an unexpected value a second time are included."
-)
-_FLEET_NOTE = (
-    f"All at {FLEET_BAUD} baud, each robot on a port of its own, virtual Kheperas and drivers on one computer. Median "
-    "[5th, 95th percentile] of the rounds in which the first robot's gripper rests."
-)
+_TIMEOUT = 5.0
+"""Seconds after which wheels count as turning for good."""
+_PROGRAM = """
+import os, signal, sys
+# A shell starts programs in the background with some signals ignored, and their children inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+for number in (signal.SIGQUIT, signal.SIGHUP, signal.SIGTSTP):
+    signal.signal(number, signal.SIG_DFL)
+from khepera_forage.robots.khepera import Motors
+from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+with SerialKhepera(sys.argv[1]) as robot:
+    robot.drive(Motors(5, 5, 215, 200))
+    robot.transmit()
+    print("driving", flush=True)
+    sys.stdin.readline()
+    os._exit(0)
+"""
+
+
+class VirtualFleet(NamedTuple):
+    """Robots behind virtual Kheperas at the pace of their lines; `truth` returns the senses of the first one."""
+
+    ports: list[VirtualKhepera]
+    firmwares: list[Firmware]
+    advance: Callable[[], None]
+    truth: Callable[[], Senses]
+
+
+@contextmanager
+def virtual_fleet(baud: int, robots: int, seed: int) -> Iterator[VirtualFleet]:
+    """Robots in corridors, without food; the seed is that of the world, and of faults that may be set."""
+    corridors = copies(checked_arena(CORRIDOR, DECISIONS), robots)
+    world = PymunkWorld(corridors, [1 + number % 2 for number in range(robots)], timing=TIMING)
+    world.reset(np.random.default_rng(seed), Layout(tuple(arena.start for arena in world.arenas), ()))
+    lock = threading.RLock()
+    firmwares = [Firmware(robot, lock, TIMING.round_duration) for robot in world.robots]
+
+    def advance() -> None:
+        with lock:
+            world.advance()
+            for firmware in firmwares:
+                firmware.tick()
+
+    with ExitStack() as stack:
+        ports = []
+        for number, firmware in enumerate(firmwares):
+            rng = np.random.default_rng((seed, number))
+            port = VirtualKhepera(firmware, baud=baud, faults=Faults(), rng=rng)
+            ports.append(stack.enter_context(port))
+        yield VirtualFleet(ports, firmwares, advance, world.robots[0].sense)
+
+
+def _motors(left: int, right: int, down: int) -> Motors:
+    return Motors(left, right, *((ARM_DOWN, JAW_CLOSED) if down else (ARM_RAISED, JAW_OPEN)))
 
 
 @dataclass(frozen=True, slots=True)
 class Round:
-    """One round.
+    """One round of a fleet.
 
     Attributes:
         baud: Of the lines.
         robots: How many took part.
-        number: Of the round, from 0.
         gripper: Whether arm or jaw was commanded, or its position was read.
-        sent: Bytes to the first robot.
-        received: Bytes from the first robot.
+        bytes: To and from the first robot.
         wire: Milliseconds that these bytes take on the line.
         taken: Milliseconds of `transmit` and `receive` of all robots.
     """
 
     baud: int
     robots: int
-    number: int
     gripper: bool
-    sent: int
-    received: int
+    bytes: int
     wire: float
     taken: float
 
 
-class Drive(NamedTuple):
-    """Robots that drive about and now and then move the gripper; all drives have the same commands.
+def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Round]:
+    """Robots that drive about and now and then move the gripper; all drives have the same commands."""
+    wheels = np.random.default_rng(seed).integers(-12, 13, (rounds + _WARM_UP, 2)).tolist()
+    rows = []
+    with (
+        virtual_fleet(baud, robots, seed) as virtual,
+        closing(SerialKhepera(virtual.ports[0].url, baud=baud)) as first,
+        Fleet([first, *(SerialKhepera(port.url, baud=baud) for port in virtual.ports[1:])]) as fleet,
+    ):
+        heard: list[Traffic] = []
+        first.on_traffic(heard.append)
+        for number, (left, right) in enumerate(wheels, -_WARM_UP):
+            down = number >= 0 and number // _MOVEMENT_PERIOD % 2
+            for robot in fleet.robots:
+                robot.drive(_motors(left, right, down))
+            heard.clear()
+            begin = time.perf_counter()
+            fleet.transmit()
+            taken = time.perf_counter() - begin
+            virtual.advance()
+            begin = time.perf_counter()
+            fleet.receive()
+            taken += time.perf_counter() - begin
+            if number >= 0:
+                sent = b"".join(traffic.data for traffic in heard if traffic.sent)
+                gripper = any(command in sent for command in (b"T,1,D", b"T,1,E", b"T,1,H"))
+                count = sum(len(traffic.data) for traffic in heard)
+                wire = 1000 * seconds_on_wire(count, baud)
+                rows.append(Round(baud, robots, gripper, count, wire, 1000 * taken))
+    return rows
+
+
+@dataclass(frozen=True, slots=True)
+class SlowRound:
+    """One round on a line with a latency, or the rejection of the line. Times are in ms.
 
     Attributes:
-        baud: Of the lines.
-        robots: How many.
-        rounds: How many.
-        seed: Of the wheel commands.
+        latency: Of the line.
+        opening: Time that opening took.
+        accepted: Whether the line was; otherwise, all that follows is 0.
+        exchanged: From the beginning of the period to the end of its exchange.
+        latest: The longest time that this may be.
+        taken: From the arrival of the last round's readings to that of this one's.
+        bound: The longest time that this may be.
     """
 
-    baud: int
-    robots: int
-    rounds: int
-    seed: int
+    latency: int
+    opening: float
+    accepted: bool
+    exchanged: float = 0.0
+    latest: float = 0.0
+    taken: float = 0.0
+    bound: float = 0.0
 
-    @property
-    def key(self) -> str:
-        """Baud rate and number of robots."""
-        return f"{self.baud} baud, robots: {self.robots}"
 
-    def run(self) -> list[Round]:
-        """Measure every round."""
-        wheels = np.random.default_rng(self.seed).integers(-12, 13, (self.rounds + _WARM_UP, 2)).tolist()
+def slow_line(latency: int, rounds: int, seed: int) -> list[SlowRound]:
+    """A robot on a line with a constant latency in ms."""
+    seconds, period = latency / 1000, TIMING.round_duration
+    with virtual_fleet(BAUD, 1, seed) as ((port,), _, advance, _):
+        port.faults = Faults(delay=1.0 if latency else 0.0, lateness=(seconds, seconds))
+        begin = time.perf_counter()
+        try:
+            robot = SerialKhepera(port.url, baud=BAUD, period=period)
+        except LineTooSlow:
+            return [SlowRound(latency, 1000 * (time.perf_counter() - begin), False)]
+        opening = 1000 * (time.perf_counter() - begin)
+        timing = robot.timing._replace(latency=seconds)
+        latest, bound = 1000 * timing.latest_end(period), 1000 * timing.longest_round(period)
         rows = []
-        with (
-            virtual_fleet(self.baud, self.robots, self.seed) as (ports, advance, _),
-            closing(SerialKhepera(ports[0].url, baud=self.baud)) as first,
-            Fleet([first, *(SerialKhepera(port.url, baud=self.baud) for port in ports[1:])]) as fleet,
-        ):
-            heard: list[Traffic] = []
-            first.on_traffic(heard.append)
-            for number, (left, right) in enumerate(wheels, -_WARM_UP):
-                down = number >= 0 and (number // _MOVEMENT_PERIOD) % 2
-                arm, jaw = (ARM_DOWN, JAW_CLOSED) if down else (ARM_RAISED, JAW_OPEN)
-                for robot in fleet.robots:
-                    robot.drive(Motors(left, right, arm, jaw))
-                heard.clear()
-                begin = time.perf_counter()
-                fleet.transmit()
+        with robot:
+            robot.receive()  # as at the reset of a laboratory: all readings, twice
+            clock = WallClock(period, time.perf_counter)
+            _command(robot, -1)
+            end = clock.beginning
+            # Round -1 gives the moment from which the next one is measured.
+            for number in range(-1, rounds):
+                clock.wait()
+                # A long delay shortens the next period, which then begins at once.
+                beginning = min(clock.beginning, time.perf_counter())
+                advance()  # by a whole round, after the command has arrived
+                robot.receive()
+                taken = time.perf_counter() - end
+                end += taken
+                _command(robot, number + 1)
+                exchanged = time.perf_counter() - beginning
+                if number >= 0:
+                    times = (1000 * exchanged, latest, 1000 * taken, bound)
+                    rows.append(SlowRound(latency, opening, True, *times))
+            port.faults = Faults()
+    return rows
+
+
+def _command(robot: SerialKhepera, number: int) -> None:
+    """Send the commands of a round."""
+    robot.drive(_motors(5, number % 9, number // 5 % 2))
+    robot.transmit()
+
+
+@dataclass(frozen=True, slots=True)
+class DisturbedRound:
+    """One round on a disturbed line.
+
+    Attributes:
+        disturbance: A key of `DISTURBANCES`.
+        taken: Milliseconds of `transmit` and `receive`.
+        error: Pulses by which the worse counter differs from the truth; 0 after a loss.
+        undetectable: Garbled replies so far that are well-formed.
+        unknown: Readings so far that could not be confirmed.
+        lost: Whether the robot counted as lost.
+    """
+
+    disturbance: str
+    taken: float
+    error: int
+    undetectable: int
+    unknown: int
+    lost: bool
+
+
+def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[DisturbedRound]:
+    """A robot on a line with one of `DISTURBANCES`; its last round is undisturbed, and shows what remains."""
+    rng = np.random.default_rng(seed)
+    wheels = rng.integers(-MAX_SPEED, MAX_SPEED + 1, (rounds, 2)).tolist()
+    rows = []
+    with (
+        virtual_fleet(BAUD, 1, seed) as ((port,), _, advance, truth),
+        SerialKhepera(port.url, baud=BAUD) as robot,
+    ):
+        robot.receive()
+        for number, (left, right) in enumerate(wheels, 1):
+            port.faults = Faults() if number == len(wheels) else DISTURBANCES[disturbance]
+            lost, error = False, 0
+            robot.drive(_motors(left, right, 0))
+            begin = time.perf_counter()
+            try:
+                robot.transmit()
                 taken = time.perf_counter() - begin
                 advance()
                 begin = time.perf_counter()
-                fleet.receive()
+                robot.receive()
                 taken += time.perf_counter() - begin
-                if number >= 0:
-                    rows.append(self._row(number, heard, taken))
-        return rows
-
-    def _row(self, number: int, heard: Sequence[Traffic], taken: float) -> Round:
-        sent = b"".join(traffic.data for traffic in heard if traffic.sent)
-        received = sum(len(traffic.data) for traffic in heard if not traffic.sent)
-        gripper = any(command in sent for command in (b"T,1,D", b"T,1,E", b"T,1,H"))
-        wire = 1000 * seconds_on_wire(len(sent) + received, self.baud)
-        return Round(self.baud, self.robots, number, gripper, len(sent), received, wire, 1000 * taken)
+                read, true = robot.sense(), truth()
+                error = max(abs(a - b) for a, b in zip(read[1:3], true[1:3], strict=True))
+            except RobotLost:
+                taken, lost = time.perf_counter() - begin, True
+            counts = port.fault_counts.undetectable, robot.statistics.unknown
+            rows.append(DisturbedRound(disturbance, 1000 * taken, error, *counts, lost))
+        port.faults = Faults()
+    return rows
 
 
-def drives(rounds: int, seed: int) -> list[Drive]:
-    """One robot at every baud rate, then more robots at one rate."""
-    alone = [Drive(baud, 1, rounds, seed) for baud in BAUD_RATES]
-    return alone + [Drive(FLEET_BAUD, robots, rounds, seed) for robots in FLEETS if robots > 1]
+@dataclass(frozen=True, slots=True)
+class End:
+    """The end of a process that drives a robot: one of `ENDINGS`, and milliseconds until the wheels were stopped."""
+
+    ending: str
+    taken: float
 
 
-def lines(rounds: int, seed: int) -> list[SlowLine | DisturbedLine | Ending]:
-    """Slow and disturbed lines, and ends of a process."""
-    slow = [SlowLine(latency, max(10, rounds // 4), seed) for latency in LATENCIES]
-    disturbed = [DisturbedLine(disturbance, rounds, seed) for disturbance in DISTURBANCES]
-    return [*slow, *disturbed, *(Ending(ending, max(1, rounds // 40)) for ending in ENDINGS)]
+def end_processes(ending: str, processes: int) -> list[End]:
+    """Processes that end in one way."""
+    return [End(ending, 1000 * seconds_until_stopped(ending)) for _ in range(processes)]
 
 
-def page(rows: Rows) -> Page:
-    """Tables and a picture."""
-    rounds = rows.of(Round)
-    shown = Picture("wire", "milliseconds of a round by baud rate, and by number of robots", _picture(rounds))
-    tables = (
-        _line_table(rounds),
-        _fleet_table(rounds),
-        latency_table(rows.of(SlowRound)),
-        disturbance_table(rows.of(DisturbedRound)),
-        ending_table(rows.of(End)),
+def seconds_until_stopped(ending: str) -> float:
+    """Seconds from the end of a process in this way until the wheels stand."""
+    with (
+        virtual_fleet(BAUD, 1, 0) as ((port,), (firmware,), _, _),
+        subprocess.Popen(
+            [sys.executable, "-c", _PROGRAM, port.url],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            process_group=0,
+        ) as process,
+    ):
+        assert process.stdin is not None
+        assert process.stdout is not None
+        process.stdout.readline()
+        begin = time.perf_counter()
+        number = ENDINGS[ending]
+        if number is None:
+            process.stdin.write(b"\n")
+            process.stdin.flush()
+        else:
+            process.send_signal(number)
+        while firmware.turning and time.perf_counter() < begin + _TIMEOUT:
+            time.sleep(0.0005)
+        taken = math.inf if firmware.turning else time.perf_counter() - begin
+        process.kill()
+    return taken
+
+
+def wire_table(rows: Sequence[Round]) -> Table:
+    """Rounds of one robot by baud rate."""
+    note = (
+        "One robot drives about and moves its gripper, whose arm takes "
+        f"{DECISIONS.arm_travel_time:g} s; a byte takes 11 bits. On the wire: median [lowest, highest]. Measured: "
+        "`transmit` and `receive` with a virtual Khepera at the pace of the baud rate; median [5th, 95th percentile]."
     )
-    return Page("Serial lines", [*tables, shown])
-
-
-def _line_table(rows: Sequence[Round]) -> Table:
     columns = (
-        Column("baud"),
-        Column("round"),
-        Column("rounds"),
-        Column("bytes sent", digits=0, estimate=True),
-        Column("bytes received", digits=0, estimate=True),
+        *map(Column, ("baud", "round", "rounds")),
         Column("on the wire (ms)", estimate=True),
         Column("measured (ms)", estimate=True),
         Column(f"within {PERIOD_MS:.0f} ms (%)", digits=0),
@@ -178,64 +376,170 @@ def _line_table(rows: Sequence[Round]) -> Table:
         for gripper, kind in _KINDS.items():
             own = pick(rows, baud=baud, robots=1, gripper=gripper)
             if own:
-                line = (
-                    baud,
-                    kind,
-                    len(own),
-                    extremes([row.sent for row in own]),
-                    extremes([row.received for row in own]),
-                    extremes([row.wire for row in own]),
-                    quantiles([row.taken for row in own]),
-                    100.0 * sum(row.taken <= PERIOD_MS for row in own) / len(own),
-                )
-                lines.append(line)
-    return Table("wire", "Time on the wire", _LINE_NOTE, columns, lines)
-
-
-def _fleet_table(rows: Sequence[Round]) -> Table:
-    columns = (Column("robots"), Column("a round (ms)", estimate=True), Column("times one robot's", digits=2))
-    measured = _by_fleet(rows)
-    lines = [(robots, taken, taken.value / measured[1].value) for robots, taken in measured.items()]
-    return Table("fleet", "Several robots in parallel", _FLEET_NOTE, columns, lines)
+                wire, taken = extremes([row.wire for row in own]), [row.taken for row in own]
+                within = 100.0 * sum(ms <= PERIOD_MS for ms in taken) / len(own)
+                lines.append((baud, kind, len(own), wire, quantiles(taken), within))
+    return Table("wire", "Time on the wire", note, columns, lines)
 
 
 def _by_fleet(rows: Sequence[Round]) -> dict[int, Estimate]:
-    own = {robots: pick(rows, baud=FLEET_BAUD, robots=robots, gripper=False) for robots in FLEETS}
-    return {robots: quantiles([row.taken for row in its]) for robots, its in own.items() if its}
+    own = {robots: pick(rows, baud=BAUD, robots=robots, gripper=False) for robots in FLEETS}
+    return {robots: quantiles([row.taken for row in its]) for robots, its in own.items()}
 
 
-def _picture(rows: Sequence[Round]) -> "Figure":
+def fleet_table(rows: Sequence[Round]) -> Table:
+    """Rounds by number of robots."""
+    note = (
+        f"All at {BAUD} baud, each robot on a port of its own, virtual Kheperas and drivers on one computer. Median "
+        "[5th, 95th percentile] of the rounds in which the first robot's gripper rests."
+    )
+    columns = (Column("robots"), Column("a round (ms)", estimate=True), Column("times one robot's", digits=2))
+    measured = _by_fleet(rows)
+    lines = [(robots, taken, taken.value / measured[1].value) for robots, taken in measured.items()]
+    return Table("fleet", "Several robots in parallel", note, columns, lines)
+
+
+def latency_table(rows: Sequence[SlowRound]) -> Table:
+    """Opening and rounds by latency."""
+    note = (
+        f"One robot at {BAUD} baud; wheels and gripper move. Opening: until the line is measured and accepted or "
+        "rejected. At the beginning of a period, the readings are requested; when they have arrived, the next commands "
+        "are sent. From the beginning of the period: until these are sent; bound: the period and one latency. Between "
+        "rounds: from the arrival of a round's readings to that of the next round's; bound: the period, and the "
+        "latency or the time that the transmission of two rounds can differ, whichever is longer. Median [5th, 95th "
+        "percentile], and the longest."
+    )
+    columns = (
+        Column("latency (ms)"),
+        Column("opening (ms)", digits=0),
+        Column("line"),
+        Column("from the beginning of the period (ms)", digits=0, estimate=True),
+        Column("longest (ms)", digits=0),
+        Column("bound: period + latency (ms)", digits=0),
+        Column("between rounds (ms)", digits=0, estimate=True),
+        Column("longest time between (ms)", digits=0),
+        Column("bound (ms)", digits=0),
+    )
+    lines: list[tuple[Value, ...]] = []
+    for latency in dict.fromkeys(row.latency for row in rows):
+        own = pick(rows, latency=latency)
+        exchanged, taken = [row.exchanged for row in own], [row.taken for row in own]
+        times: tuple[Value, ...] = 2 * (UNKNOWN, math.nan, math.nan)
+        if own[0].accepted:
+            times = (
+                quantiles(exchanged),
+                max(exchanged),
+                own[0].latest,
+                quantiles(taken),
+                max(taken),
+                own[0].bound,
+            )
+        lines.append((latency, own[0].opening, "accepted" if own[0].accepted else "rejected", *times))
+    return Table("latency", "Lines with a latency", note, columns, lines)
+
+
+def disturbance_table(rows: Sequence[DisturbedRound]) -> Table:
+    """Rounds and errors by disturbance."""
+    note = (
+        f"One robot at {BAUD} baud with random speeds of its wheels in every round. A round: `transmit` and `receive`, "
+        "median [5th, 95th percentile], and the longest. Undetectable: garbled replies that are well-formed replies to "
+        "the same request. Counters wrong: rounds in which a wheel's counter differed from the true one; error at the "
+        "end: after the last round, which is undisturbed. Unknown: readings that could not be confirmed. Lost: rounds "
+        "that ended with `RobotLost`."
+    )
+    columns = (
+        *map(Column, ("replies", "rounds")),
+        Column("a round (ms)", digits=0, estimate=True),
+        Column("longest (ms)", digits=0),
+        *map(Column, ("undetectable", "counters wrong (rounds)", "counter error at the end (pulses)")),
+        *map(Column, ("unknown", "lost")),
+    )
+    lines: list[tuple[Value, ...]] = []
+    for disturbance in dict.fromkeys(row.disturbance for row in rows):
+        own = pick(rows, disturbance=disturbance)
+        taken, last = [row.taken for row in own], own[-1]
+        wrong, lost = sum(row.error > 0 for row in own[:-1]), sum(row.lost for row in own)
+        counts = (last.undetectable, wrong, last.error, last.unknown, lost)
+        lines.append((disturbance, len(own), quantiles(taken), max(taken), *counts))
+    return Table("disturbances", "Disturbed lines", note, columns, lines)
+
+
+def ending_table(rows: Sequence[End]) -> Table:
+    """Milliseconds by ending."""
+    note = (
+        f"A process drives a virtual robot at {BAUD} baud, and is ended. Time from then until the robot receives the "
+        "stop: median [lowest, highest]. After a crash, `os._exit`, kill -9 and SIGSTOP the watchdog stops the robot; "
+        "it notices SIGSTOP by 0.5 s without a sign of life."
+    )
+    columns = (
+        *map(Column, ("end of the process", "processes")),
+        Column("wheels turn on (ms)", 0, estimate=True),
+    )
+    ends = {ending: [row.taken for row in pick(rows, ending=ending)] for ending in ENDINGS}
+    lines = [(ending, len(taken), extremes(taken)) for ending, taken in ends.items() if taken]
+    return Table("endings", "Ends of a process", note, columns, lines)
+
+
+def picture(rows: Sequence[Round]) -> "Figure":
+    """Rounds by baud rate, and by number of robots."""
     figure = new_figure(WIDTH, 4.2)
     left, right = figure.subplots(1, 2)
     for gripper, colour, shift in ((False, OURS, -0.18), (True, THESIS, 0.18)):
-        for place, baud in enumerate(BAUD_RATES):
-            own = pick(rows, baud=baud, robots=1, gripper=gripper)
-            for name, what, alpha in (("taken", "measured", 0.35), ("wire", "on the wire", 1.0)):
-                label = f"{_KINDS[gripper]}: {what}" if place == 0 else None
-                median = float(np.median([getattr(row, name) for row in own])) if own else 0.0
-                left.bar(place + shift, median, 0.34, color=colour, alpha=alpha, label=label)
+        own = [pick(rows, baud=baud, robots=1, gripper=gripper) for baud in BAUD_RATES]
+        places = [place + shift for place in range(len(own))]
+        for name, what, alpha in (("taken", "measured", 0.35), ("wire", "on the wire", 1.0)):
+            medians = [quantiles([getattr(row, name) for row in its]).value for its in own]
+            left.bar(places, medians, 0.34, color=colour, alpha=alpha, label=f"{_KINDS[gripper]}: {what}")
     left.axhline(PERIOD_MS, color=GREY, lw=1.2, ls="--", label=f"a round: {PERIOD_MS:.0f} ms")
     left.set_xticks(range(len(BAUD_RATES)), list(map(str, BAUD_RATES)))
     left.set(xlabel="baud", ylabel="time of a round (ms, median)")
     legend(figure, left, columns=2)
     measured = _by_fleet(rows)
-    values = [taken.value for taken in measured.values()]
-    bars = [[t.value - t.low for t in measured.values()], [t.high - t.value for t in measured.values()]]
+    values, low, high = zip(*measured.values(), strict=True)
+    bars = [np.subtract(values, low), np.subtract(high, values)]
     right.bar(range(len(values)), values, 0.5, color=OURS, yerr=bars, ecolor=GREY, capsize=3)
     right.set_xticks(range(len(values)), [str(robots) for robots in measured])
-    right.set(
-        xlabel=f"robots in parallel, {FLEET_BAUD} baud",
-        ylabel="time of a round (ms, median)\nbars: 5th to 95th percentile",
-    )
+    right.set_xlabel(f"robots in parallel, {BAUD} baud")
+    right.set_ylabel("time of a round (ms, median)\nbars: 5th to 95th percentile")
     right.set_ylim(bottom=0)
     return figure
 
 
+def page(rows: Rows) -> Page:
+    """Tables and a picture."""
+    rounds = rows.of(Round)
+    parts: list[Table | Picture] = [
+        wire_table(rounds),
+        fleet_table(rounds),
+        latency_table(rows.of(SlowRound)),
+        disturbance_table(rows.of(DisturbedRound)),
+        ending_table(rows.of(End)),
+        Picture("wire", "milliseconds of a round by baud rate, and by number of robots", picture(rounds)),
+    ]
+    return Page("Serial lines", parts)
+
+
 def main() -> int:
     """Run the benchmark."""
-    rounds = Count("rounds", 200, 25, "rounds at each baud rate and with each number of robots")
-    given = parse("wire", __doc__, rounds, jobs=None)
-    units = [*drives(given.rounds, given.seed), *lines(given.rounds, given.seed)]
+    count = Count("rounds", 200, 12, "rounds at each baud rate and with each number of robots")
+    given = parse("wire", __doc__, count, jobs=None)
+    rounds, seed, quick = given.rounds, given.seed, given.quick
+    units = [
+        *(Work(f"{baud} baud", partial(drive, baud, 1, rounds, seed)) for baud in BAUD_RATES),
+        *(Work(f"{n} robots", partial(drive, BAUD, n, rounds, seed)) for n in FLEETS if n > 1),
+        *(
+            Work(f"latency {ms} ms", partial(slow_line, ms, max(10, rounds // 4), seed))
+            for ms in (QUICK_LATENCIES if quick else LATENCIES)
+        ),
+        *(
+            Work(f"disturbance {name}", partial(disturbed_line, name, rounds, seed))
+            for name in list(DISTURBANCES)[:: 1 + quick]
+        ),
+        *(
+            Work(f"ending {name}", partial(end_processes, name, max(1, rounds // 40)))
+            for name in (QUICK_ENDINGS if quick else ENDINGS)
+        ),
+    ]
     tables = {Round: "rounds", SlowRound: "slow_lines", DisturbedRound: "disturbed_lines", End: "endings"}
     return finish(given, page(collect(given, units, tables)))
 

@@ -24,7 +24,7 @@ MARKER_HOLES: dict[int, tuple[tuple[float, float], ...]] = {
 
 Decision (figure 3.9 did not survive as a picture): the holes lie ahead of the middle, so that they tell front from
 back, which the thesis's own markers evidently did not (4.2.2). At least 4 pixels of white separate a hole from the next
-black shape, so that blur and a low threshold do not join them. docs/tracker.md compares several positions.
+black shape, so that blur and a low threshold do not join them.
 """
 GRID_SIDE = 16.0
 """Side in mm of a hole of the markers for many robots."""

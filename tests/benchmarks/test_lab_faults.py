@@ -1,51 +1,71 @@
 """`benchmarks/lab_faults.py`: after every fault the robots stand, the experience is right, and training goes on."""
 
+import numpy as np
 import pytest
 
+pytest.importorskip("serial")
+pytest.importorskip("cv2")
+
+from laboratory.observed_training import LEARNER, ObservedTraining, moving
+
+from khepera_forage.envs.laboratories import virtual_laboratory
+from khepera_forage.envs.training import TEACHER
+from khepera_forage.robots.khepera import Motors
+from khepera_forage.sim.world import Layout
+from khepera_forage.task.states import Behaviour
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
 
-UNEXPECTED = "unexpected"
-"""On a busy machine a virtual robot may reply too late without a fault."""
 
-
-@pytest.fixture(scope="module")
-def faults(quick_run: QuickRun) -> list[dict[str, str]]:
-    return [row for row in read(quick_run("lab_faults") / "faults.csv") if row["kind"] != UNEXPECTED]
-
-
-@pytest.fixture(scope="module")
-def training(quick_run: QuickRun) -> dict[str, str]:
-    (row,) = read(quick_run("lab_faults") / "table_trainings.csv")
-    return row
-
-
-def test_every_part_of_the_laboratory_fails(faults: list[dict[str, str]]) -> None:
+def test_after_every_fault_robots_stand_experience_is_right_and_training_goes_on(quick_run: QuickRun) -> None:
+    out = quick_run("lab_faults")
+    # On a busy machine a virtual robot may reply too late without a fault.
+    faults = [row for row in read(out / "faults.csv") if row["kind"] != "unexpected"]
     assert len(faults) == len({row["kind"] for row in faults}) == 10
     assert {row["part"] for row in faults} == {"robot", "camera", "disk"}
     assert {row["outcome"] for row in faults} == {"recovered", "attempt lost", "stopped"}
-
-
-def test_robots_stand_still_after_every_fault(faults: list[dict[str, str]]) -> None:
-    assert [row["moving"] for row in faults] == ["0"] * len(faults)
-    assert [row["out_of_reach"] for row in faults] == ["0"] * len(faults)
-
-
-def test_no_experience_is_damaged_or_wrong(faults: list[dict[str, str]]) -> None:
     for row in faults:
-        assert row["intact"] == "1", row
+        assert (row["moving"], row["out_of_reach"], row["continued"], row["intact"]) == (
+            "0",
+            "0",
+            "1",
+            "1",
+        ), row
         assert [row[name] for name in ("altered", "wrong", "outdated")] == ["0"] * 3, row
         # The vector that a full disk does not take.
         assert int(row["missing"]) <= (row["part"] == "disk"), row
-
-
-def test_every_loss_has_one_message_that_names_it(faults: list[dict[str, str]]) -> None:
-    for row in faults:
         if row["outcome"] != "recovered":
             assert (row["notices"], row["named"]) == ("1", "1"), row
-
-
-def test_training_goes_on_to_its_planned_end(faults: list[dict[str, str]], training: dict[str, str]) -> None:
-    assert all(row["continued"] == "1" for row in faults)
+    (training,) = read(out / "table_trainings.csv")
     assert training["complete"] == training["planned"]
-    assert (training["foreign"], training["stuck"]) == ("0", "0")
+    assert training["foreign"] == "0"
+
+
+def test_a_robot_that_is_left_moving_is_detected() -> None:
+    with virtual_laboratory("corridor", 2) as lab:
+        lab.reset(np.random.default_rng(0), Layout(tuple(arena.start for arena in lab.arenas), ()))
+        assert moving(lab) == set()
+        lab.robots[1].drive(Motors(1, -1, 215, 200))
+        lab.advance()
+        assert moving(lab) == {1}
+        lab.stop()
+        assert moving(lab) == set()
+
+
+def test_untrue_vectors_are_detected() -> None:
+    with virtual_laboratory("corridor", 2) as lab:
+        env = ObservedTraining(lab, [])
+        env.reset(seed=1)
+
+        def one_round(word: Behaviour) -> None:
+            env.observe(TEACHER)
+            env.step(word)
+            env.observe(LEARNER)
+            env.step(word)
+
+        one_round(Behaviour.SEARCH_FOR_FOOD)
+        one_round(Behaviour.GO_HOME)  # not what the teacher would call
+        learner = env.foragers[1]
+        learner.vector = learner.vector._replace(arms_height=learner.vector.arms_height + 1)
+        one_round(Behaviour.SEARCH_FOR_FOOD)
+        assert env.attempts[-1].wrong == [False, True, True]

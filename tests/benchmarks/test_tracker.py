@@ -7,7 +7,8 @@ import pytest
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
 
-SCENES, TRAININGS, ROUNDS = 30, 2, 150
+pytest.importorskip("cv2")
+SCENES, ROUNDS = 20, 2 * 100
 KINDS = {"food": 2, "1 hole": 1, "2 holes": 1}
 """And how many of each there are."""
 
@@ -22,37 +23,18 @@ def accuracy(out: Path) -> dict[tuple[str, str], dict[str, str]]:
     return {(row["appearance"], row["region"]): row for row in read(out / "table_accuracy.csv")}
 
 
-@pytest.fixture(scope="module")
-def model(out: Path) -> dict[str, dict[str, str]]:
-    return {row["quantity"]: row for row in read(out / "table_model.csv")}
-
-
-@pytest.fixture(scope="module")
-def trainings(out: Path) -> list[dict[str, str]]:
-    return [row for row in read(out / "observations.csv") if row["source"] == "training"]
-
-
-def test_every_appearance_has_its_lines(accuracy: dict[tuple[str, str], dict[str, str]]) -> None:
-    appearances = {appearance for appearance, _ in accuracy}
-    assert {"laboratory", "laboratory, no cables", "nothing but quantisation"} < appearances
-    assert set(accuracy) == {(appearance, kind) for appearance in appearances for kind in KINDS}
-    for (_, kind), row in accuracy.items():
-        assert int(row["frames"]) == SCENES * KINDS[kind]
-        assert 0 <= int(row["under a cable"]) <= int(row["frames"])
-
-
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("appearance", ["nothing but quantisation", "laboratory", "blur 1.2 pixels"])
 def test_the_tracker_meets_its_requirements(
     accuracy: dict[tuple[str, str], dict[str, str]], appearance: str, kind: str
 ) -> None:
     row = accuracy[appearance, kind]
+    assert int(row["frames"]) == SCENES * KINDS[kind]
     assert float(row["found (%)"]) > 90
     assert float(row["within 1 px (%)"]) >= 99
-    assert float(row["99 % (px)"]) <= 1
     if kind != "food":
         assert float(row["within 3 deg (%)"]) >= 99
-        assert int(row["reversed"]) == 0
+        assert row["reversed"] == "0"
 
 
 def test_uncorrected_parallax_moves_centres(accuracy: dict[tuple[str, str], dict[str, str]]) -> None:
@@ -62,23 +44,22 @@ def test_uncorrected_parallax_moves_centres(accuracy: dict[tuple[str, str], dict
     assert float(corrected["centre: median (px)"]) < 0.2 < float(not_corrected["centre: median (px)"])
 
 
-def test_all_cameras_observe_the_same_trainings(trainings: list[dict[str, str]]) -> None:
-    for camera in ("tracker", "model", "threshold"):
-        own = [row for row in trainings if row["camera"] == camera]
-        assert len(own) == TRAININGS * ROUNDS * sum(KINDS.values())
-    tracker, model, threshold = (
-        [(r["training"], r["frame"], r["kind"], r["thing"]) for r in trainings if r["camera"] == camera]
+def test_all_cameras_observe_the_same_trainings(out: Path) -> None:
+    rows = [row for row in read(out / "observations.csv") if row["source"] == "training" and row["kind"]]
+    seen = [
+        [
+            (row["training"], row["frame"], row["kind"], row["thing"])
+            for row in rows
+            if row["camera"] == camera
+        ]
         for camera in ("tracker", "model", "threshold")
-    )
-    assert tracker == model == threshold
-    assert all(
-        (row["label"] == "-1") == (row["found"] == "0") for row in trainings if row["camera"] != "threshold"
-    )
-    assert all(row["turn"] == "" for row in trainings if row["camera"] == "threshold")
+    ]
+    assert seen[0] == seen[1] == seen[2]
+    assert len(seen[0]) == ROUNDS * sum(KINDS.values())
 
 
-def test_measured_parameters_of_the_model_are_its_own(model: dict[str, dict[str, str]]) -> None:
-    """The measurement that is applied to the tracker finds the parameters of the model."""
+def test_the_measurement_finds_the_parameters_of_the_model_and_no_fault_of_the_tracker(out: Path) -> None:
+    model = {row["quantity"]: row for row in read(out / "table_model.csv")}
     for kind in KINDS:
         row = model[f"position_jitter (px), {kind}"]
         assert float(row["model, measured"]) == pytest.approx(float(row["Noise.laboratory()"]), rel=0.15)
@@ -86,37 +67,25 @@ def test_measured_parameters_of_the_model_are_its_own(model: dict[str, dict[str,
         row = model[f"heading_jitter (deg), {kind}"]
         told = float(row["Noise.laboratory()"])
         assert float(row["model, measured"]) == pytest.approx((told**2 + 1 / 12) ** 0.5, rel=0.2)
-
-
-def test_the_tracker_swaps_no_labels_and_reports_no_regions_of_nothing(
-    model: dict[str, dict[str, str]],
-) -> None:
     tracker = "tracker on rendered frames"
     assert float(model["labels that changed things"][tracker]) == 0
     assert float(model["regions of nothing, a round"][tracker]) < 0.01
-    assert float(model["rounds"][tracker]) == TRAININGS * ROUNDS
+    assert float(model["rounds"][tracker]) == ROUNDS
 
 
 def test_speed_has_its_goal(out: Path) -> None:
     rows = {row["part"]: row for row in read(out / "table_speed.csv")}
-    assert set(rows) == {"tracker", "tracker, each marker under a cable", "renderer"}
-    assert [row["goal"] for row in rows.values()] == ["at least 300", "at least 300", ""]
-    for row in rows.values():
-        assert 0 < float(row["lowest"]) <= float(row["frames/s"]) <= float(row["highest"])
+    assert {part: row["goal"] for part, row in rows.items()} == {
+        "tracker": "at least 300",
+        "tracker, each marker under a cable": "at least 300",
+        "renderer": "",
+    }
 
 
-# ---------------------------------------------------------------- up to failure
-
-
-@pytest.fixture(scope="module")
-def limits(out: Path) -> dict[tuple[str, str, float], dict[str, str]]:
-    rows = read(out / "table_limits.csv")
-    return {(row["disturbance"], row["curve"], float(row["value"])): row for row in rows}
-
-
-def test_markers_and_food_are_found_under_moderate_disturbances(
-    limits: dict[tuple[str, str, float], dict[str, str]],
-) -> None:
+def test_everything_is_found_under_moderate_disturbances_and_failure_has_a_warning(out: Path) -> None:
+    limits = {
+        (row["disturbance"], row["curve"], float(row["value"])): row for row in read(out / "table_limits.csv")
+    }
     for point in (
         ("width", "dark grey cable", 6.0),
         ("blur", "no cable", 0.3),
@@ -125,23 +94,23 @@ def test_markers_and_food_are_found_under_moderate_disturbances(
         row = limits[point]
         assert float(row["markers found (%)"]) >= 95
         assert float(row["food found (%)"]) == 100
-        assert float(row["stray markers (per 1000)"]) == float(row["stray food (per 1000)"]) == 0
-        assert float(row["warning (%)"]) == 0
-
-
-def test_every_curve_of_the_picture_ends_in_failure_or_a_warning(
-    limits: dict[tuple[str, str, float], dict[str, str]],
-) -> None:
+        assert float(row["stray (per 1000)"]) == float(row["warning (%)"]) == 0
     for point in (("exposure", "no cable", 2.5), ("floor", "no cable", 155.0), ("noise", "no cable", 30.0)):
         assert float(limits[point]["warning (%)"]) == 100
     assert float(limits["exposure", "no cable", 2.5]["markers found (%)"]) < 50
 
 
 def test_lens_is_calibrated_from_enough_points(out: Path) -> None:
-    rows = {(row["points"], row["k1"]): row for row in read(out / "table_lenses.csv")}
-    for layout in ("4 corners", "4 corners and the middle"):
-        assert float(rows[layout, "-0.05"]["error (mm)"]) > 20
+    rows = {row["points"]: row for row in read(out / "table_lenses.csv") if row["k1"] == "-0.05"}
+    assert float(rows["4 corners"]["error (mm)"]) > 20
     for layout in ("4 x 4", "5 x 4"):
-        assert float(rows[layout, "-0.05"]["lens calibrated (%)"]) == 100
-        assert float(rows[layout, "-0.05"]["error (mm)"]) < 5
-    assert (out / "limits.png").stat().st_size > 10_000
+        assert float(rows[layout]["lens calibrated (%)"]) == 100
+        assert float(rows[layout]["error (mm)"]) < 5
+
+
+def test_no_marker_is_wrong_or_lost_silently_in_troubles(out: Path) -> None:
+    rows = read(out / "table_troubles.csv")
+    assert len(rows) == 5
+    for row in rows:
+        assert (row["lost without"], row["wrong number, front or phantom"]) == ("0", "0")
+        assert float(row["found (%)"]) > 70

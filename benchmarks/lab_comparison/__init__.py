@@ -1,1 +1,0 @@
-"""The virtual laboratory compared with pymunk alone, and tested on disturbed lines, by `benchmarks/virtual_lab.py`."""

@@ -1,0 +1,291 @@
+"""Markers and food in frames that become worse step by step, up to the point where the tracker fails."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from khepera_forage.estimates import Column, Table, Value, percent, pick
+from khepera_forage.figures import COLOURS, GREY, SMALL, WIDTH, grid, new_figure
+from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
+from khepera_forage.vision.image_quality import measure_quality
+from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering.drawing import draw_cable, to_pixels
+from khepera_forage.vision.rendering.frames import FrameRenderer, Light
+from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
+from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+from khepera_forage.vision.tracker import Tracker
+from khepera_forage.vision.tracker_settings import TrackerSettings
+from laboratory.observations import TRACKER, errors, observe
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_LAB = CameraAppearance.laboratory()
+_WHITE = 215.0
+"""Grey level of white where the floor's brightness is changed."""
+_CABLE = 8.0
+"""Width in mm of the cables that are combined with another disturbance."""
+_FOUND = 98.0
+"""Percent: the goal."""
+COLUMNS, ROWS = 5, 4
+"""Tiles of a frame, 128 x 120 pixels each, with a marker and a food object."""
+_TILE = (PICTURE_WIDTH * MM_PER_PIXEL / COLUMNS, PICTURE_HEIGHT * MM_PER_PIXEL / ROWS)
+_MARKER_MARGIN, _FOOD_MARGIN, _DISTANCE = 190.0, 60.0, 150.0
+"""mm from the border of its tile to the centre of a marker and of food, and between the two."""
+_HALF_CABLE = 170.0
+"""mm from the middle of a cable to each of its ends: it stays within its tile."""
+_CURVE = 8.0
+"""Greatest distance in mm of the middle of a cable from the straight line between its ends."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """Everything that disturbs a frame.
+
+    Attributes:
+        cable_width: In mm; 0 for no cables.
+        appearance: Grey levels, blur, noise and light.
+        exposure: Factor of all grey levels, which saturate at 255.
+        cable: Grey level of the cables.
+    """
+
+    cable_width: float
+    appearance: CameraAppearance = _LAB
+    exposure: float = 1.0
+    cable: float = 60.0
+
+
+def _floor(floor: float, cable: float) -> Conditions:
+    return Conditions(cable, replace(_LAB, white=_WHITE, floor=floor, wall=0.8 * floor))
+
+
+_WITH_CABLE = {"no cable": 0.0, "cable": _CABLE}
+_GREYS = {"black cable": 30.0, "dark grey cable": 60.0, "light grey cable": 130.0}
+
+
+class Sweep(NamedTuple):
+    """One disturbance, from harmless to failure.
+
+    Attributes:
+        label: Of the axis, with the unit.
+        values: Of the disturbance.
+        curves: A number by the name of each curve.
+        conditions: For a value and the number of a curve.
+    """
+
+    label: str
+    values: tuple[float, ...]
+    curves: dict[str, float]
+    conditions: Callable[[float, float], Conditions]
+
+
+SWEEPS = {
+    "width": Sweep(
+        "width of the cable (mm)",
+        (0.0, 2.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 14.0, 17.0, 20.0, 25.0),
+        _GREYS,
+        lambda width, grey: Conditions(width, cable=grey),
+    ),
+    "blur": Sweep(
+        "blur (pixels)",
+        (0.3, 0.7, 1.0, 1.2, 1.4, 1.5, 1.6, 1.7, 1.8, 2.0, 2.3),
+        _WITH_CABLE,
+        lambda blur, cable: Conditions(cable, replace(_LAB, blur=blur)),
+    ),
+    "exposure": Sweep(
+        "exposure (factor)",
+        (0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.5),
+        _WITH_CABLE,
+        lambda exposure, cable: Conditions(cable, exposure=exposure),
+    ),
+    "floor": Sweep(
+        f"grey level of the floor under white at {_WHITE:.0f}",
+        (40.0, 70.0, 100.0, 120.0, 130.0, 140.0, 145.0, 150.0, 155.0, 160.0, 170.0),
+        _WITH_CABLE,
+        _floor,
+    ),
+    "noise": Sweep(
+        "noise (grey levels)",
+        (0.0, 2.5, 5.0, 8.0, 12.0, 16.0, 20.0, 25.0, 30.0),
+        _WITH_CABLE,
+        lambda noise, cable: Conditions(cable, replace(_LAB, grain=noise)),
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """All markers and food in the frames of one point of a curve.
+
+    Attributes:
+        sweep: One of `SWEEPS`.
+        curve: One of its curves.
+        value: Of the disturbance.
+        things: Number of markers, and of food.
+        markers: Markers found.
+        foods: Food found.
+        stray: Detected markers or food that are none, or have a wrong number of holes.
+        reversals: Markers found with a reversed heading.
+        position: 95 % of the found markers' centres are within this many pixels; nan without any.
+        heading: The same for headings that are not reversed, in degrees.
+        warned: Percent of the frames for which a warning is given.
+    """
+
+    sweep: str
+    curve: str
+    value: float
+    things: int
+    markers: int
+    foods: int
+    stray: int
+    reversals: int
+    position: float
+    heading: float
+    warned: float
+
+
+def limit_points(sweep: str, curve: str, seed: int, images: int, quick: bool) -> list[Point]:
+    """All points of a curve, in the same scenes; every fourth value with `quick`."""
+    cv2.setNumThreads(1)
+    return [_point(sweep, curve, value, seed, images) for value in SWEEPS[sweep].values[:: 4 if quick else 1]]
+
+
+def _point(name: str, curve: str, value: float, seed: int, images: int) -> Point:
+    sweep, tracker, settings = SWEEPS[name], Tracker(), TrackerSettings()
+    conditions = sweep.conditions(value, sweep.curves[curve])
+    rows, warned = [], 0
+    for truth, frame in frames(conditions, images, np.random.default_rng(seed)):
+        rows += observe((name, TRACKER, 0, 0), truth, tracker.detect(frame), [])
+        warned += bool(measure_quality(frame).warnings(settings))
+    foods, markers = pick(rows, kind="food"), [row for row in rows if "hole" in row.kind]
+    found = errors(markers)
+    return Point(
+        *(name, curve, value, len(markers)),
+        *(sum(row.found for row in markers), sum(row.found for row in foods)),
+        *(len(pick(rows, kind="")), found.reversals),
+        *(_percentile(found.distances), _percentile(np.abs(found.turns))),
+        100 * warned / images,
+    )
+
+
+def _percentile(values: NDArray[np.float64]) -> float:
+    return float(np.percentile(values, 95)) if len(values) else math.nan
+
+
+def frames(
+    conditions: Conditions, count: int, rng: np.random.Generator, tiles: int = COLUMNS * ROWS
+) -> Iterator[tuple[Truth, NDArray[np.uint8]]]:
+    """Frames with a marker and food in every tile, and what is in them.
+
+    Args:
+        conditions: The same for all frames.
+        count: Number of frames.
+        rng: Draws poses, cables, floor, light and noise.
+        tiles: Number of tiles with a marker and food; the others are empty.
+    """
+    places, light_rng, floor_rng, noise = rng.spawn(4)
+    # An exposure below 1 weakens the light, but not the sensor's noise.
+    grain = conditions.appearance.grain * math.sqrt(max(0.0, 1 - conditions.exposure**2))
+    light = Light(conditions.appearance, light_rng)
+    truth = Truth((), ())
+    renderer = FrameRenderer(lambda: truth, conditions.appearance)
+    renderer.reset(floor_rng)
+    for number in range(count):
+        truth = _truth(places, tiles)
+        picture = renderer.picture()
+        for marker in truth.markers:
+            # Drawn even without cables, so that the poses are the same for every width.
+            curve = _cable(marker, places)
+            if conditions.cable_width > 0:
+                draw_cable(picture, curve, conditions.cable_width / MM_PER_PIXEL, conditions.cable)
+        frame = light.expose(picture, float(number))
+        exposed = frame * conditions.exposure + noise.normal(0, grain, frame.shape)
+        yield truth, exposed.round().clip(0, 255).astype(np.uint8)
+
+
+def _truth(rng: np.random.Generator, tiles: int) -> Truth:
+    """A marker and a food object at random places of every tile."""
+    markers, foods = [], []
+    for number in range(tiles):
+        left, below = number % COLUMNS * _TILE[0], number // COLUMNS * _TILE[1]
+        x, y = (float(rng.uniform(_MARKER_MARGIN, size - _MARKER_MARGIN)) for size in _TILE)
+        while True:
+            food_x, food_y = (float(rng.uniform(_FOOD_MARGIN, size - _FOOD_MARGIN)) for size in _TILE)
+            if math.hypot(food_x - x, food_y - y) > _DISTANCE:
+                break
+        markers.append((left + x, below + y, float(rng.uniform(-math.pi, math.pi)), 1 + number % 2))
+        foods.append((left + food_x, below + food_y))
+    return Truth(tuple(markers), tuple(foods))
+
+
+def _cable(marker: tuple[float, float, float, int], rng: np.random.Generator) -> NDArray[np.float64]:
+    """A slightly curved cable anywhere across a marker, at any angle: points in pixels."""
+    x, y, heading, _ = marker
+    turn = float(rng.uniform(0, math.pi))
+    along = np.array((math.cos(heading + turn), math.sin(heading + turn)))
+    normal = np.array((-along[1], along[0]))
+    reach = (MARKER_LENGTH * abs(math.sin(turn)) + MARKER_WIDTH * abs(math.cos(turn))) / 2
+    offset, bend = rng.uniform(-reach, reach), rng.uniform(-_CURVE, _CURVE)
+    shares = np.linspace(-1, 1, 13)[:, None]
+    points = (x, y) + shares * _HALF_CABLE * along + (offset + bend * (1 - shares**2)) * normal
+    return np.array([to_pixels(*point) for point in points.tolist()])
+
+
+def limits_table(points: Sequence[Point]) -> Table:
+    """All points of all curves."""
+    note = (
+        "Frames with 20 markers and 20 foods each. A cable crosses every marker anywhere, at any angle, slightly "
+        "curved; no cable crosses the food. Every frame is read without tracks. Stray: markers with a wrong number of "
+        "holes or where there is none, and food where there is none, per 1000 markers. Warning: share of the frames "
+        "for which `camera preview` names a setting to change. Shares with Wilson's 95 % interval."
+    )
+    rows: list[tuple[Value, ...]] = [
+        (
+            *(p.sweep, p.curve, f"{p.value:g}", percent(p.markers, p.things), percent(p.foods, p.things)),
+            *(1000 * p.stray / p.things, p.reversals, p.position, p.heading, p.warned),
+        )
+        for p in points
+    ]
+    columns = (
+        *map(Column, ("disturbance", "curve", "value")),
+        Column("markers found (%)", estimate=True),
+        Column("food found (%)", estimate=True),
+        Column("stray (per 1000)"),
+        Column("reversed", 0),
+        Column("centre: 95 % (px)", 2),
+        Column("heading: 95 % (deg)", 2),
+        Column("warning (%)", 0),
+    )
+    return Table("limits", "Up to the point of failure", note, columns, rows)
+
+
+def limits_picture(points: Sequence[Point]) -> "Figure":
+    """Shares found as curves, one panel for each disturbance."""
+    figure = new_figure(WIDTH, 8.5)
+    *panels, last = figure.subplots(3, 2).flat
+    for panel, (name, sweep) in zip(panels, SWEEPS.items(), strict=True):
+        for colour, curve in zip(COLOURS, sweep.curves, strict=False):
+            own = pick(points, sweep=name, curve=curve)
+            values = [p.value for p in own]
+            shares = [(100 * p.markers / p.things, 100 * p.foods / p.things) for p in own]
+            panel.plot(values, [share for share, _ in shares], "o-", ms=3, color=colour, label=curve)
+            panel.plot(values, [share for _, share in shares], ":", color=colour)
+            warned = [p.value for p in own if p.warned > 50]
+            if warned:
+                panel.plot(warned, [-4.0] * len(warned), "^", ms=4, color=colour, clip_on=False)
+        panel.axhline(_FOUND, color=GREY, lw=1, ls=(0, (1, 2)))
+        panel.set_ylim(-7, 104)
+        panel.set_xlabel(sweep.label)
+        panel.set_ylabel("found (%)")
+        panel.legend(fontsize=SMALL, frameon=False, loc="center left")
+        grid(panel, "both")
+    last.axis("off")
+    figure.suptitle("Markers (lines) and food (dotted) found, as the picture becomes worse", fontsize=11)
+    note = "triangles: a warning names the setting to change; grey line: the goal of 98 %"
+    figure.supxlabel(note, fontsize=SMALL, color=GREY)
+    return figure

@@ -1,1 +1,0 @@
-"""The accuracy and speed of the tracker, measured by `benchmarks/tracker.py`."""
