@@ -2,28 +2,10 @@
 
 import argparse
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
 from khepera_forage.option_values import OneLineParser, given_path, processes, real_number, whole_number
-
-
-def test_values_are_read() -> None:
-    assert whole_number(1)("3") == processes("3") == 3
-    assert processes("-1") == -1
-    assert whole_number(-20, 20)("-20") == -20
-    assert real_number(0.0, 10.0, "s")("10") == 10.0
-    assert given_path("results/thesis") == Path("results/thesis")
-
-
-@pytest.mark.parametrize("text", ["0", "-2", "x", "1.5", "1e9", ""])
-def test_other_counts_are_refused(text: str) -> None:
-    for read in (whole_number(1), processes):
-        with pytest.raises(
-            argparse.ArgumentTypeError, match=f"'{text}'; allowed: a whole number of at least 1"
-        ):
-            read(text)
 
 
 @pytest.mark.parametrize(

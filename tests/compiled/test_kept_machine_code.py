@@ -8,12 +8,10 @@ import re
 import shutil
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numba
 import pytest
@@ -151,14 +149,6 @@ def test_folder_of_numba_comes_first(package: Package) -> None:
     assert not package.cache.exists()
 
 
-def test_own_functions_of_the_user_are_kept_where_they_were(kept: Package) -> None:
-    own = kept.sources.parent / "own.py"
-    own.write_text("import numba\n@numba.njit(cache=True)\ndef own(x):\n    return x\n")
-    code = f"{ADD}\nassert not numba.config.CACHE_DIR\nfrom own import own\nown(1)"
-    kept.run(code)
-    assert len(list((own.parent / "__pycache__").glob("own.own*.nbc"))) == 1
-
-
 def test_changed_rule_is_compiled(package: Package) -> None:
     package.run(ADD)
     rules = package.sources / "sim" / "rules.py"
@@ -282,15 +272,6 @@ def test_unusual_process_loads_machine_code(
     assert kept.run(before + ADD, **environment) == (LOADED, "")
 
 
-def test_deleted_current_folder_does_not_prevent_compilation(package: Package) -> None:
-    assert package.run(DELETED + ADD) == (COMPILED, "")
-    output, error = package.run(DELETED + ADD, NUMBA_CACHE_DIR="relative")
-    assert output == COMPILED
-    assert error.startswith(
-        "khepera_forage: machine code on disk cannot be used, compiling (FileNotFoundError"
-    )
-
-
 def test_entries_are_compiled_where_numba_is_switched_off(package: Package) -> None:
     code = f"{ADD}\nimport numba\nprint(type(numba.njit(lambda x: x)).__name__)"
     assert package.run(code, NUMBA_DISABLE_JIT="1") == (COMPILED + "function\n", "")
@@ -339,17 +320,6 @@ def test_errors_of_a_call_are_those_of_numba(kept: Package) -> None:
     assert kept.run(ERRORS + "add(np.zeros(2), 1.0)\n" + calls) == (expected, "")
 
 
-def test_error_of_compiled_code_is_raised_by_the_only_run(package: Package) -> None:
-    """Also if the call has compiled the code."""
-    code = """
-for numbers in (np.zeros(2), np.zeros(2), np.zeros(2, np.int64)):
-    show(numbers, -1)
-    print(numbers[0])
-"""
-    error = "ValueError a negative amount None\n"
-    assert package.run(ERRORS + code) == (f"{error}-2.0\n{error}-2.0\n{error}-2\n", "")
-
-
 def test_long_compilation_is_announced(package: Package) -> None:
     code = "from khepera_forage import compilation; compilation._SLOW = 0.02\n" + ADD
     assert package.run(code) == (
@@ -382,12 +352,6 @@ def test_ranges_are_equal_and_cover_everything(
     assert (ranges[0][0], ranges[-1][1]) == (0, count)
     assert all(one[1] == other[0] for one, other in pairwise(ranges))
     assert len({last - first for first, last in ranges}) == 1
-
-
-def test_ranges_run_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(numba, "get_num_threads", lambda: 2)
-    barrier = threading.Barrier(2, timeout=30)
-    share_out(lambda first, last: barrier.wait(), 2, least=1)
 
 
 @pytest.mark.parametrize("bad", [0, 1])
@@ -431,14 +395,3 @@ threading.Thread(target=lambda: (main.join(), call("thread"))).start()
 """
     names = ("main", "child", "thread", "exit")
     assert package.run(SHARE_OUT + code)[0] == "".join(f"{name} [(0, 100), (100, 200)]\n" for name in names)
-
-
-def test_ranges_may_be_shared_out_within_a_range(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(numba, "get_num_threads", lambda: 2)
-    ranges: list[tuple[int, int]] = []
-
-    def outer(first: int, last: int) -> Any:
-        share_out(record(ranges), 8, least=1)
-
-    share_out(outer, 8, least=1)
-    assert sorted(ranges) == [(0, 4)] * 2 + [(4, 8)] * 2

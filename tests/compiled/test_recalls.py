@@ -1,6 +1,5 @@
 """Recalls in kernels: the imitators, the counts and the rows are those of Python."""
 
-from dataclasses import replace
 from typing import Any
 
 import numba
@@ -18,7 +17,6 @@ from khepera_forage.sim.draws import DRAW_POLICY, DRAWS, upper
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType
 from tests.compiled.decisions import DECISIONS
-from tests.version_0_1 import V0_1
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 RECTANGLE: dict[str, Any] = {"foods": 2, "limit": 150, "food_types": MIXED}
@@ -190,18 +188,6 @@ def test_a_recall_does_not_depend_on_the_other_recalls(experience: Any) -> None:
             assert (a[: len(b)] == b).all()
 
 
-def test_recalls_follow_the_decisions() -> None:
-    usual = run_teacher("corridor", 300, decisions=V0_1)
-    longer = run_teacher("corridor", 300, decisions=replace(V0_1, round_duration=0.2))
-    slower = run_teacher("corridor", 300, decisions=replace(V0_1, search_speed=6, home_speed=6))
-    farther = run_teacher("corridor", 300, decisions=replace(V0_1, food_to_walls=80))
-    assert (longer.start == usual.start).all()
-    assert 0.45 < longer.steps.mean() / usual.steps.mean() < 0.65
-    assert slower.steps.mean() > 1.2 * usual.steps.mean()
-    assert (farther.foods != usual.foods).any()
-    assert (farther.foods[:, 0, 1] >= 80).all()
-
-
 def test_teacher_is_always_right_and_chance_one_time_in_ten() -> None:
     teacher = run_teacher("corridor", 300, 2)
     assert (teacher.correct == teacher.steps).all()
@@ -215,16 +201,6 @@ def test_teacher_is_always_right_and_chance_one_time_in_ten() -> None:
     right, steps = int(chance.correct.sum()), int(chance.steps.sum())
     assert stats.binomtest(right, steps, 0.1).pvalue > 1e-3
     assert not chance.ties.any()
-
-
-def test_imitator_of_one_vector_always_executes_its_behaviour() -> None:
-    memories = memories_of([([(0, 50, 0, 215, 40)], [Behaviour.MOVE_SLOWLY])])
-    kernel = run_recalls("corridor", memories, np.zeros(50, np.int64), limit=40)
-    moving = kernel.rounds_by_state[:, Behaviour.MOVE_SLOWLY]
-    assert (kernel.correct == moving).all()
-    assert moving.any()
-    assert not kernel.ties.any()
-    assert (kernel.score == 100 * moving / 40 - 20).all()
 
 
 @pytest.mark.parametrize(

@@ -9,19 +9,15 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium.envs.registration import EnvSpec
-from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.geometry.angles import bearing_of, turn_to
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import applicable
-from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.task.states import NUM_BEHAVIOURS
 
 NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
-MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 
 
 def _make(name: Any = "Corridor", **kwargs: Any) -> Any:
@@ -75,31 +71,6 @@ def test_an_episode_is_that_on_pymunk_bit_for_bit_until_something_is_touched(nam
             (obs, *_, info), (other, *_, other_info) = (env.step(action) for env in envs)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_one_world_is_world_0_of_make_vec_bit_for_bit(name: Any) -> None:
-    """Through episodes that end and begin."""
-    kwargs: Any = {"limit": 90, "food_types": MIXED}
-    one = _make(name, **kwargs)
-    many = gym.make_vec(f"khepera_forage/{name}-v1", num_envs=3, **kwargs)
-    many.action_space.seed(0)
-    (obs, info), (obs_many, infos) = one.reset(seed=5), many.reset(seed=5)
-    over, episodes = False, 0
-    for _ in range(400):
-        assert _same(obs, {key: values[0] for key, values in obs_many.items()})
-        assert _same(info, {key: infos[key][0] for key in info})
-        actions = infos["correct_behaviour"] if "Wheels" not in name else many.action_space.sample()
-        obs_many, rewards, ends, cuts, infos = many.step(actions)
-        if over:
-            obs, info = one.reset()
-            over = False
-            episodes += 1
-        else:
-            obs, reward, terminated, truncated, info = one.step(actions[0])
-            assert (reward, terminated, truncated) == (rewards[0], ends[0], cuts[0])
-            over = terminated or truncated
-    assert episodes >= 3
-
-
 @pytest.mark.parametrize("name", ["Rectangle", "RectangleWheels"])
 def test_rollouts_repeat_in_fresh_arrays_and_in_copies(name: Any) -> None:
     def roll(env: Any, steps: Any) -> Any:
@@ -126,34 +97,6 @@ def test_rollouts_repeat_in_fresh_arrays_and_in_copies(name: Any) -> None:
             assert _same(a[0], b[0])
 
 
-def test_places_are_as_given_and_seeds_repeat_them() -> None:
-    env = _make("Rectangle", noise=Noise.none())
-    options = {"start": (100, 300, 90), "foods": [(300, 200), (300, 400)]}
-    obs, info = env.reset(options=options)
-    assert info["pose"].tolist() == [20.0, 60.0, 90.0]
-    assert obs["robot_food_distance"].tolist() == [45]
-    poses = [env.reset(seed=seed)[1]["pose"].tolist() for seed in (1, 2, 1)] + [
-        env.reset()[1]["pose"].tolist()
-    ]
-    assert poses[0] == poses[2]
-    assert len({tuple(pose) for pose in poses}) == 3
-
-
-def test_world_is_that_of_the_episode() -> None:
-    env = _make("Corridor", noise=Noise.none())
-    env.reset(seed=4)
-    twin = pickle.loads(pickle.dumps(env.unwrapped))
-    for _ in range(5):
-        info = env.step(0)[4]
-    world = env.unwrapped.world
-    assert world.poses()[0][:2] == pytest.approx(info["pose"][:2] * 5.0)
-    assert world.food_places()[0][:2] == tuple(env.unwrapped.layout.foods[0])
-    assert [region.holes for region in world.camera.look().regions] == [2, 0]
-    assert twin.world.poses()[0] == tuple(env.unwrapped.layout.starts[0])
-    twin.step(0)
-    assert twin.world.poses()[0] != tuple(env.unwrapped.layout.starts[0])
-
-
 def test_view_shows_the_true_world() -> None:
     env = _make("Corridor", noise=Noise.none(), render_mode="rgb_array")
     _, info = env.reset(seed=3)
@@ -176,36 +119,6 @@ def test_view_shows_the_true_world() -> None:
     assert not np.array_equal(*pictures)
     assert seen == {(False, False), (True, False), (False, True)}
     env.close()
-
-
-def test_bad_input_is_quoted() -> None:
-    env = _make(limit=2)
-    with pytest.raises(ResetNeeded):
-        env.unwrapped.step(0)
-    with pytest.raises(ResetNeeded):
-        env.unwrapped.view()
-    env.reset(seed=0)
-    with pytest.raises(ValueError, match="action is 10; allowed: a whole number from 0 to 9"):
-        env.step(10)
-    with pytest.raises(ValueError, match="reset option 'sart' is unknown"):
-        env.reset(options={"sart": 1})
-    env.step(0)
-    assert env.step(0)[3]
-    with pytest.raises(ResetNeeded, match="ended after 2 steps"):
-        env.step(0)
-    wheels = _make("CorridorWheels")
-    wheels.reset(seed=0)
-    with pytest.raises(ValueError, match=r"allowed: four numbers in -1\.\.1"):
-        wheels.step(np.full(4, 1.5))
-    with pytest.raises(ValueError, match="render_mode is 'ascii'"):
-        BehavioursEnv(render_mode="ascii", backend="compiled")
-    with pytest.raises(ValueError, match="foods is 17"):
-        _make(foods=17)
-    corners = (Point(0, 0), Point(180, 0), Point(180, 180), Point(0, 180))
-    box = Arena("box", corners, Point(90, 90), 80, Pose(90, 90, 0), (Point(30, 30),))
-    small = _make(arena=box)
-    with pytest.raises(ValueError, match="no room for a robot and 1 food"):
-        small.reset(seed=0)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,6 @@ import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.compiled.batch import CompiledBatch
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
@@ -180,68 +179,6 @@ def test_teacher_takes_as_many_steps_as_on_pymunk() -> None:
     in_0_1 = run_teacher("corridor", 4000, 7, decisions=V0_1)
     assert in_0_1.delivered.mean() > 0.998
     assert in_0_1.score.mean() > 99.9
-
-
-def test_wheels_two_percent_slower_change_the_steps() -> None:
-    quick, same, slow = (
-        run_teacher("corridor", 6000, seed, wheel_speed=v) for seed, v in ((1, 1.0), (2, 1.0), (3, 0.98))
-    )
-    assert stats.ttest_ind(quick.steps, same.steps).pvalue > 0.01
-    assert stats.ttest_ind(quick.steps, slow.steps).pvalue < 0.001
-
-
-def test_detections_hold_nothing_between_rounds() -> None:
-    """Whole episodes stay the same when these records are overwritten between rounds."""
-    worlds = 100
-    kwargs: Any = {"foods": 3, "limit": 400, "food_types": MIXED}
-    whole = run_teacher("rectangle", worlds, 8, **kwargs)
-    batch = CompiledBatch(worlds, "rectangle", **kwargs)
-    batch.seed(list(range(8, 8 + worlds)), np.arange(worlds))
-    batch.restart(np.arange(worlds))
-    running, steps, delivered = np.ones(worlds, bool), np.zeros(worlds), np.zeros(worlds)
-    for _ in range(400):
-        batch.worlds.detections.view(np.uint8)[:] = 0xFF  # not a number
-        shown = batch.step(batch.shown["state"], np.zeros(worlds, bool))
-        over = running & (shown["terminated"] | shown["truncated"])
-        steps[over], delivered[over] = shown["steps"][over], shown["delivered"][over]
-        running &= ~over
-    assert not running.any()
-    assert (steps == whole.steps).all()
-    assert (delivered == whole.delivered).all()
-
-
-def test_actions_of_any_type_and_layout_do_the_same() -> None:
-    worlds = 20
-    behaviours = np.arange(worlds) % 10
-    forms: tuple[Any, ...] = (
-        behaviours.astype(np.float64),
-        behaviours.astype(np.int8),
-        behaviours.astype(np.float32),
-        np.repeat(behaviours, 2).astype(np.float64)[::2],
-        behaviours.tolist(),
-    )
-    outcomes = []
-    for form in forms:
-        batch = CompiledBatch(worlds)
-        batch.seed(list(range(worlds)), np.arange(worlds))
-        batch.restart(np.arange(worlds))
-        waiting: Any = np.zeros(2 * worlds, bool)[::2] if form is forms[3] else np.zeros(worlds, np.uint8)
-        for _ in range(5):
-            shown = batch.step(form, waiting)
-        outcomes.append(shown.copy())
-    for outcome in outcomes[1:]:
-        assert np.array_equal(outcome, outcomes[0])
-
-
-def test_a_world_takes_at_most_2000_bytes() -> None:
-    assert CompiledBatch(10).bytes_per_world <= 2000
-
-
-def test_an_episode_does_not_depend_on_the_number_of_episodes() -> None:
-    few = run_teacher("rectangle", 40, 5, foods=2, limit=700, food_types=MIXED)
-    many = run_teacher("rectangle", 700, 5, foods=2, limit=700, food_types=MIXED)
-    for a, b in zip(few, many, strict=True):
-        assert (a == b[:40]).all()
 
 
 @pytest.mark.parametrize(

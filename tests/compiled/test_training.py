@@ -94,17 +94,6 @@ def test_decisions_change_training_as_in_the_environment(
     _check_changed(_learner_beside_its_mark(monkeypatch, -30.0, -10.0, 0.3), decisions)
 
 
-@pytest.mark.parametrize(
-    "decisions",
-    [replace(V0_1, separation=20), replace(V0_1, following_gain=0.2)],
-    ids=lambda d: "-".join(d.differing(V0_1)),
-)
-def test_decisions_on_following_change_training_as_in_the_environment(
-    decisions: Decisions, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    _check_changed(_learner_beside_its_mark(monkeypatch, 90.0, 20.0, -0.5), decisions)
-
-
 def _check_changed(arenas: tuple[Arena, Arena], decisions: Decisions) -> None:
     """The same training in both, and another one than under those of version 0.1."""
     env = _environment(arenas, decisions)

@@ -11,7 +11,6 @@ from gymnasium.vector import AutoresetMode
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv, WheelsVectorEnv
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arena import Arena, Point, Pose
 
 NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
 
@@ -115,18 +114,6 @@ def test_disabled_autoreset_waits_for_a_reset_mask() -> None:
     env.step(np.zeros(8, np.int64))
 
 
-def test_each_world_has_its_seed_and_places_are_as_given() -> None:
-    env = _make("Rectangle", 3, noise=Noise.none())
-    env.reset(seed=[5, 6, 5])
-    poses = env.reset(seed=[5, 6, 5])[1]["pose"]
-    assert np.array_equal(poses[0], poses[2])
-    assert not np.array_equal(poses[0], poses[1])
-    options = {"start": (100, 300, 90), "foods": [(300, 200), (300, 400)]}
-    obs, infos = env.reset(options=options)
-    assert infos["pose"].tolist() == [[20.0, 60.0, 90.0]] * 3
-    assert obs["robot_food_distance"].ravel().tolist() == [45] * 3
-
-
 def test_bad_input_is_quoted() -> None:
     env = _make()
     with pytest.raises(ResetNeeded):
@@ -149,19 +136,6 @@ def test_bad_input_is_quoted() -> None:
     wheels.reset(seed=0)
     with pytest.raises(ValueError, match=r"allowed: numbers in -1\.\.1"):
         wheels.step(np.full((2, 4), 1.5))
-
-
-def test_arena_without_room_is_refused() -> None:
-    box = Arena(
-        "box",
-        (Point(0, 0), Point(180, 0), Point(180, 180), Point(0, 180)),
-        Point(90, 90),
-        80,
-        Pose(90, 90, 0),
-        (Point(30, 30),),
-    )
-    with pytest.raises(ValueError, match="no room for a robot and 1 food"):
-        BehavioursVectorEnv(2, arena=box).reset(seed=0)
 
 
 def test_pictures_of_worlds_are_those_of_single_environments() -> None:

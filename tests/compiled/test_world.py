@@ -3,7 +3,6 @@
 import math
 from typing import Any
 
-import numba
 import numpy as np
 import pytest
 
@@ -20,7 +19,7 @@ from khepera_forage.robots.khepera import (
 from khepera_forage.sim.arena import MOST_FOODS, Arena, Point, Pose
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import Layout, Timing
+from khepera_forage.sim.world import Layout
 from tests.compiled.many_worlds import ManyWorlds
 from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
@@ -117,23 +116,6 @@ def test_picking_up_carrying_and_releasing_is_that_of_pymunk_within_3_mm() -> No
     assert math.dist(compiled.food_places()[0][:2], food) > 60
 
 
-def test_held_food_moves_along_when_an_operator_moves_the_robot() -> None:
-    world = compiled_world(CORRIDOR, (200, 115, 0), (200 + FINGER_TIP - 15, 115))
-    world.robots[0].drive(Motors(0, 0, 255, 200))
-    for _ in range(12):
-        world.advance()
-    world.robots[0].drive(Motors(0, 0, 255, 0))
-    for _ in range(8):
-        world.advance()
-    assert world.held() == 0
-    before = world.food_places()[0]
-    world.place(0, Pose(300, 115, 0))
-    after = world.food_places()[0]
-    assert (after.x - before.x, after.y - before.y) == pytest.approx((100, 0))
-    world.advance()
-    assert world.food_places()[0][:2] == pytest.approx(after[:2])
-
-
 @pytest.mark.parametrize(
     ("off", "stays"), [(-0.7, True), (0.0, True), (0.7, True), (0.9, False), (-0.9, False)]
 )
@@ -147,24 +129,6 @@ def test_food_before_a_fingertip_stays_within_the_cone_of_friction(off: float, s
     food, robot = world.food_places()[0], world.poses()[0]
     assert (abs(food.x - robot.x - ahead) < 0.1) == stays
     assert (abs(food.y - robot.y - aside) < 0.1) == stays
-
-
-def test_arm_is_not_lowered_onto_food() -> None:
-    world = compiled_world(CORRIDOR, (200, 115, 0), (200 + FINGER_TIP, 115 + 28))
-    world.robots[0].drive(Motors(0, 0, 255, 200))
-    for _ in range(15):
-        world.advance()
-    assert world.robots[0].sense().arm == 234
-
-
-def test_timing_sets_duration_of_a_round_and_speeds_of_arm_and_jaw() -> None:
-    world = CompiledWorld([HALL], (2,), Noise.none(), timing=Timing(0.2, 20.0, 100.0))
-    world.reset(np.random.default_rng(0), Layout((HALL.start,), HALL.foods))
-    world.robots[0].drive(Motors(10, 10, 255, 0))
-    world.advance()
-    assert world.poses()[0].x == pytest.approx(HALL.start.x + 16.0)
-    senses = world.robots[0].sense()
-    assert (senses.arm, senses.jaw, senses.left_pulses) == (219, 180, 200)
 
 
 @pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, PILLAR], ids=lambda arena: arena.name)
@@ -194,26 +158,6 @@ def test_random_commands_put_nothing_into_a_wall_or_into_food(arena: Any) -> Non
                     assert lifted or math.dist(where[world, k], where[world, other]) > 2 * FOOD_RADIUS - 1.5
     moved = np.abs(where - places).max(axis=(1, 2))
     assert (moved > 5).mean() > 0.5
-
-
-def test_worlds_do_not_depend_on_their_number_or_the_threads() -> None:
-    rng = np.random.default_rng(2)
-    motors = rng.integers(-10, 15, (40, 300, 2))
-
-    def run(worlds: int, threads: int) -> Any:
-        numba.set_num_threads(threads)
-        many = ManyWorlds(CORRIDOR, worlds)
-        many.reset(9, CORRIDOR.start, CORRIDOR.foods)
-        for row in motors:
-            many.advance(np.column_stack((row[:worlds], np.full((worlds, 2), (255, 200)))))
-        return many.poses(), many.robot("proximity"), many.robot("marker_x"), many.tracks()
-
-    most = numba.get_num_threads()
-    few, many = run(3, 1), run(300, most)
-    numba.set_num_threads(most)
-    for a, b in zip(few, many, strict=True):
-        assert np.array_equal(a, b[:3])
-    assert not np.array_equal(many[0][0], many[0][1])
 
 
 def test_bad_arguments_are_quoted() -> None:

@@ -164,12 +164,6 @@ def test_episodes_begin_alike_with_other_arguments(kwargs: Any) -> None:
     assert _begun(single) == expected[0][0]
 
 
-def test_noise_changes_neither_layouts_nor_types_and_decisions_on_placement_do() -> None:
-    usual = _expected("Rectangle")
-    assert _expected("Rectangle", noise=Noise.none()) == usual
-    assert _expected("Rectangle", decisions=Decisions(food_to_walls=100)) != usual
-
-
 @pytest.mark.parametrize(
     "options",
     [

@@ -51,20 +51,6 @@ def test_unknown_backend_is_refused(make: Any, backend: Any) -> None:
 
 
 @pytest.mark.parametrize("backend", ["pymunk", pytest.param("compiled", marks=needs_numba)])
-@pytest.mark.parametrize(
-    ("foods", "message"),
-    [
-        (17, "foods is 17; allowed: .*1 to 16"),
-        (0, "foods is 0; allowed: a whole number"),
-        (1.5, "foods is 1.5; allowed: a whole number"),
-    ],
-)
-def test_number_of_foods_that_no_backend_has_is_refused(backend: str, foods: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        gym.make(_id("Rectangle"), backend=backend, foods=foods)
-
-
-@pytest.mark.parametrize("backend", ["pymunk", pytest.param("compiled", marks=needs_numba)])
 def test_sixteen_foods_are_possible_on_every_backend(backend: str) -> None:
     decisions = Decisions(food_spacing=40)
     env: Any = gym.make(_id("Rectangle"), backend=backend, foods=16, decisions=decisions)
@@ -141,16 +127,6 @@ def _check_views(one: Any, other: Any) -> None:
     for food, other_food in zip(one.foods, other.foods, strict=True):
         assert other_food[:2] == pytest.approx(food[:2])
         assert other_food[2:] == food[2:]
-
-
-@needs_numba
-@pytest.mark.parametrize("backend", ["pymunk", "compiled"])
-def test_confidence_of_a_policy_appears_in_the_view(backend: str) -> None:
-    env: Any = gym.make(_id("Corridor"), backend=backend).unwrapped
-    env.reset(seed=1)
-    assert env.view().robots[0].confidence is None
-    env.confidence = (0.5, 0.5) + (0.0,) * 8
-    assert env.view().robots[0].confidence == env.confidence
 
 
 @needs_numba

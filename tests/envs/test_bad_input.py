@@ -1,7 +1,6 @@
 """Every mistake raises one clear error that quotes the value and what is allowed."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import gymnasium as gym
@@ -13,8 +12,6 @@ import khepera_forage  # noqa: F401  (registers the environments)
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.sim.arena import Point
-from tests.version_0_1 import CORRIDOR
 
 
 @pytest.mark.parametrize(
@@ -123,25 +120,6 @@ def test_training_step_after_the_end_is_refused() -> None:
 def test_wrong_reset_options_are_refused(options: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         BehavioursEnv().reset(seed=0, options=options)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"home": Point(900.0, 100.0)}, "home at .900, 100. mm is inside a wall or outside the walls"),
-        ({"home_radius": -5.0}, "home_radius is -5.0 mm; allowed: a positive length"),
-        ({"home_radius": 300.0}, "reaches outside the walls.*at most 100 mm"),
-        (
-            {"foods": (Point(640.0, 100.0),)},
-            "food at .640, 100. mm is 10 mm from a wall; .* at least 17.5 mm",
-        ),
-        ({"foods": ()}, "foods has 0 places; allowed: 1 to 16"),
-        ({"walls": (Point(0, 0), Point(1, 1))}, "2 corners; allowed: at least 3"),
-    ],
-)
-def test_impossible_arenas_are_refused(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        replace(CORRIDOR, **change)
 
 
 def test_arena_without_room_is_refused() -> None:

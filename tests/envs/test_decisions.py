@@ -17,8 +17,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
-from khepera_forage.task.behaviours import command
-from khepera_forage.task.states import Behaviour, State, classify
+from khepera_forage.task.states import Behaviour
 from tests.version_0_1 import CORRIDOR, V0_1
 
 IDS = [f"khepera_forage/{name}-v1" for name in ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")]
@@ -33,36 +32,6 @@ def recall_env(env_id: str = IDS[0], **kwargs: Any) -> RecallEnv[Any]:
 # ---------------------------------------------------------------- how decisions are given
 
 
-@pytest.mark.parametrize("env_id", IDS)
-def test_make_accepts_decisions(env_id: str) -> None:
-    decisions = Decisions(next_to_food=17)
-    env = recall_env(env_id, decisions=decisions)
-    assert env.decisions == decisions
-    env.reset(seed=1)
-    assert env.forager.decisions == decisions.values()
-    assert recall_env(env_id).decisions == Decisions()
-
-
-def test_make_vec_accepts_decisions() -> None:
-    envs = gym.make_vec(IDS[0], num_envs=2, vectorization_mode="sync", decisions=Decisions(next_to_food=17))
-    envs.reset(seed=1)
-    assert [env.unwrapped.decisions.next_to_food for env in envs.envs] == [17, 17]  # type: ignore[attr-defined]
-    envs.close()
-
-
-@pytest.mark.parametrize(
-    "make", [paired_corridors_v1.env, paired_corridors_v1.raw_env, paired_corridors_v1.parallel_env]
-)
-def test_paired_corridors_accept_decisions(make: Any) -> None:
-    env = make(decisions=Decisions(next_to_food=17, separation=20))
-    env.reset(seed=1)
-    training = env.unwrapped
-    assert isinstance(getattr(training, "aec_env", training).unwrapped, TrainingEnv)
-    raw = getattr(training, "aec_env", training).unwrapped
-    assert raw.decisions.next_to_food == 17
-    assert all(forager.decisions.separation == 20 for forager in raw.foragers)
-
-
 @pytest.mark.parametrize(
     "decisions", [17, "next_to_food=17", {"next_to_food": 17}, [], Noise.none(), Decisions]
 )
@@ -71,20 +40,6 @@ def test_decisions_of_the_wrong_type_are_refused(make: Any, decisions: Any) -> N
     with pytest.raises(ValueError, match=r"allowed: a khepera_forage\.Decisions, or None") as error:
         make(decisions=decisions)
     assert repr(decisions) in str(error.value)
-
-
-def test_make_refuses_decisions_of_the_wrong_type() -> None:
-    with pytest.raises(ValueError, match=r"decisions is 17; allowed: a khepera_forage\.Decisions, or None"):
-        gym.make(IDS[0], decisions=17)
-
-
-def test_default_decisions_give_the_default_environment() -> None:
-    runs = []
-    for kwargs in ({}, {"decisions": None}, {"decisions": Decisions()}):
-        env = BehavioursEnv(**kwargs)
-        env.reset(seed=4)
-        runs.append([repr(env.step(0)) for _ in range(30)])
-    assert runs[0] == runs[1] == runs[2]
 
 
 # ---------------------------------------------------------------- the set-up of figure 5.1
@@ -125,34 +80,6 @@ def test_ends_of_the_set_up_ranges_fit_in_the_named_arenas(name: str) -> None:
 
 
 # ---------------------------------------------------------------- rules
-
-
-@pytest.mark.parametrize(
-    "decisions",
-    [Decisions(next_to_food=25), Decisions(equal_distance="farther state"), Decisions(search_speed=7)],
-    ids=lambda decisions: "-".join(decisions.changed()),
-)
-def test_environment_applies_its_decisions_to_states_and_behaviours(decisions: Decisions) -> None:
-    env = BehavioursEnv(noise=Noise.none(), decisions=decisions)
-    values = decisions.values()
-    for distance in (20, 25, 30, 35):
-        options = {"start": (100, 115, 0), "foods": [(100 + 5 * distance, 115)]}
-        _, info = env.reset(seed=1, options=options)
-        forager = env.forager
-        assert forager.vector.robot_food_distance == distance
-        assert info["state"] == classify(forager.vector, env.home_radius, values)
-        assert forager.motors_for(Behaviour.SEARCH_FOR_FOOD) == command(
-            Behaviour.SEARCH_FOR_FOOD, forager.raw, values
-        )
-
-
-def test_next_to_food_moves_where_the_teacher_would_orient() -> None:
-    states = []
-    for threshold in (17, 18):
-        env = BehavioursEnv(noise=Noise.none(), decisions=replace(V0_1, next_to_food=threshold))
-        _, info = env.reset(seed=1, options={"start": (100, 115, 0), "foods": [(190, 115)]})
-        states.append(info["state"])
-    assert states == [State.CLOSE_TO_FOOD, State.NEXT_TO_FOOD]
 
 
 def test_separation_and_patience_of_training_follow_the_decisions() -> None:

@@ -1,7 +1,5 @@
 """The environments of the family and of procedural arenas, by name."""
 
-import subprocess
-import sys
 import warnings
 from dataclasses import asdict, replace
 from typing import Any
@@ -17,10 +15,7 @@ import khepera_forage  # noqa: F401  (registers the environments)
 from khepera_forage import Noise
 from khepera_forage.envs import paired_arenas_v1, paired_procedural_v1
 from khepera_forage.envs.arena_settings import environment_name, procedural_settings, settings_of
-from khepera_forage.envs.procedural import ProceduralEntryPoint
-from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY, family_arena, step_limit
-from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.sim.ways import longest_path
 from tests.arenas import BLOCKS
 
@@ -66,11 +61,6 @@ def test_environment_has_the_arena_and_its_settings(arena: str, kind: str) -> No
     assert EnvSpec.from_json(env.spec.to_json()).kwargs == env.spec.kwargs
 
 
-def test_settings_can_be_overridden() -> None:
-    env: Any = gym.make("khepera_forage/MixedFoods-v1", limit=50, food_types="PUSHABLE", foods=2).unwrapped
-    assert (env.limit, env.foods) == (50, 2)
-
-
 def test_mixed_foods_are_of_all_types() -> None:
     env: Any = gym.make("khepera_forage/MixedFoods-v1").unwrapped
     drawn = []
@@ -103,61 +93,11 @@ def test_paired_environment_has_the_settings_of_its_arena() -> None:
         paired_arenas_v1.env(arena="circle")
 
 
-def test_vector_environment_of_the_family_is_compiled() -> None:
-    pytest.importorskip("numba")
-    envs: Any = gym.make_vec("khepera_forage/Doors-v1", num_envs=2)
-    assert envs.unwrapped.backend == "compiled"
-    observations, infos = envs.reset(seed=3)
-    alone, _ = gym.make("khepera_forage/Doors-v1").reset(seed=4)
-    assert observations["robot_home_distance"][1] == alone["robot_home_distance"]
-    *_, infos = envs.step(infos["correct_behaviour"])
-    assert infos["steps"].tolist() == [1, 1]
-    envs.close()
-
-
-def test_name_is_made_in_a_new_process_without_an_import() -> None:
-    code = (
-        "import gymnasium; print(gymnasium.make('khepera_forage:khepera_forage/TMaze-v1').reset(seed=1)[0])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert "robot_home_distance" in done.stdout
-
-
-def test_settings_of_an_unknown_arena_are_an_error() -> None:
-    with pytest.raises(ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor'"):
-        settings_of("circle")
-
-
 # ---------------------------------------------------------------- procedural arenas
-
-
-@pytest.mark.parametrize("difficulty", DIFFICULTIES)
-def test_procedural_settings_are_those_of_the_difficulty(difficulty: str) -> None:
-    settings = procedural_settings(difficulty, "test", 5, 7)
-    chosen = DIFFICULTIES[difficulty]
-    assert settings["arena"] == ProceduralArenas(difficulty, "test", 5, 7)
-    assert (settings["foods"], settings["limit"]) == (chosen.foods, chosen.limit)
-    assert settings["food_types"] == chosen.food_types
-    assert settings["noise"] == Noise.laboratory().scaled(chosen.noise)
 
 
 def test_hard_levels_have_the_noise_of_the_laboratory() -> None:
     assert procedural_settings("hard", "train", 1, 0)["noise"] == Noise.laboratory()
-
-
-def test_procedural_entry_point_passes_settings_on_and_lets_users_override_them() -> None:
-    made: list[dict[str, Any]] = []
-    entry_point = ProceduralEntryPoint(lambda **kwargs: made.append(kwargs))  # type: ignore[arg-type]
-    entry_point("easy", num_levels=3, limit=40, noise="none", backend="compiled")
-    (kwargs,) = made
-    assert kwargs == {
-        "arena": ProceduralArenas("easy", num_levels=3),
-        "foods": 1,
-        "limit": 40,
-        "food_types": {"PICKABLE": 1.0},
-        "noise": "none",
-        "backend": "compiled",
-    }
 
 
 @pytest.mark.parametrize(

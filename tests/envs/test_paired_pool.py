@@ -1,7 +1,6 @@
 """Paired training in several arenas, given as `Arena` objects or by name."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -55,26 +54,3 @@ def test_several_arenas_need_a_number_of_rounds() -> None:
     assert env.arenas[0].name in ("t_maze", "doors")
     with pytest.raises(ValueError, match="max_cycles is None; allowed with several arenas: a whole number"):
         paired_arenas_v1.raw_env(arena=["t_maze", "doors"])
-
-
-@pytest.mark.parametrize(
-    ("arenas", "message"),
-    [
-        ([], "at least one arena in a sequence"),
-        (["doors", "nowhere"], "arena 1 of a sequence is 'nowhere'; allowed: an Arena, or one of 'corridor'"),
-        ([None], "arena 0 of a sequence is None; allowed: an Arena, or one of 'corridor'"),
-    ],
-)
-def test_bad_pools_are_quoted(arenas: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        TrainingEnv(arena=arenas)
-
-
-def test_title_of_a_picture_names_the_arena_of_the_attempt() -> None:
-    titles = set()
-    env = TrainingEnv(arena=["corridor", "t_maze"])
-    for seed in range(12):
-        env.reset(seed=seed)
-        titles.add(title := env.view().title)
-        assert title == f"Training in the {env.arenas[0].name.replace('_', ' ')}"
-    assert titles == {"Training in the corridor", "Training in the t maze"}

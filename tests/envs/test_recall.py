@@ -6,11 +6,9 @@ import pytest
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import score
 from khepera_forage.task.states import Behaviour, FoodType
 
@@ -60,16 +58,6 @@ def test_mixed_food_has_its_odds() -> None:
     assert 8 <= poisonous <= 32
 
 
-def test_new_episode_has_score_0_and_the_whole_penalty() -> None:
-    env = BehavioursEnv(limit=30)
-    for seed in range(2):
-        _, info = env.reset(seed=seed)
-        assert (info["score"], info["penalty"], info["steps"]) == (0.0, 20.0, 0)
-        for _ in range(30):
-            info = env.step(Behaviour.EXPLORE_FOOD)[4]
-        assert (info["score"], info["penalty"], info["steps"]) == (-20.0, 20.0, 30)
-
-
 def test_reward_and_score_add_up() -> None:
     env = BehavioursEnv(limit=500)
     info = forage(env, 3)
@@ -111,14 +99,6 @@ def action_of(motors: Motors) -> np.ndarray:
     return np.array(
         (motors.left / MAX_SPEED, motors.right / MAX_SPEED, arm, 1.0 if motors.jaw == 0 else -1.0), np.float32
     )
-
-
-def test_reset_options_place_start_and_food() -> None:
-    env = BehavioursEnv(noise=Noise.none(), decisions=Decisions.v0_1())
-    observation, info = env.reset(seed=0, options={"start": (100, 115, 90), "foods": [(400, 100)]})
-    assert info["pose"].tolist() == [20.0, 23.0, 90.0]
-    assert observation["robot_home_distance"].tolist() == [90]
-    assert observation["robot_food_distance"].tolist() == [60]
 
 
 def test_users_arena_is_foraged_by_the_teacher() -> None:

@@ -130,16 +130,6 @@ def test_every_attribute_of_a_robot_is_visible(screen: Screen, change: dict[str,
     assert not np.array_equal(changed, plain)
 
 
-@pytest.mark.parametrize(
-    "change", [{"step": 4}, {"limit": None}, {"score": 90.0}, {"delivered": 1}, {"title": "Hall"}]
-)
-def test_every_figure_of_a_view_is_visible(screen: Screen, change: dict[str, object]) -> None:
-    plain = draw(screen, VIEW)
-    changed = draw(screen, VIEW._replace(**change))  # type: ignore[arg-type]
-    assert changed.shape == plain.shape
-    assert not np.array_equal(changed, plain)
-
-
 @pytest.mark.parametrize("kind", list(FoodType))
 def test_food_is_drawn_in_the_colour_of_its_type(screen: Screen, kind: FoodType) -> None:
     layout = arrange((CORRIDOR,), 1)
@@ -158,17 +148,6 @@ def test_food_types_differ_by_more_than_colour(screen: Screen) -> None:
         around = patch(layout, frame, 250.0, 180.0, 9.0).astype(int)
         symbols.append(np.abs(around - 255).max(axis=2) < 60)
     assert all(not np.array_equal(a, b) for i, a in enumerate(symbols) for b in symbols[:i])
-
-
-@pytest.mark.parametrize("change", [{"lifted": True}, {"delivered": True}])
-def test_lifted_or_delivered_food_looks_different(screen: Screen, change: dict[str, bool]) -> None:
-    food = FoodView(250.0, 180.0, FoodType.PICKABLE)
-    layout = arrange((CORRIDOR,), 1)
-    plain, changed = (
-        patch(layout, draw(screen, VIEW._replace(foods=(f,))), 250.0, 180.0, 30.0)
-        for f in (food, food._replace(**change))  # type: ignore[arg-type]
-    )
-    assert not np.array_equal(plain, changed)
 
 
 @pytest.mark.parametrize("holes", [0, 1, 2])
@@ -223,13 +202,6 @@ def test_other_modes_and_no_arena_are_refused(screen: Screen) -> None:
 def test_environment_without_pictures_warns_and_makes_no_view() -> None:
     with pytest.warns(UserWarning, match="without a render_mode"):
         assert Screen(None, 0.1).show(lambda: pytest.fail("made a view")) is None
-
-
-def test_screen_draws_again_after_close(screen: Screen) -> None:
-    before = draw(screen, VIEW)
-    screen.close()
-    screen.close()
-    np.testing.assert_array_equal(draw(screen, VIEW), before)
 
 
 def test_pictures_are_drawn_after_another_program_quit_pygame(screen: Screen) -> None:

@@ -91,15 +91,6 @@ def test_batches_are_the_single_worlds() -> None:
         np.testing.assert_array_equal(rewards, [step[1] for step in steps])
 
 
-def test_wheels_are_all_that_counts_of_an_action() -> None:
-    env = make("CorridorWheels", "e-puck2", "pymunk")
-    env.reset(seed=0)
-    for arm, jaw in ((1.0, -1.0), (-1.0, 1.0)):
-        right = env.forager.motors_for(env.forager.correct_behaviour)
-        *_, info = env.step(np.array((right.left / 20, right.right / 20, arm, jaw), np.float32))
-        assert info["correct"] == info["steps"]
-
-
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_speeds_are_limited_to_what_the_robot_can_do(backend: str) -> None:
     env = make("CorridorWheels", "e-puck2", backend)

@@ -9,13 +9,12 @@ import pytest
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.layouts import random_layout, training_layout
+from khepera_forage.envs.layouts import training_layout
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.sim.world import Layout
-from khepera_forage.task.decisions import DEFAULT_VALUES
 from khepera_forage.task.placement import layout_key
 
 MIXED = {"PICKABLE": 1.0, "PUSHABLE": 1.0, "POISONOUS": 1.0}
@@ -37,27 +36,6 @@ def test_seed_decides_this_episode_and_those_that_follow(kind: type[RecallEnv[An
     assert runs[0] == runs[1]
     assert (again, after) == (first, second)
     assert len({first[0], second[0], third[0]}) == 3
-
-
-def test_seed_has_the_same_episode_in_both_kinds_of_environment_under_any_noise() -> None:
-    episodes = [
-        begun(kind(arena="rectangle", foods=2, food_types=MIXED, noise=noise), 7)
-        for kind in (BehavioursEnv, WheelsEnv)
-        for noise in (Noise.none(), Noise.laboratory())
-    ]
-    assert all(episode == episodes[0] for episode in episodes)
-
-
-def test_layout_of_a_seed_is_that_of_its_key() -> None:
-    env = BehavioursEnv(arena="rectangle", foods=2)
-    for episode, seed in enumerate((9, None, None)):
-        key = layout_key(key_of(9), episode)
-        assert begun(env, seed)[0] == random_layout(env.arena, 2, key, DEFAULT_VALUES)
-
-
-def test_environments_without_a_seed_differ() -> None:
-    layouts = {begun(BehavioursEnv(), None)[0] for _ in range(3)}
-    assert len(layouts) == 3
 
 
 @pytest.mark.parametrize(

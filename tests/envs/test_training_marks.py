@@ -7,8 +7,7 @@ import pytest
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.noise import Noise
-from khepera_forage.policies import Observation, Teacher
-from khepera_forage.rollouts.training import attempt, train
+from khepera_forage.rollouts.training import attempt
 from khepera_forage.sim.layout_checks import check_robot
 from khepera_forage.task.states import Behaviour, FoodType, StateVector, is_raised
 from tests.version_0_1 import V0_1, VALUES
@@ -22,16 +21,6 @@ def test_robots_and_food_stand_on_the_given_marks() -> None:
         dx, dy = arena.home.x - home.x, arena.home.y - home.y
         assert pose == pytest.approx((110 + dx, 90 + dy, np.pi / 4))
         assert food[:2] == pytest.approx((300 + dx, 140 + dy))
-
-
-def test_start_or_food_that_is_not_given_stays_on_its_mark() -> None:
-    env = TrainingEnv(noise=Noise.none())
-    env.reset(seed=1, options={"foods": [(300, 115)]})
-    assert env.world.poses()[0] == pytest.approx(env.arenas[0].start)
-    env.reset(seed=1, options={"start": (110, 90, 45)})
-    assert env.world.food_places()[0][:2] == pytest.approx(env.arenas[0].foods[0])
-    env.reset(seed=1)
-    assert env.world.poses()[0] == pytest.approx(env.arenas[0].start), "options hold for one episode only"
 
 
 def test_placement_error_applies_to_given_marks() -> None:
@@ -68,28 +57,6 @@ def test_robot_that_would_stand_in_a_wall_is_placed_again() -> None:
         ValueError, match=r"placement error of 0 mm.*\(60, 100\) mm has its gripper in a wall"
     ):
         TrainingEnv(noise=Noise.none()).reset(seed=0, options=facing_the_wall)
-
-
-def test_train_accepts_other_marks_and_another_teacher() -> None:
-    seen = []
-
-    class Other:
-        """The teacher, which also records its observations."""
-
-        def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
-            assert rng is not None
-            seen.append(observation)
-            return Teacher.of(env).act(observation)
-
-    env = TrainingEnv()
-    options = {"foods": [(300, 115)]}
-    experience, rows = train(env, np.random.SeedSequence(1), teacher=Other(), options=options)
-    again, _ = train(env, np.random.SeedSequence(1), options=options)
-    assert len(seen) == sum(row.rounds for row in rows)
-    assert experience == again
-    usual, _ = train(env, np.random.SeedSequence(1))
-    nearest, usually = (min(v.robot_food_distance for v in e.vectors[:3]) for e in (experience, usual))
-    assert nearest < usually - 10, "the food lies 14 pixels nearer to the start"
 
 
 def test_episode_with_poison_is_complete_only_after_it_was_avoided() -> None:

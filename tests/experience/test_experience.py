@@ -188,11 +188,6 @@ def test_invalid_header_is_an_error(about: dict[str, Any], message: str, tmp_pat
     assert not list(tmp_path.iterdir())
 
 
-def test_unequal_numbers_of_vectors_and_behaviours_are_an_error() -> None:
-    with pytest.raises(ExperienceError, match="2 vectors with 1 behaviours; allowed: equal numbers"):
-        Experience([SEARCH, HOME], [0])
-
-
 def test_writer_replaces_a_file_only_with_overwrite(tmp_path: Path) -> None:
     path = tmp_path / "g1.csv"
     path.write_text("precious")

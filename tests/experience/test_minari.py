@@ -103,14 +103,6 @@ def test_recovered_environment_has_the_decisions_of_the_experience(decisions: De
         assert again.recover_environment().unwrapped.decisions == decisions
 
 
-def test_recovered_environment_of_different_decisions_has_the_defaults() -> None:
-    parts = [
-        Experience([(0, 60, 0, 215, 40)], [0], decisions=decisions) for decisions in (Decisions(), OTHER)
-    ]
-    dataset = to_minari(parts, "khepera/different-v0", allow_other_decisions=True)
-    assert dataset.recover_environment().unwrapped.decisions == Decisions()
-
-
 def test_episode_without_decisions_has_those_of_its_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     v1 = Decisions(patience=7)
     monkeypatch.setattr(backends, "behaviours_v1", EntryPoint(BehavioursEnv, v1))

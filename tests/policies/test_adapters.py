@@ -18,7 +18,6 @@ from khepera_forage.policies import (
     Teacher,
     as_policy,
 )
-from khepera_forage.policies.model_policy import Model
 from khepera_forage.task.states import Behaviour
 
 X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1, 48, 1, 215, 14]] * 3)
@@ -170,16 +169,3 @@ def test_cached_probabilities_equal_predicted_ones() -> None:
     assert classifier.predictions == len(X) + 4
     twin = pickle.loads(pickle.dumps(cached))
     assert twin.act(X[0], np.random.default_rng(0)) == cached.act(X[0], np.random.default_rng(0))
-
-
-def test_full_cache_is_emptied(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("khepera_forage.policies.adapters.CACHE_SIZE", 2)
-    policy = ClassifierPolicy(GaussianNB().fit(X, Y), remember=True)
-    decisions = [policy.act(row, np.random.default_rng(0)) for row in X]
-    assert decisions[:4] == decisions[4:8]
-    assert len(policy._cache) <= 2
-
-
-def test_model_protocol_is_satisfied() -> None:
-    model: Model = Trained()
-    assert ModelPolicy(model).act(X[0]) is Behaviour.PICK_UP_FOOD

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.policies import NearestNeighbourImitator, WeightedImitator, distance
-from khepera_forage.task.states import StateVector
+from khepera_forage.policies import NearestNeighbourImitator, WeightedImitator
 
 Data = tuple[NDArray[np.int64], NDArray[np.int64]]
 
@@ -68,15 +67,6 @@ def test_equal_weights_equal_the_imitator() -> None:
         NearestNeighbourImitator(arithmetic="exact").fit(rows, heard).predict_proba(rows + 1),
     )
     assert not hasattr(same, "error_")
-
-
-def test_weights_change_the_nearest_vector() -> None:
-    rows = [StateVector(0, 50, 0, 215, 20), StateVector(0, 60, 0, 215, 17)]
-    query = StateVector(0, 60, 0, 215, 20)
-    assert distance(rows[1], query, 138) < distance(rows[0], query, 138)
-    assert WeightedImitator(weights=(1, 1, 1, 1, 1)).fit(rows, [0, 1]).predict([query]) == [1]
-    assert WeightedImitator(weights=(1, 1, 1, 1, 4)).fit(rows, [0, 1]).predict([query]) == [0]
-    assert WeightedImitator(weights=(1, 0, 1, 1, 1)).fit(rows, [0, 1]).predict([query]) == [0]
 
 
 @pytest.mark.parametrize(

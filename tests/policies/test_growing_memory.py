@@ -21,12 +21,6 @@ def test_node_grows_at_a_new_stimulus() -> None:
     assert len(GrowingMemory(reach=0.01).fit([HERE, [0, 91, 0, 215, 61]], [0, 0]).nodes_) == 2
 
 
-def test_nodes_of_other_categories_stay_separate() -> None:
-    """Another presence or food type is 1 further away, beyond any sensible reach."""
-    memory = GrowingMemory(reach=0.5).fit([HERE, [1, *HERE[1:]], [1, 90, 1, 215, 60]], [0, 3, 4])
-    assert memory.nodes_.tolist() == [HERE, [1, *HERE[1:]], [1, 90, 1, 215, 60]]
-
-
 def test_habituation_falls_with_perception_and_recovers_without() -> None:
     memory = GrowingMemory(habituation=0.3, recovery=0.01).fit([HERE], [0])
     assert memory.habituation_.tolist() == pytest.approx([0.7])
@@ -49,11 +43,6 @@ def test_rare_node_is_forgotten_in_time_and_frequent_node_later() -> None:
         [HERE] * 20 + [THERE] * (lasts + 20), [0] * 20 + [2] * (lasts + 20)
     )
     assert frequent.predict([HERE]).tolist() == [0]
-
-
-def test_without_recovery_nothing_is_forgotten() -> None:
-    memory = GrowingMemory(recovery=0.0).fit([HERE] + [THERE] * 5_000, [0] + [2] * 5_000)
-    assert memory.predict([HERE]).tolist() == [0]
 
 
 def test_node_moves_less_with_more_perceptions() -> None:

@@ -1,6 +1,5 @@
 """The imitator over many vectors: every tie, against brute force in whole numbers."""
 
-import pickle
 from collections import Counter
 from fractions import Fraction
 
@@ -62,29 +61,6 @@ def test_neighbours_equal_brute_force(
         assert dict(found.votes) == {Behaviour(label): count for label, count in votes.items()}
         assert found.tied == votes.total()
         assert found.distance == least
-
-
-def test_ties_and_conflicts_are_common_in_random_experience() -> None:
-    """Otherwise the test above would prove little."""
-    rng = np.random.default_rng(0)
-    rows, heard = vectors(rng, 3_000, 30, [215, 255]), rng.integers(0, 10, 3_000)
-    imitator = NearestNeighbourImitator(arithmetic="exact").fit(rows, heard)
-    found = [imitator.neighbours(query) for query in vectors(rng, 500, 50, [215, 255])]
-    assert sum(neighbours.tie for neighbours in found) > 100
-    assert sum(neighbours.conflict for neighbours in found) > 100
-
-
-def test_learning_one_by_one_equals_learning_at_once() -> None:
-    rng = np.random.default_rng(1)
-    rows, heard = vectors(rng, 400, 40, [215, 219, 255]), rng.integers(0, 10, 400)
-    grown = NearestNeighbourImitator(arithmetic="exact")
-    for row, label in zip(rows, heard, strict=True):
-        grown.partial_fit(row[None], [label])
-    whole = NearestNeighbourImitator(arithmetic="exact").fit(rows, heard)
-    queries = vectors(rng, 200, 60, [215, 217, 255])
-    assert [grown.neighbours(query) for query in queries] == [whole.neighbours(query) for query in queries]
-    again = pickle.loads(pickle.dumps(grown))
-    assert [again.neighbours(query) for query in queries] == [whole.neighbours(query) for query in queries]
 
 
 @settings(max_examples=20, deadline=None)

@@ -136,19 +136,6 @@ def test_fit_forgets_earlier_experience(
         assert imitator.neighbours(query) == expected_neighbours(experience, query, CORRIDOR)
 
 
-@settings(deadline=None)
-@given(EXPERIENCE, st.lists(VECTORS, min_size=1, max_size=5))
-def test_whole_floats_count_as_whole_numbers(
-    experience: list[tuple[StateVector, int]], queries: list[StateVector]
-) -> None:
-    whole = imitator_of(experience)
-    vectors, behaviours = zip(*experience, strict=True)
-    floats = NearestNeighbourImitator(arithmetic="exact").fit(np.array(vectors, float), behaviours)
-    expected = whole.predict_proba(queries)
-    np.testing.assert_array_equal(floats.predict_proba(queries), expected)
-    np.testing.assert_array_equal(floats.predict_proba(np.array(queries, float)), expected)
-
-
 def test_halves_of_pixels_are_compared_in_floats() -> None:
     rows = np.array([[0, 30, 0, 215, 40], [0, 33, 0, 215, 40], [1, 30, 0, 215, 40]])
     imitator = NearestNeighbourImitator(arithmetic="exact").fit(rows, [0, 1, 3])
@@ -178,14 +165,6 @@ def test_numbers_far_beyond_any_arena_are_compared(far: int) -> None:
         0,
         1,
     ]
-
-
-@settings(deadline=None)
-@given(VECTORS, VECTORS, VECTORS, st.integers(1, 300))
-def test_distance_is_a_metric(a: StateVector, b: StateVector, c: StateVector, diagonal: int) -> None:
-    assert distance(a, b, diagonal) == distance(b, a, diagonal)
-    assert (distance(a, b, diagonal) == 0) == (a == b)
-    assert distance(a, c, diagonal) <= distance(a, b, diagonal) + distance(b, c, diagonal)
 
 
 def test_distance_equals_section_4_6_1() -> None:

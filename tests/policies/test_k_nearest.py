@@ -86,8 +86,3 @@ def test_unknown_weighting_and_diagonal_are_refused() -> None:
         KNearestImitator(weighting="votes").fit([[0, 1, 0, 215, 1]], [0])
     with pytest.raises(ValueError, match="diagonal is 0; allowed: an integer above 0"):
         KNearestImitator(diagonal=0).fit([[0, 1, 0, 215, 1]], [0])
-
-
-def test_encoding_refuses_other_widths() -> None:
-    with pytest.raises(ValueError, match=r"vectors have shape \(1, 3\); allowed: \(n, 5\)"):
-        encoded([[1, 2, 3]], 138)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from khepera_forage.policies import ModelPolicy
-from khepera_forage.policies.features import observation_features
 from khepera_forage.task.states import Behaviour
 
 OBSERVATION = (0, 60, 0, 215, 40)
@@ -29,14 +28,6 @@ class Motors:
 
     def predict(self, observation: Any, *, deterministic: bool) -> tuple[Any, None]:
         return np.array([[0.5, -0.5, 1.0, -1.0]]), None
-
-
-def test_features_are_shown_to_the_model() -> None:
-    model = Counter()
-    ModelPolicy(model).act(OBSERVATION)
-    ModelPolicy(model, observation_features).act(OBSERVATION)
-    assert model.shown[0] is OBSERVATION
-    np.testing.assert_array_equal(model.shown[1], observation_features(OBSERVATION))
 
 
 def test_action_holds_for_its_rounds_and_its_generator() -> None:

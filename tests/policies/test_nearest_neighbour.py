@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.policies.memories import (
     BEHAVIOURS,
-    NO_MEMORIES,
     memories_of,
 )
 from khepera_forage.policies.votes import draw_label, nearest_votes
@@ -62,44 +61,6 @@ def test_votes_and_draws_equal_the_imitators(
             assert {b: n for b, n in enumerate(votes.tolist()) if n} == dict(neighbours.votes)
             rng: Any = FixedGenerator(chance)
             assert draw_label(votes, total, chance) == neighbours.draw(rng)
-
-
-def test_equal_vectors_are_merged_and_counted() -> None:
-    same, other = (0, 50, 0, 215, 40), (1, 50, 0, 255, 2)
-    memories = memories_of([([same, other, same, same], [0, 3, 1, 0]), ([other], [4])])
-    assert len(memories.food) == 4
-    assert sorted(memories.times.tolist()) == [1, 1, 1, 2]
-    votes = np.zeros(BEHAVIOURS, np.int64)
-    assert nearest_votes(memories, 0, same, 138, votes) == (0, 3)
-    assert votes.tolist() == [2, 1, 0, 0, 0, 0, 0, 0, 0, 0]
-    votes[:] = 0
-    assert nearest_votes(memories, 1, same, 138, votes)[1] == 1
-    assert votes[4] == 1
-
-
-def test_memory_is_the_same_alone_and_among_many() -> None:
-    rng = np.random.default_rng(0)
-    parts = [(rng.integers(0, (2, 40, 4, 256, 40), (n, 5)), rng.integers(0, 10, n)) for n in (300, 1, 80)]
-    many = memories_of(parts)
-    alone = memories_of(parts[2:])
-    plane = many.planes[2]
-    column = many.columns[plane]
-    vector = many.vectors[column]
-    for name, first in (
-        ("keys", plane),
-        ("home", column),
-        ("food", vector),
-        ("label", vector),
-        ("times", vector),
-    ):
-        assert (getattr(many, name)[first:] == getattr(alone, name)).all()
-    assert (many.columns[plane:] - column == alone.columns).all()
-    assert (many.vectors[column:] - vector == alone.vectors).all()
-
-
-def test_no_memories_are_empty() -> None:
-    assert NO_MEMORIES.planes.tolist() == NO_MEMORIES.columns.tolist() == NO_MEMORIES.vectors.tolist() == [0]
-    assert len(NO_MEMORIES.keys) == len(NO_MEMORIES.home) == len(NO_MEMORIES.food) == 0
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 from sklearn.tree import DecisionTreeClassifier
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.policies import UniformPolicy, state_vector_of
+from khepera_forage.policies import state_vector_of
 from khepera_forage.policies.features import encoded
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors
 from khepera_forage.rollouts.dagger import dagger
@@ -58,11 +58,6 @@ def test_start_experience_is_learned_without_queries(env: BehavioursEnv) -> None
     assert out.behaviours[:2].tolist() == [7, 7]
     assert len(out.vectors) == 42
     assert out.rounds[0].agreed < 40, "the learner goes home from the first step, which is wrong"
-
-
-def test_expert_replaces_the_teacher(env: BehavioursEnv) -> None:
-    out = dagger(make, env, 60, 3, expert=UniformPolicy())
-    assert len(set(out.behaviours.tolist())) > 5
 
 
 @pytest.mark.parametrize(("queries", "a_round"), [(0, 100), (10, 0)])

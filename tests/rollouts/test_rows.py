@@ -107,17 +107,6 @@ def test_numpy_numbers_are_written_as_numbers(tmp_path: Path) -> None:
     assert type(back.penalty) is int
 
 
-def test_text_with_commas_and_quotes_is_read_equal(tmp_path: Path) -> None:
-    row = training(reason='separated, "for good"')
-    write_rows(tmp_path / "rows.csv", TrainingRow, [row])
-    assert read_rows(tmp_path / "rows.csv", TrainingRow) == [row]
-    with (
-        RowWriter(tmp_path / "rows.csv", TrainingRow) as writer,
-        pytest.raises(ValueError, match="text of one line"),
-    ):
-        writer.write(training(reason="two\nlines"))
-
-
 def test_decisions_are_written_and_read_equal(tmp_path: Path) -> None:
     rows = [
         training(decisions="next_to_food=17;patience=50"),
@@ -172,21 +161,6 @@ def test_incomplete_line_is_ignored_and_removed_on_resuming(tmp_path: Path) -> N
     assert read_rows(path, RecallRow) == [recall(), recall(recall=2)]
 
 
-def test_incomplete_header_is_replaced_on_resuming(tmp_path: Path) -> None:
-    path = tmp_path / "rows.csv"
-    path.write_text("replication,fi")
-    with RowWriter(path, TrainingRow, resume=True) as writer:
-        writer.write(training())
-    assert read_rows(path, TrainingRow) == [training()]
-
-
-def test_writing_without_resume_replaces_the_file(tmp_path: Path) -> None:
-    path = tmp_path / "rows.csv"
-    write_rows(path, RecallRow, [recall()])
-    write_rows(path, RecallRow, [recall(recall=1)])
-    assert read_rows(path, RecallRow) == [recall(recall=1)]
-
-
 def test_resuming_with_other_columns_is_an_error(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
     write_rows(path, RecallRow, [recall()])
@@ -236,12 +210,3 @@ def test_damaged_file_is_an_error(tmp_path: Path, damage: Callable[[str], str], 
     path.write_text(damage(path.read_text()))
     with pytest.raises(ValueError, match=message):
         read_rows(path, TrainingRow)
-
-
-@pytest.mark.parametrize("text", ["nan", "inf", "x", ""])
-def test_float_that_is_not_finite_is_an_error(tmp_path: Path, text: str) -> None:
-    path = tmp_path / "rows.csv"
-    write_rows(path, RecallRow, [recall()])
-    path.write_text(path.read_text().replace(",80.0,", f",{text},"))
-    with pytest.raises(ValueError, match=rf"rows.csv:2: score is '{text}'; allowed: a finite number"):
-        read_rows(path, RecallRow)

@@ -24,14 +24,6 @@ class TeachersMotors:
         return np.array((motors.left / MAX_SPEED, motors.right / MAX_SPEED, (235 - motors.arm) / 20, jaw))
 
 
-class RandomMotors:
-    """Commands random motor values."""
-
-    def act(self, observation: dict[str, Any], rng: np.random.Generator | None = None) -> NDArray[Any]:
-        assert rng is not None
-        return rng.uniform(-1.0, 1.0, 4)
-
-
 @pytest.mark.parametrize(("arena", "foods"), [("corridor", 1), ("rectangle", 2)])
 def test_recall_with_the_teachers_motors_delivers_all_food(arena: str, foods: int) -> None:
     env = recall_wheels_env(arena)
@@ -39,12 +31,3 @@ def test_recall_with_the_teachers_motors_delivers_all_food(arena: str, foods: in
     row = recall_wheels(env, TeachersMotors(env), 1, callback=lambda: calls.append(1))
     assert row == WheelsRecall(100.0, row.steps, foods, foods, 0, row.steps)
     assert len(calls) == row.steps + 1 < env.limit
-
-
-def test_recall_depends_only_on_the_seed() -> None:
-    env = recall_wheels_env("corridor", limit=80)
-    rows = [recall_wheels(env, RandomMotors(), seed) for seed in (3, 4, 3)]
-    assert rows[0] == rows[2]
-    assert rows[0].steps == 80
-    assert rows[0].delivered == 0
-    assert rows[0].score == pytest.approx(100 * rows[0].correct / 80 - 20)

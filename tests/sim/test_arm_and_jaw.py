@@ -26,14 +26,6 @@ def test_jaw_travels_in_six_tenths_of_a_second() -> None:
     assert opening == pytest.approx([33.3 * i for i in range(1, 7)] + [200], abs=1)
 
 
-def test_arm_and_jaw_reverse_on_the_way() -> None:
-    world = make_world(CENTRE, FAR)
-    half = run(world, 4, arm=ARM_DOWN, jaw=JAW_CLOSED)
-    back = run(world, 1, arm=ARM_RAISED, jaw=JAW_OPEN)
-    assert (half.arm, back.arm) == (231, 227)
-    assert back.jaw - half.jaw == pytest.approx(33, abs=1)
-
-
 # ---------------------------------------------------------------- the arm and what is below it
 
 
@@ -46,14 +38,6 @@ def test_arm_stops_above_food(below: tuple[float, float]) -> None:
     run(world, 12, -8, -8, arm=ARM_DOWN)
     assert run(world, 10, arm=ARM_DOWN).arm == ARM_DOWN
     assert apart(world.food_places()[0], food) < 0.01
-
-
-def test_raised_fingers_pass_above_food_and_lowered_fingers_push_it() -> None:
-    for arm, moved in ((ARM_RAISED, False), (ARM_DOWN, True)):
-        world = make_world(CENTRE, (1000, 1065))
-        run(world, 12, arm=arm)
-        run(world, 6, -5, 5, arm=arm)
-        assert (apart(world.food_places()[0], Point(1000, 1065)) > 5) == moved
 
 
 @pytest.mark.parametrize("beside", [(0, 36), (10, -35), (-8, 36), (-15, 34), (-15, -34)])

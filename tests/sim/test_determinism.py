@@ -3,11 +3,8 @@
 import copy
 import hashlib
 import pickle
-import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -60,43 +57,6 @@ def digest(name: str, seed: int) -> str:
 def test_same_seed_gives_the_same_world_and_another_seed_another(name: str) -> None:
     assert digest(name, 5) == digest(name, 5)
     assert digest(name, 5) != digest(name, 6)
-
-
-def test_same_seed_gives_the_same_world_in_another_process() -> None:
-    code = f"from tests.sim.test_determinism import *\nfor name in {list(LAYOUTS)}: print(digest(name, 11))"
-    tests = Path(__file__).parents[2]
-    there = subprocess.run(
-        [sys.executable, "-c", code], cwd=tests, check=True, capture_output=True, text=True, timeout=60
-    )
-    assert there.stdout.split() == [digest(name, 11) for name in LAYOUTS]
-
-
-def test_used_world_behaves_like_a_new_one() -> None:
-    used = world_for("rectangle")
-    for seed in (1, 2):
-        list(rounds(used, "rectangle", seed))
-    assert list(rounds(used, "rectangle", 7)) == list(rounds(world_for("rectangle"), "rectangle", 7))
-
-
-def test_worlds_in_one_process_are_independent() -> None:
-    alone = list(rounds(world_for("pair"), "pair", 3))
-    beside = rounds(world_for("pair"), "pair", 4)
-    assert [line for line, _ in zip(rounds(world_for("pair"), "pair", 3), beside, strict=True)] == alone
-
-
-def test_looking_and_sensing_use_no_random_numbers() -> None:
-    watched, unwatched = world_for("corridor"), world_for("corridor")
-    for world in (watched, unwatched):
-        world.reset(np.random.default_rng(0), LAYOUTS["corridor"][1])
-        world.robots[0].drive(Motors(10, 9, 215, 200))
-    for _ in range(40):
-        watched.advance()
-        unwatched.advance()
-        for _ in range(3):
-            assert watched.robots[0].sense() == watched.robots[0].sense()
-            assert watched.camera.look() == watched.camera.look()
-    assert watched.robots[0].sense() == unwatched.robots[0].sense()
-    assert watched.camera.look() == unwatched.camera.look()
 
 
 def test_noise_sources_are_independent() -> None:

@@ -7,20 +7,14 @@ from itertools import product
 import pytest
 
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import ARM_DOWN, BARRIER, FOOD_RADIUS, JAW_CLOSED, RADIUS
+from khepera_forage.robots.khepera import ARM_DOWN, BARRIER, FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
-from tests.sim.worlds import apart, box, holding, make_robots, make_world, narrow, run
+from tests.sim.worlds import apart, box, holding, make_world, narrow, run
 
 CENTRE = Pose(1000, 1000, 0)
 CLOSED = narrow(650)
 
 # ---------------------------------------------------------------- pushing
-
-
-def test_untouched_food_stays_in_place() -> None:
-    world = make_world(CENTRE, (1100, 1200), (1200, 1000))
-    run(world, 50, 9, 11)
-    assert [f[:2] for f in world.food_places()] == [(1100, 1200), (1200, 1000)]
 
 
 @pytest.mark.parametrize("speed", [5, 10, 20])
@@ -37,15 +31,6 @@ def test_pushed_food_stays_ahead_and_stops_soon_after(speed: int) -> None:
     rest = world.food_places()[0]
     run(world, 20)
     assert apart(rest, world.food_places()[0]) < 1e-3
-
-
-def test_row_of_food_is_pushed_along_without_overlapping() -> None:
-    world = make_world(CENTRE, (1080, 1000), (1116, 1000), (1152, 1000))
-    run(world, 25, 12, 12)
-    places = [food.x for food in world.food_places()]
-    assert places[0] > 1080 + 100
-    assert places[1] - places[0] >= 2 * FOOD_RADIUS - 1
-    assert places[2] - places[1] >= 2 * FOOD_RADIUS - 1
 
 
 @pytest.mark.parametrize("speed", [5, 12, 20])
@@ -95,15 +80,6 @@ def test_food_swept_by_swinging_fingers_stays_inside() -> None:
     assert moved > len(cases) / 2
 
 
-def test_robot_pushed_against_a_wall_stays_inside() -> None:
-    world = make_robots(CLOSED, Pose(450, 115, 0), Pose(560, 116, 1))
-    for _ in range(50):
-        run(world, 1, 20, 20)
-        for pose in world.poses():
-            assert CLOSED.clearance(pose) >= RADIUS - 1
-        assert apart(*world.poses()) >= 2 * RADIUS - 1.5
-
-
 # ---------------------------------------------------------------- the optical barrier
 
 
@@ -130,14 +106,6 @@ def test_barrier_is_interrupted_by_food_between_the_fingers(
     assert run(world, 12).object_presence == 0
 
 
-def test_barrier_of_a_closed_jaw_is_not_interrupted() -> None:
-    world = make_world(CENTRE, (1100, 1000))
-    run(world, 8, jaw=JAW_CLOSED)
-    run(world, 12, arm=ARM_DOWN, jaw=JAW_CLOSED)
-    assert run(world, 10, 4, 4, arm=ARM_DOWN, jaw=JAW_CLOSED).object_presence == 0
-    assert apart(world.food_places()[0], CENTRE) > 1
-
-
 # ---------------------------------------------------------------- infra-reds
 
 
@@ -151,14 +119,6 @@ def test_lowered_arm_hides_the_front_infra_reds_but_not_the_back(noise: Noise) -
     assert max(up[1:5]) < 500
     assert min(up[6:]) > 300
     assert all(0.75 < b / a < 1.35 for a, b in zip(up[6:], down[6:], strict=True))
-
-
-def test_front_infra_reds_are_free_once_the_arm_is_off_the_floor() -> None:
-    world = make_world(CENTRE, (100, 100))
-    readings = [run(world, 1, arm=ARM_DOWN) for _ in range(10)]
-    assert [s.proximity[2] > 0 for s in readings] == [s.arm >= 235 for s in readings]
-    readings = [run(world, 1) for _ in range(10)]
-    assert [s.proximity[2] > 0 for s in readings] == [s.arm >= 235 for s in readings]
 
 
 def test_infra_reds_see_food_ahead_but_not_lifted_food() -> None:

@@ -45,22 +45,3 @@ def test_place_refuses_another_arena() -> None:
     with pytest.raises(ValueError, match=r"robot.*\(200, 415\)"):
         world.place(0, Pose(200, 415, 0))
     assert world.poses() == starts
-
-
-def test_placed_robot_drives_on_from_its_new_pose() -> None:
-    world = make_world(CENTRE, (100, 100))
-    run(world, 5, 20, 20)
-    world.place(0, Pose(400, 400, math.pi / 2))
-    assert world.poses()[0] == (400, 400, math.pi / 2)
-    run(world, 1)
-    assert world.poses()[0] == pytest.approx((400, 400, math.pi / 2), abs=0.01)
-    run(world, 10, 10, 10)
-    assert world.poses()[0] == pytest.approx((400, 480, math.pi / 2), abs=2)
-
-
-def test_placed_robot_senses_its_new_surroundings() -> None:
-    world = make_world(CENTRE, (100, 100))
-    assert world.robots[0].sense().proximity == (0,) * 8
-    world.place(0, Pose(1955, 1000, math.pi))
-    back = world.robots[0].sense().proximity[6:]
-    assert min(back) > 200

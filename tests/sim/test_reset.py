@@ -5,11 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from khepera_forage.robots.khepera import RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from tests.sim.worlds import ELL, FIELD, NONE, apart, make_world, run
+from tests.sim.worlds import ELL, NONE
 from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
 START = CORRIDOR.start
@@ -43,22 +42,12 @@ def test_impossible_world_is_refused(arenas: list[Arena], markers: tuple[int, ..
         PymunkWorld(arenas, markers, NONE, timing=TIMING)
 
 
-def test_default_noise_is_the_laboratorys() -> None:
-    assert PymunkWorld([CORRIDOR], (2,), timing=TIMING).noise.wheel_slip > 0
-
-
 def test_advance_before_reset_is_refused() -> None:
     with pytest.raises(RuntimeError, match="reset"):
         PymunkWorld([CORRIDOR], (2,), timing=TIMING).advance()
 
 
 # ---------------------------------------------------------------- refused layouts
-
-
-@pytest.mark.parametrize("starts", [(), (START,), (START, START, START)])
-def test_reset_needs_one_start_for_each_robot(starts: tuple[Pose, ...]) -> None:
-    with pytest.raises(ValueError, match=rf"{len(starts)} starts for 2 robots"):
-        reset(pair(), starts)
 
 
 @pytest.mark.parametrize(
@@ -118,50 +107,7 @@ def test_reset_refuses_places_in_an_obstacle() -> None:
 # ---------------------------------------------------------------- a user's arena
 
 
-def test_robot_senses_an_obstacle_and_stops_at_it() -> None:
-    world = make_world(Pose(300, 120, math.pi), (450, 150), arena=ELL)
-    assert max(world.robots[0].sense().proximity[:6]) == 0
-    # The raised fingers touch the block first: the body stays their length away.
-    senses = run(world, 40, 10, 10)
-    x, y, heading = world.poses()[0]
-    assert 210 + RADIUS <= x < 300 - 5
-    assert y == pytest.approx(120, abs=1)
-    assert heading == pytest.approx(math.pi, abs=0.02)
-    assert senses.left_pulses == 40 * 100
-
-
-def test_obstacle_beside_a_robot_is_sensed_on_that_side() -> None:
-    world = make_world(Pose(180, 190, 0), (450, 150), arena=ELL)
-    proximity = world.robots[0].sense().proximity
-    assert proximity[5] > 400
-    assert proximity[:3] == (0, 0, 0)
-
-
-def test_robot_drives_around_a_corner() -> None:
-    world = make_world(Pose(500, 200, math.pi), (450, 60), arena=ELL)
-    run(world, 30, 10, 10)
-    run(world, 4, 13, -13)  # to the right: north, into the other leg
-    run(world, 30, 10, 10)
-    x, y, _ = world.poses()[0]
-    assert x < 350
-    assert y > 300
-
-
 # ---------------------------------------------------------------- repeated resets
-
-
-def test_reset_leaves_nothing_of_the_last_episode() -> None:
-    world = PymunkWorld([FIELD], (2,), NONE, timing=TIMING)
-    layout = Layout((Pose(1000, 1000, 0.3),), (Point(1057 * 1.0, 1018),))
-    world.reset(np.random.default_rng(3), layout)
-    fresh = world.robots[0].sense(), world.camera.look(), world.poses(), world.food_places()
-    run(world, 15, arm=255)
-    run(world, 30, 8, 12, arm=255, jaw=0)
-    assert apart(world.poses()[0], layout.starts[0]) > 50
-    world.reset(np.random.default_rng(3), layout)
-    assert (world.robots[0].sense(), world.camera.look(), world.poses(), world.food_places()) == fresh
-    run(world, 3)
-    assert world.poses()[0] == pytest.approx(layout.starts[0])
 
 
 def test_amount_of_food_may_change_at_a_reset() -> None:

@@ -51,11 +51,6 @@ def test_commands_of_version_0_1_are_within_the_limit_of_the_wheels(
 
 
 @given(raw_data)
-def test_explore_stands_still_with_arm_down_and_jaw_open(raw: RawData) -> None:
-    assert motors_for(B.EXPLORE_FOOD, raw) == Motors(0, 0, 255, 200)
-
-
-@given(raw_data)
 def test_arm_and_jaw_are_where_each_behaviour_needs_them(raw: RawData) -> None:
     for behaviour in (B.SEARCH_FOR_FOOD, B.MOVE_SLOWLY, B.AVOID_HOME):
         assert motors_for(behaviour, raw)[2:] == (215, 200)
@@ -86,28 +81,10 @@ def test_pick_up_without_an_object_creeps_ahead_with_an_open_jaw(raw: RawData) -
     assert motors_for(B.PICK_UP_FOOD, raw._replace(object_presence=0, jaw=200)) == Motors(2, 2, 255, 200)
 
 
-def test_search_drives_straight_to_food_ahead_faster_than_move_slowly() -> None:
-    assert motors_in_0_1(B.SEARCH_FOR_FOOD, OPEN_FLOOR)[:2] == (12.0, 12.0)
-    assert motors_in_0_1(B.MOVE_SLOWLY, OPEN_FLOOR)[:2] == (8.0, 8.0)
-
-
 @pytest.mark.parametrize(("orientation", "sign"), [(30, -1), (330, 1), (120, -1), (240, 1)])
 def test_search_turns_towards_the_food(orientation: int, sign: int) -> None:
     left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, placed(OPEN_FLOOR, orientation=orientation))
     assert (right - left) * sign > 0
-
-
-def test_search_without_food_drives_a_small_circle() -> None:
-    left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, placed(OPEN_FLOOR, food_seen=False))
-    assert left < 0 < right
-    assert 0 < left + right < 0.4 * (right - left), "a small circle, so that the robot also leaves its place"
-
-
-def test_search_drives_around_the_home_to_food_behind_it() -> None:
-    """The way to food behind the home does not lead across it."""
-    raw = placed(OPEN_FLOOR, home_x=80.0, food_x=120.0)
-    left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, raw)
-    assert left != right
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -179,12 +156,6 @@ def test_avoid_home_leaves_a_free_home_by_the_shortest_way(around: int) -> None:
     assert left > 0
 
 
-def test_search_backs_off_food_that_is_too_near() -> None:
-    left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, placed(OPEN_FLOOR, food_x=60.0))
-    assert left < 0
-    assert right < 0
-
-
 def test_search_turns_away_from_obstacles_and_backs_off_when_blocked() -> None:
     left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, placed(OPEN_FLOOR, proximity=(0, 400, 0, 0, 0, 0)))
     assert left > right, "an obstacle on the left: turn right"
@@ -203,15 +174,6 @@ def test_orient_lowers_the_arm_aims_and_creeps_until_the_barrier_is_interrupted(
     askew = motors_in_0_1(B.ORIENT_WITH_FOOD, placed(down, orientation=350))
     assert askew.left == -askew.right < 0, "the food is on the left"
     assert motors_in_0_1(B.ORIENT_WITH_FOOD, placed(down, object_presence=255)) == Motors(0, 0, 255, 200)
-
-
-def test_orient_backs_off_after_a_missed_try() -> None:
-    missed = placed(OPEN_FLOOR, food_x=59.0, arm=255)
-    backing = motors_in_0_1(B.ORIENT_WITH_FOOD, missed)
-    assert backing.left == backing.right < 0
-    assert backing.jaw == 0
-    still = motors_in_0_1(B.ORIENT_WITH_FOOD, placed(missed, food_x=65.0, jaw=100))
-    assert still.left < 0, "a closed jaw marks the missed try"
 
 
 def test_release_drives_in_then_opens_then_backs_off() -> None:

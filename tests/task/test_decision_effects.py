@@ -6,18 +6,17 @@ from typing import Any
 
 import pytest
 
-from khepera_forage.robots.khepera import ARM_RAISED, Motors
+from khepera_forage.robots.khepera import Motors
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions, DecisionValues
 from khepera_forage.task.episode import DecisionCounts, count_decision
 from khepera_forage.task.pairing import follow, recover, separated
 from khepera_forage.task.perception import RawData
-from khepera_forage.task.states import Behaviour, State, StateVector, classify
+from khepera_forage.task.states import Behaviour, State
 from tests.task.raw_data import OPEN_FLOOR, placed
 from tests.version_0_1 import V0_1
 
 B = Behaviour
-HOME_RADIUS = 20
 ARM_DOWN_RAW = OPEN_FLOOR._replace(arm=255)
 
 
@@ -49,22 +48,6 @@ def check_boundary(
 # ---------------------------------------------------------------- states
 
 
-def state_at(food_distance: float, decisions: DecisionValues, home: float = 50) -> State:
-    return classify(StateVector(0, int(home), 0, ARM_RAISED, food_distance), HOME_RADIUS, decisions)  # type: ignore[arg-type]
-
-
-def test_next_to_food_moves_the_boundary_of_that_state() -> None:
-    check_boundary("next_to_food", (10.0, 17.0, 29.0), state_at)
-    assert state_at(17, changed_to(next_to_food=17)) == State.NEXT_TO_FOOD
-    assert state_at(18, changed_to(next_to_food=17)) == State.CLOSE_TO_FOOD
-
-
-def test_close_to_food_moves_the_boundary_of_that_state() -> None:
-    check_boundary("close_to_food", (21.0, 40.0, 60.0), state_at)
-    assert state_at(40, changed_to(close_to_food=40)) == State.CLOSE_TO_FOOD
-    assert state_at(41, changed_to(close_to_food=40)) == State.SEARCH
-
-
 def test_close_to_food_decides_which_orienting_was_without_food() -> None:
     def without_food(distance: float, decisions: DecisionValues) -> int:
         counts = DecisionCounts()
@@ -72,24 +55,6 @@ def test_close_to_food_decides_which_orienting_was_without_food() -> None:
         return counts.orient_without_food
 
     check_boundary("close_to_food", (21.0, 40.0), without_food)
-
-
-def test_equal_distance_moves_ties_to_the_farther_state() -> None:
-    near, far = changed_to(), changed_to(equal_distance="farther state")
-    assert [state_at(20, near), state_at(20, far)] == [State.NEXT_TO_FOOD, State.CLOSE_TO_FOOD]
-    assert [state_at(30, near), state_at(30, far)] == [State.CLOSE_TO_FOOD, State.SEARCH]
-    assert state_at(50, near, home=HOME_RADIUS) == State.AT_HOME_NO_FOOD
-    assert state_at(50, far, home=HOME_RADIUS) == State.SEARCH
-
-
-def test_carry_margin_moves_the_height_from_which_food_is_in_hand() -> None:
-    def state(arm: float, decisions: DecisionValues) -> State:
-        return classify(StateVector(1, 50, 1, arm, 9), HOME_RADIUS, decisions)  # type: ignore[arg-type]
-
-    for margin in (0.0, 10.0, 30.0):
-        decisions = changed_to(carry_margin=margin)
-        assert state(ARM_RAISED + margin, decisions) == State.FOOD_IN_HAND
-        assert state(ARM_RAISED + margin + 0.01, decisions) == State.READY_TO_PICK_UP_FOOD
 
 
 # ---------------------------------------------------------------- speeds of behaviours

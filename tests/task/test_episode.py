@@ -1,8 +1,6 @@
 """The account of an episode: steps, reward, end, and decisions by state (5.3, 5.4)."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from khepera_forage.task.decisions import DEFAULT_VALUES
 from khepera_forage.task.episode import (
@@ -34,13 +32,6 @@ def step(episode: Episode, tracker: FoodTracker, correct: bool = True, **changes
     for name, value in changes.items():
         setattr(tracker, name, value)
     end_step(episode, tracker, correct, LIMIT)
-
-
-def test_new_episode_has_no_steps() -> None:
-    episode = Episode(7, 6, 1.0, True, True, 3)
-    begin_episode(episode, FoodTracker(deliverable=2, delivered=1))
-    assert (episode.steps, episode.correct, episode.reward, episode.value) == (0, 0, 0.0, 1)
-    assert (episode.terminated, episode.truncated) == (False, False)
 
 
 @pytest.mark.parametrize(
@@ -81,14 +72,6 @@ def test_episode_is_truncated_at_the_limit_unless_it_is_terminated() -> None:
             assert (episode.terminated, episode.truncated) == (False, False)
         step(episode, tracker, delivered=delivered)
         assert (episode.terminated, episode.truncated) == expected
-
-
-@given(st.lists(st.booleans(), min_size=1, max_size=LIMIT))
-def test_steps_and_correct_ones_are_counted(correct: list[bool]) -> None:
-    episode, tracker = begun()
-    for choice in correct:
-        step(episode, tracker, choice)
-    assert (episode.steps, episode.correct) == (len(correct), sum(correct))
 
 
 # ---------------------------------------------------------------- training episodes

@@ -13,7 +13,6 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import (
     FoodObject,
     explored,
-    is_collected,
     is_finished,
     share_identified,
     update_food,
@@ -216,29 +215,6 @@ def test_identified_types_are_shared_with_the_corresponding_food() -> None:
     assert [food.known for food in foods] == [FoodType.PUSHABLE, FoodType.UNKNOWN]
 
 
-@pytest.mark.parametrize(
-    ("known", "is_delivered", "collected"),
-    [
-        (FoodType.PICKABLE, True, True),
-        (FoodType.PICKABLE, False, False),
-        (FoodType.POISONOUS, True, False),
-        (FoodType.UNKNOWN, False, False),
-    ],
-)
-def test_is_collected_holds_for_delivered_food_but_not_for_poison(
-    known: FoodType, is_delivered: bool, collected: bool
-) -> None:
-    assert is_collected(FoodObject(0, 0, known=known, delivered=is_delivered)) is collected
-
-
-def test_held_food_is_where_the_gripper_is() -> None:
-    story = Story()
-    story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND))
-    held = story.tracker.foods[story.tracker.held]
-    assert math.dist((held.x, held.y), (63, 40)) * MM_PER_PIXEL == pytest.approx(58.0)
-    assert held.y == 40.0
-
-
 def test_food_in_the_gripper_is_the_object_that_lay_there() -> None:
     story = Story(FoodType.PUSHABLE)
     story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND))
@@ -269,12 +245,6 @@ def test_gripped_food_that_is_seen_at_home_is_not_delivered() -> None:
     assert delivered(story.tracker) == [True, False]
     assert labels_of_no_candidates(story.tracker) == {1}
     assert not is_finished(story.tracker)
-
-
-def test_lost_region_at_home_delivers_nothing() -> None:
-    story = Story()
-    story.round((20, 60), EMPTY, region(1, HOME, found=False), region(2, SECOND))
-    assert delivered(story.tracker) == [False, False]
 
 
 def test_carried_food_is_recognised_while_its_old_track_remains() -> None:
@@ -318,14 +288,6 @@ def test_poison_in_the_gripper_stays_the_nearest_food() -> None:
     assert labels_of_no_candidates(story.tracker) == set()
     assert story.tracker.type_in_gripper == FoodType.POISONOUS
     assert nearest_of(story) == FIRST
-
-
-def test_food_of_the_next_arena_is_linked_to_nothing() -> None:
-    story = Story()
-    beyond = (HOME[0], ARENA.top + 20)
-    story.round((20, 60), EMPTY, region(1, FIRST), region(2, SECOND), region(9, beyond))
-    assert linked_food(story.tracker, 9) is None
-    assert delivered(story.tracker) == [False, False]
 
 
 def test_surplus_region_is_linked_to_nothing() -> None:

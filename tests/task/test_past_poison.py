@@ -74,17 +74,6 @@ def test_other_food_is_not_passed(known: FoodType) -> None:
     assert not is_poison_about(0, _foods(AHEAD, known))
 
 
-def test_poison_is_about_if_food_other_than_that_in_the_gripper_is_or_may_be_poisonous() -> None:
-    foods = _foods(AHEAD)
-    assert is_poison_about(0, foods)
-    assert not is_poison_about(1, foods)
-    foods[1].delivered = True
-    assert not is_poison_about(0, foods)
-    unknown = _foods(AHEAD, FoodType.UNKNOWN)
-    unknown[1].may_be_poisonous = True
-    assert is_poison_about(0, unknown)
-
-
 def test_unknown_food_is_passed_where_there_can_be_poison() -> None:
     foods = _foods(AHEAD, FoodType.UNKNOWN)
     draw_food_types(foods, 0, (0.5, 0.0, 0.5))

@@ -120,23 +120,6 @@ def test_random_start_has_room_for_the_gripper_beside_a_thin_wall() -> None:
         assert not gripper.intersects(shapely.Polygon(thin)), seed
 
 
-@given(st.sampled_from(ARENAS), KEYS)
-@PROPERTY
-def test_random_layout_is_the_same_for_the_same_key(arena: Arena, key: int) -> None:
-    layout = drawn(arena, 1, key)
-    assert layout == drawn(arena, 1, key)
-    assert layout != drawn(arena, 1, key ^ 1)
-
-
-def test_random_layout_moves_along_with_its_arena() -> None:
-    here, there = drawn(RECTANGLE, 2, 5), drawn(RECTANGLE.shifted(700.0, 400.0), 2, 5)
-    assert here is not None
-    assert there is not None
-    assert there.starts[0] == pytest.approx(
-        (here.starts[0].x + 700.0, here.starts[0].y + 400.0, here.starts[0].heading)
-    )
-
-
 def test_random_starts_and_food_cover_the_floor() -> None:
     layouts = [drawn(RECTANGLE, 1, key_of(seed)) for seed in range(300)]
     for places in ([x.starts[0][:2] for x in layouts if x], [x.foods[0] for x in layouts if x]):
@@ -204,8 +187,3 @@ def test_food_types_have_their_odds() -> None:
     types = types_of(4000, 12, 0.5, 0.3)
     shares = [types.count(t) / 4000 for t in (FoodType.PICKABLE, FoodType.PUSHABLE, FoodType.POISONOUS)]
     assert shares == pytest.approx([0.5, 0.3, 0.2], abs=0.03)  # four standard errors
-
-
-def test_food_types_depend_on_key_and_number_alone() -> None:
-    assert types_of(5, 12, 0.4, 0.3)[:3] == types_of(3, 12, 0.4, 0.3)
-    assert types_of(50, 12, 0.4, 0.3) != types_of(50, 13, 0.4, 0.3)

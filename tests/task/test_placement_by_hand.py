@@ -1,7 +1,6 @@
 """Robots and food on the marks of figure 5.1, as well as an operator can put them there (4.5.2)."""
 
 import math
-from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
@@ -9,12 +8,12 @@ from hypothesis import strategies as st
 
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.forager import floor_of
-from khepera_forage.envs.layouts import no_room_on_marks, training_layout
+from khepera_forage.envs.layouts import training_layout
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.layout_checks import check_layout
 from khepera_forage.sim.world import Layout
-from khepera_forage.task.placement import Place, Start, layout_is_free, place_by_hand
+from khepera_forage.task.placement import Place, Start, layout_is_free
 from tests.sim.worlds import ELL, FIELD
 from tests.version_0_1 import CORRIDOR, RECTANGLE
 
@@ -23,7 +22,6 @@ ARENAS = [CORRIDOR, RECTANGLE, ELL, FIELD]
 KEYS = st.integers(0, 2**64 - 1)
 SHARES = st.tuples(st.floats(-0.05, 1.05), st.floats(-0.05, 1.05))
 """Of width and height of an arena."""
-FACING_A_WALL = replace(CORRIDOR, start=Pose(60.0, 115.0, math.pi))
 
 
 @given(st.sampled_from(ARENAS), KEYS, st.floats(0, 20), st.floats(0, 30))
@@ -38,12 +36,6 @@ def test_training_layout_is_free_and_near_the_marks(
     assert math.dist(layout.starts[0][:2], arena.start[:2]) <= 8 * error + 1e-9
     for food, mark in zip(layout.foods, arena.foods, strict=True):
         assert math.dist(food, mark) <= 8 * error + 1e-9
-
-
-def test_training_layout_without_error_is_on_the_marks() -> None:
-    arenas = copies(CORRIDOR, 3)
-    layout = training_layout(arenas, Noise.none(), 9)
-    assert layout == Layout(tuple(a.start for a in arenas), tuple(f for a in arenas for f in a.foods))
 
 
 def test_training_errors_have_their_deviation_and_differ_between_arenas() -> None:
@@ -62,21 +54,6 @@ def test_training_errors_have_their_deviation_and_differ_between_arenas() -> Non
         count = len(values)
         assert abs(sum(values) / count) < 4 * deviation / math.sqrt(count)
         assert math.sqrt(sum(v * v for v in values) / count) == pytest.approx(deviation, rel=0.1)
-
-
-def test_place_by_hand_without_room_is_false() -> None:
-    start, places = Start(), [Place()]
-    assert not place_by_hand(
-        start, places, 1, FACING_A_WALL.start, FACING_A_WALL.foods, 0.0, 0.0, floor_of(FACING_A_WALL)
-    )
-
-
-def test_training_layout_without_room_names_placement_error_and_mark() -> None:
-    with pytest.raises(
-        ValueError, match=r"placement error of 0 mm.*\(60, 115\) mm has its gripper in a wall"
-    ):
-        training_layout((FACING_A_WALL,), Noise.none(), 1)
-    assert "placement error of 2.5 mm" in str(no_room_on_marks(CORRIDOR, Noise(placement_error=2.5)))
 
 
 @given(st.sampled_from(ARENAS[:3]), SHARES, SHARES, SHARES, st.floats(-math.pi, math.pi))

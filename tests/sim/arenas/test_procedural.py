@@ -1,10 +1,7 @@
 """Procedural arenas: room for robots, the same everywhere, disjoint splits."""
 
 import pickle
-import subprocess
-import sys
 from dataclasses import replace
-from itertools import pairwise
 from zlib import crc32
 
 import numpy as np
@@ -86,22 +83,6 @@ def test_step_limit_allows_for_the_paths_of_nearly_all_levels(difficulty: str) -
     assert DIFFICULTIES[difficulty].longest_path <= 1.3 * max(paths)
 
 
-def test_difficulties_grow() -> None:
-    table = list(DIFFICULTIES.values())
-    assert (
-        [difficulty.name for difficulty in table]
-        == list(DIFFICULTIES)
-        == ["easy", "medium", "hard", "extreme"]
-    )
-    for easier, harder in pairwise(table):
-        assert easier.most_walls < harder.most_walls
-        assert easier.foods < harder.foods
-        assert easier.limit < harder.limit
-        assert easier.noise <= harder.noise
-        assert len(easier.food_types) <= len(harder.food_types)
-    assert table[-1].most_walls == 30
-
-
 # ---------------------------------------------------------------- the same everywhere
 
 
@@ -117,35 +98,6 @@ def checksum(difficulty: str) -> int:
 def test_levels_are_those_of_version_1(difficulty: str, expected: int) -> None:
     """Results name levels: a generator with other arenas needs environments of another version."""
     assert checksum(difficulty) == expected
-
-
-def test_level_does_not_depend_on_process_or_order() -> None:
-    code = (
-        "from khepera_forage.sim.arenas.procedural import procedural_arena as arena; "
-        "from khepera_forage.sim.arena_file import arena_text; "
-        "arena(5, 'easy'); print(arena_text(arena(3, 'hard')), end='')"
-    )
-    text = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert text == arena_text(procedural_arena(3, "hard"))
-
-
-def test_levels_differ() -> None:
-    arenas = [
-        replace(arena, name="level")
-        for difficulty in DIFFICULTIES
-        for split in ("train", "test")
-        for arena in ProceduralArenas(difficulty, split, 50)
-    ]
-    assert len(set(arenas)) == len(arenas)
-
-
-def test_both_splits_draw_from_the_same_arenas() -> None:
-    areas = [
-        [shapely.Polygon(arena.walls).area / 1e6 for arena in ProceduralArenas("medium", split, 300)]
-        for split in ("train", "test")
-    ]
-    error = np.hypot(*(np.std(a) / np.sqrt(len(a)) for a in areas))
-    assert abs(np.mean(areas[0]) - np.mean(areas[1])) < 4 * error
 
 
 # ---------------------------------------------------------------- sequences
