@@ -227,11 +227,25 @@ def test_food_in_the_gripper_is_the_object_that_lay_there() -> None:
     assert types == [FoodType.UNKNOWN, FoodType.PUSHABLE, FoodType.UNKNOWN], "not before a whole round"
 
 
-@pytest.mark.parametrize("motors", [STILL._replace(left=1), STILL._replace(right=-1)])
-def test_moving_robot_identifies_nothing(motors: Motors) -> None:
+@pytest.mark.parametrize(
+    ("before", "after", "motors"),
+    [
+        (PRESENT, PRESENT, STILL._replace(left=1)),
+        (PRESENT, PRESENT, STILL._replace(right=-1)),
+        (EMPTY, PRESENT, STILL),
+        (PRESENT, EMPTY, STILL),
+        (PRESENT._replace(arm=215), PRESENT, STILL),
+        (PRESENT, PRESENT._replace(arm=215), STILL),
+        (PRESENT._replace(jaw=126), PRESENT, STILL),
+        (PRESENT, PRESENT._replace(jaw=126), STILL),
+    ],
+)
+def test_food_is_identified_only_in_a_still_round_with_arm_down_and_jaw_open(
+    before: Senses, after: Senses, motors: Motors
+) -> None:
     story = Story()
-    for _ in range(5):
-        story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND), motors=motors)
+    for senses in (before, after):
+        story.round((63, 40), senses, region(1, FIRST, found=False), region(2, SECOND), motors=motors)
     assert known_types(story.tracker) == [FoodType.UNKNOWN] * 2
 
 
