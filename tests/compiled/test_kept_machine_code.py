@@ -188,36 +188,26 @@ for name in "{calls}".split():
     function, points = (left, LEFT) if name == "left" else (right, RIGHT)
     print(function(points), name in Compiled.names)
 """
-BOTH_LOADED = ("left", "right", "left right"), "{} False\n{} False\n"
-ONE_LOADED = ("left", "right left"), "{} True\n{} False\n"
-MIXED = pytest.mark.parametrize(
-    ("processes", "last"), [BOTH_LOADED, ONE_LOADED], ids=["both loaded", "one compiled"]
-)
+PROCESSES = ("left", "right", "left right")
+"""The functions that each process calls. The last one loads both, which no process has compiled together."""
 
 
-@MIXED
-def test_numba_alone_mixes_up_functions_of_two_processes(
-    package: Package, processes: tuple[str, ...], last: str
-) -> None:
+def test_numba_alone_mixes_up_functions_of_two_processes(package: Package) -> None:
     """Once this test fails, numba has mended it: rules can be functions of `register_jitable` again."""
     (package.sources.parent / "alone.py").write_text(NUMBA_ALONE)
     place = {"NUMBA_CACHE_DIR": str(package.cache)}
-    outputs = [package.run(USE.format(module="alone", calls=calls), **place)[0] for calls in processes]
-    assert outputs[-1] == last.format("2.0", "200.0")
+    outputs = [package.run(USE.format(module="alone", calls=calls), **place)[0] for calls in PROCESSES]
+    assert outputs[-1] == "2.0 False\n200.0 False\n"
 
 
-@MIXED
-def test_functions_of_two_processes_are_not_mixed_up(
-    package: Package, processes: tuple[str, ...], last: str
-) -> None:
+def test_functions_of_two_processes_are_not_mixed_up(package: Package) -> None:
     module = "khepera_forage.sim.kernel"
-    outputs = [package.run(USE.format(module=module, calls=calls))[0] for calls in processes]
-    assert outputs[-1] == last.format("2.0", "2.0")
+    outputs = [package.run(USE.format(module=module, calls=calls))[0] for calls in PROCESSES]
+    assert outputs[-1] == "2.0 False\n2.0 False\n"
 
 
-@pytest.mark.parametrize("changes", [b"", b"garbage", "half", "zeros"], ids=str)
-@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
-def test_damaged_file_is_replaced(kept: Package, tmp_path: Path, suffix: str, changes: bytes | str) -> None:
+@pytest.mark.parametrize(("suffix", "part"), [("nbi", 0.0), ("nbi", 0.5), ("nbc", 0.5)])
+def test_damaged_file_is_replaced(kept: Package, tmp_path: Path, suffix: str, part: float) -> None:
     package = Package(tmp_path)
     shutil.copytree(kept.cache, package.cache)
     package.environment["PYTHONPATH"] = kept.environment[
@@ -225,8 +215,7 @@ def test_damaged_file_is_replaced(kept: Package, tmp_path: Path, suffix: str, ch
     ]  # numba's folder names contain their paths
     (file,) = package.files(f"*.{suffix}")
     whole = file.read_bytes()
-    damaged = {"half": whole[: len(whole) // 2], "zeros": bytes(len(whole))}
-    file.write_bytes(damaged[changes] if isinstance(changes, str) else changes)
+    file.write_bytes(whole[: int(part * len(whole))])
     output, error = package.run(ADD)
     assert output == COMPILED
     assert re.fullmatch("khepera_forage: machine code on disk cannot be used, .*\n", error)
@@ -236,23 +225,18 @@ def test_damaged_file_is_replaced(kept: Package, tmp_path: Path, suffix: str, ch
 FULL_DISK = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))\n"
 NO_PLACE = [
     ("", {"NUMBA_CACHE_DIR": "/dev/null/x"}),
-    ("", {"XDG_CACHE_HOME": "/dev/null/x"}),
-    ("", {"XDG_CACHE_HOME": None, "HOME": "/proc/nope"}),
     ("import os.path; os.path.expanduser = str\n", {"XDG_CACHE_HOME": None, "HOME": None}),
-    ("", {"NUMBA_CACHE_LOCATOR_CLASSES": "InTreeCacheLocator"}),
     (FULL_DISK, {}),
     ("sys.modules['platformdirs'] = None\n", {}),
 ]
-NO_PLACE_NAMES = ["numba", "xdg", "home", "no home", "locator", "full disk", "no platformdirs"]
 
 
-@pytest.mark.parametrize(("before", "environment"), NO_PLACE, ids=NO_PLACE_NAMES)
+@pytest.mark.parametrize(("before", "environment"), NO_PLACE)
 def test_without_a_place_for_files_code_is_compiled_in_memory(
     package: Package, before: str, environment: dict[str, str | None]
 ) -> None:
-    code = before + ADD + "from khepera_forage.sim.kernel import *\nprint(left(LEFT))"
-    output, error = package.run(code, **environment)
-    assert output == COMPILED + "2.0\n"
+    output, error = package.run(before + ADD, **environment)
+    assert output == COMPILED
     assert re.fullmatch("khepera_forage: machine code on disk cannot be used, .*\n", error)
     assert not list(package.sources.parent.parent.rglob("*.nb?"))
 
@@ -260,12 +244,11 @@ def test_without_a_place_for_files_code_is_compiled_in_memory(
 DELETED = "import os; os.mkdir('gone'); os.chdir('gone'); os.rmdir('../gone')\n"
 UNUSUAL = [
     (DELETED, {}),
-    ("import pathlib; sys.path.insert(0, pathlib.Path('folder'))\n", {}),
     ("", {"HOME": None}),
 ]
 
 
-@pytest.mark.parametrize(("before", "environment"), UNUSUAL, ids=["no current folder", "path", "no home"])
+@pytest.mark.parametrize(("before", "environment"), UNUSUAL)
 def test_unusual_process_loads_machine_code(
     kept: Package, before: str, environment: dict[str, str | None]
 ) -> None:
@@ -317,7 +300,6 @@ def test_errors_of_a_call_are_those_of_numba(kept: Package) -> None:
     assert "TypeError not enough arguments" in expected
     assert "TypingError" in expected
     assert kept.run(ERRORS + calls) == (expected, "")
-    assert kept.run(ERRORS + "add(np.zeros(2), 1.0)\n" + calls) == (expected, "")
 
 
 def test_long_compilation_is_announced(package: Package) -> None:

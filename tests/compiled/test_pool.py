@@ -1,5 +1,6 @@
 """Compiled worlds in several arenas: the same arenas, layouts and episodes as in one arena after the other."""
 
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium as gym
@@ -9,6 +10,7 @@ import pytest
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.compiled.arenas import PreparedArenas
+from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.procedural import ProceduralArenas, procedural_arena
@@ -60,21 +62,15 @@ def test_batch_has_the_episodes_of_single_worlds_bit_for_bit(name: str) -> None:
 
 def test_forgotten_arenas_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """The arenas of ended episodes are prepared again when a world enters them again."""
-    arenas = ProceduralArenas("easy", num_levels=12)
-    every = _many(4, arena=arenas, limit=15)
-    forgetful = _many(4, arena=arenas, limit=15)
+    every, forgetful = (_many(4, arena=ProceduralArenas("easy", num_levels=12), limit=15) for _ in range(2))
     (_, infos), (_, known) = every.reset(seed=2), forgetful.reset(seed=2)
-    most = 0
     for _ in range(200):
-        monkeypatch.setattr(PreparedArenas, "_MOST_BYTES", 1)
-        known = forgetful.step(known["correct_behaviour"])[4]
-        monkeypatch.undo()
+        with monkeypatch.context() as patch:
+            patch.setattr(PreparedArenas, "_MOST_BYTES", 1)
+            known = forgetful.step(known["correct_behaviour"])[4]
         infos = every.step(infos["correct_behaviour"])[4]
         assert _same(known, infos)
         assert forgetful.unwrapped.batch.arenas == every.unwrapped.batch.arenas
-        most = max(most, len(forgetful.unwrapped.batch._arenas._place_of))
-    assert most <= 9, "of one round, and of the round before"
-    assert len(every.unwrapped.batch._arenas._place_of) == 12
 
 
 def test_teacher_forages_in_kernels_as_in_environments() -> None:
@@ -113,21 +109,25 @@ def test_names_and_arenas_make_the_same_pool() -> None:
     names: list[Arena | str] = ["corridor", HALL, "t_maze"]
     decisions = Decisions(home_to_wall=100.0)
     arenas = [checked_arena(given, decisions) for given in names]
-    for backend in ("pymunk", "compiled"):
-        one, other = (_one(backend, arena=given, decisions=decisions) for given in (names, arenas))
-        assert one.observation_space == other.observation_space
+    paired = [TrainingEnv(arena=given, decisions=decisions) for given in (names, arenas)]
+    many = [_many(9, arena=given, decisions=decisions) for given in (names, arenas)]
+    for pair in (
+        [_one("pymunk", arena=given, decisions=decisions) for given in (names, arenas)],
+        [_one("compiled", arena=given, decisions=decisions) for given in (names, arenas)],
+        many,
+    ):
+        assert pair[0].observation_space == pair[1].observation_space
         for seed in range(5):
-            assert _same(one.reset(seed=seed)[0], other.reset(seed=seed)[0])
-            assert one.arena == other.arena
-    by_name, by_arena = (_many(9, arena=given, decisions=decisions) for given in (names, arenas))
-    assert _same(by_name.reset(seed=0)[0], by_arena.reset(seed=0)[0])
-    assert {arena.name for arena in by_name.unwrapped.batch.arenas} == {"corridor", "hall", "t_maze"}
-    one, other = (
-        run_teacher(names, 9, limit=200, decisions=decisions),
-        run_teacher(arenas, 9, limit=200, decisions=decisions),
-    )
-    assert np.array_equal(one.start, other.start)
-    assert np.array_equal(one.score, other.score)
+            assert _same(*(env.reset(seed=seed)[0] for env in pair))
+    assert {arena.name for arena in many[0].unwrapped.batch.arenas} == {"corridor", "hall", "t_maze"}
+    for seed in range(5):
+        for env in paired:
+            env.reset(seed=seed)
+        assert paired[0].arenas == paired[1].arenas
+        assert paired[0].arena_of(seed) == paired[0].arenas[0]
+    teachers = [run_teacher(given, 9, limit=200, decisions=decisions) for given in (names, arenas)]
+    assert np.array_equal(teachers[0].start, teachers[1].start)
+    assert np.array_equal(teachers[0].score, teachers[1].score)
 
 
 def test_a_million_levels_are_drawn_when_they_are_used() -> None:
@@ -149,10 +149,13 @@ def test_a_million_levels_are_drawn_when_they_are_used() -> None:
     ],
 )
 def test_bad_pools_are_quoted(arenas: Any, message: str) -> None:
-    for backend in ("pymunk", "compiled"):
+    makers: tuple[Callable[[], Any], ...] = (
+        lambda: _one("pymunk", arena=arenas),
+        lambda: _one("compiled", arena=arenas),
+        lambda: _many(2, arena=arenas),
+        lambda: TrainingEnv(arena=arenas),
+        lambda: run_teacher(arenas, 1),
+    )
+    for make in makers:
         with pytest.raises(ValueError, match=message):
-            _one(backend, arena=arenas)
-    with pytest.raises(ValueError, match=message):
-        _many(2, arena=arenas)
-    with pytest.raises(ValueError, match=message):
-        run_teacher(arenas, 1)
+            make()

@@ -85,76 +85,56 @@ def _check_same(compiled: Any, python: Any) -> None:
             assert getattr(ours, name) == getattr(theirs, name), name
 
 
-def test_episodes_of_behaviours_are_those_of_the_task_in_python() -> None:
-    """Now and then another behaviour than the teacher's, so that food is lost, shoved and released anywhere."""
-    compiled, python = _pair(BehavioursEnv, "Rectangle", foods=3, limit=350, noise=LOSSES, food_types=MIXED)
+def _action(env: Any, behaviour: int) -> Any:
+    """The action that commands a behaviour, in either kind of environment."""
+    if isinstance(env.action_space, gym.spaces.Discrete):
+        return behaviour
+    left, right, arm, jaw = env.forager.motors_for(behaviour)
+    return np.array((left / 20, right / 20, (235 - arm) / 20, 1 - jaw / 100))
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "kwargs"),
+    [
+        (BehavioursEnv, "Rectangle", {"foods": 3, "limit": 350}),
+        (WheelsEnv, "CorridorWheels", {"foods": 1, "limit": 200}),
+        *(
+            (BehavioursEnv, "Rectangle", {"foods": 3, "limit": 250, "arena": BLOCKS, "decisions": decisions})
+            for decisions in DECISIONS[1:]
+        ),
+    ],
+    ids=("behaviours", "wheels", *IDS[1:]),
+)
+def test_episodes_are_those_of_the_task_in_python(
+    kind: type[RecallEnv[Any]], name: str, kwargs: dict[str, Any]
+) -> None:
+    """Now and then another behaviour than the teacher's, so that food is lost, shoved and released anywhere.
+
+    With other decisions, around walls and past poison, with each alternative of every decision.
+    """
+    compiled, python = _pair(kind, name, noise=LOSSES, food_types=MIXED, **kwargs)
     rng = np.random.default_rng(0)
-    delivered = poison = 0
-    for seed in range(8):
+    delivered = wrong = 0
+    for seed in range(2 if "decisions" in kwargs else 6):
         python.world.seed = seed
         obs, info = compiled.reset(seed=seed)
         other_obs, other_info = python.reset(seed=seed)
         over = False
         while not over:
             _check_same(compiled, python)
-            assert repr(obs) == repr(other_obs)
-            for name in info:
-                assert _close(info[name], other_info[name]), name
-            random = rng.random() < 0.1
-            behaviour = int(rng.integers(10)) if random else info["correct_behaviour"]
-            obs, *result, info = compiled.step(behaviour)
-            other_obs, *other_result, other_info = python.step(behaviour)
-            assert result == other_result
-            over = result[1] or result[2]
-        delivered += info["delivered"]
-        poison += sum(food.known == 3 for food in compiled.forager.tracker.foods)
-    assert delivered > 6
-    assert poison > 2
-
-
-@pytest.mark.parametrize("decisions", DECISIONS[1:], ids=IDS[1:])
-def test_other_decisions_have_the_same_episodes_as_in_python(decisions: Decisions) -> None:
-    """Around walls and past poison, with each alternative of every decision."""
-    kwargs: Any = {"foods": 3, "limit": 250, "noise": LOSSES, "food_types": MIXED, "arena": BLOCKS}
-    compiled, python = _pair(BehavioursEnv, "Rectangle", decisions=decisions, **kwargs)
-    rng = np.random.default_rng(3)
-    for seed in range(2):
-        python.world.seed = seed
-        _, info = compiled.reset(seed=seed)
-        python.reset(seed=seed)
-        over = False
-        while not over:
-            assert compiled.forager.vector == python.forager.vector
-            behaviour = int(rng.integers(10)) if rng.random() < 0.1 else info["correct_behaviour"]
-            _, *result, info = compiled.step(behaviour)
-            _, *other_result, _ = python.step(behaviour)
-            assert result == other_result
-            over = result[1] or result[2]
-
-
-def test_episodes_of_wheels_are_those_of_the_task_in_python() -> None:
-    compiled, python = _pair(WheelsEnv, "CorridorWheels", foods=1, limit=200, noise=LOSSES, food_types=MIXED)
-    rng = np.random.default_rng(1)
-    correct = 0
-    for seed in range(5):
-        python.world.seed = seed
-        obs, info = compiled.reset(seed=seed)
-        other_obs, other_info = python.reset(seed=seed)
-        over = False
-        while not over:
-            _check_same(compiled, python)
-            for name in obs:
-                assert _close(obs[name], other_obs[name]), name
-            motors = compiled.forager.motors_for(compiled.forager.correct_behaviour)
-            right = (motors.left / 20, motors.right / 20, (235 - motors.arm) / 20, 1 - motors.jaw / 100)
-            action = rng.uniform(-1, 1, 4) if rng.random() < 0.1 else np.array(right)
+            for mine, other in ((obs, other_obs), (info, other_info)):
+                assert list(mine) == list(other)
+                assert all(_close(mine[key], other[key]) for key in mine)
+            right = compiled.forager.correct_behaviour
+            action = _action(compiled, int(rng.integers(10)) if rng.random() < 0.1 else right)
             obs, *result, info = compiled.step(action)
             other_obs, *other_result, other_info = python.step(action)
             assert result == other_result
-            assert (info["steps"], info["correct"]) == (other_info["steps"], other_info["correct"])
             over = result[1] or result[2]
-        correct += info["correct"] / info["steps"]
-    assert 0.8 < correct / 5 < 1.0
+        delivered += info["delivered"]
+        wrong += info["steps"] - info["correct"]
+    assert wrong > 20
+    assert delivered or "decisions" in kwargs
 
 
 def _pymunk_steps(episodes: int) -> Any:
