@@ -25,10 +25,20 @@ with warnings.catch_warnings():
     )
 
 
-@pytest.mark.parametrize("module", [paired_corridors_v0, paired_corridors_v1])
-@pytest.mark.parametrize("learners", [1, 3])
-def test_api_test_passes(learners: int, module: Any) -> None:
-    api_test(module.env(num_learners=learners, max_cycles=50), num_cycles=200)
+@pytest.mark.parametrize(
+    ("module", "kwargs"),
+    [
+        (paired_corridors_v0, {}),
+        (paired_corridors_v1, {}),
+        (paired_corridors_v1, {"num_learners": 3}),
+        (paired_corridors_v1, {"backend": "compiled"}),
+        (paired_corridors_wheels_v1, {"num_learners": 2}),
+    ],
+)
+def test_api_and_parallel_tests_pass(module: Any, kwargs: dict[str, Any]) -> None:
+    api_test(module.env(max_cycles=30, **kwargs), num_cycles=100)
+    parallel_api_test(module.parallel_env(max_cycles=30, **kwargs), num_cycles=60)
+    parallel_seed_test(lambda: module.parallel_env(max_cycles=20, **kwargs), num_cycles=20)
 
 
 def test_seed_test_passes() -> None:
@@ -51,11 +61,6 @@ def test_render_test_passes() -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SDL_VIDEODRIVER", "dummy")
         render_test(make, modes)
-
-
-def test_parallel_tests_pass() -> None:
-    parallel_api_test(paired_corridors_v1.parallel_env(max_cycles=50), num_cycles=100)
-    parallel_seed_test(lambda: paired_corridors_v1.parallel_env(max_cycles=50), num_cycles=60)
 
 
 @pytest.mark.parametrize("module", [paired_corridors_v1, paired_corridors_wheels_v1])
