@@ -15,7 +15,6 @@ from khepera_forage.sim.arena_file import (
     arena_text,
     plan_of,
     read_arena,
-    read_plan,
     write_arena,
 )
 from khepera_forage.sim.arenas.named import FAMILY, box, family_arena
@@ -57,7 +56,6 @@ def test_written_arena_reads_as_the_same(arena: Arena, tmp_path: Path) -> None:
     assert same(read_back(arena, tmp_path / "arena.toml"), arena)
 
 
-finite = st.floats(-1e8, 1e8)
 inside = st.floats(0.1, 0.9)
 
 
@@ -110,12 +108,6 @@ def test_text_has_the_keys_of_an_arena_and_short_numbers() -> None:
     assert arena_text(arena) == DEN
 
 
-def test_obstacles_may_be_left_out_or_empty() -> None:
-    bare = DEN[: DEN.index("obstacles")]
-    assert read_text(bare).obstacles == read_text(bare + "obstacles = []").obstacles == ()
-    assert "obstacles" not in arena_text(read_text(bare))
-
-
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -160,15 +152,6 @@ def test_mistake_in_the_toml_names_the_line(tmp_path: Path) -> None:
         read_arena(path)
     with pytest.raises(FileNotFoundError, match="missing"):
         read_arena(tmp_path / "missing.toml")
-
-
-def test_plan_of_an_arena_that_is_not_allowed_can_be_read(tmp_path: Path) -> None:
-    path = tmp_path / "den.toml"
-    path.write_text(DEN.replace("[560, 250]", "[800, 250]"))
-    plan = read_plan(path)
-    assert (plan.name, plan.home) == ("den", Point(800, 250))
-    with pytest.raises(ValueError, match="den: home at"):
-        plan.arena()
 
 
 def test_file_that_exists_stays_whole_when_writing_fails(

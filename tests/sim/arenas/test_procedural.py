@@ -10,18 +10,14 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from khepera_forage.robots.khepera import RADIUS
-from khepera_forage.sim.arena import copies
 from khepera_forage.sim.arena_file import arena_text
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, Difficulty, checked_difficulty
 from khepera_forage.sim.arenas.procedural import LEVELS, ProceduralArenas, procedural_arena
 from khepera_forage.sim.arenas.procedural_floor import PASSAGE
-from khepera_forage.sim.layout_checks import check_layout, check_seen
-from khepera_forage.sim.ways import check_ways, longest_path, too_narrow
-from khepera_forage.sim.world import Layout
-from tests.sim.arenas.floors import usable_floor
+from khepera_forage.sim.ways import longest_path
+from tests.sim.arenas.test_family import check_room, usable_floor
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=100)
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 everywhere = pytest.mark.parametrize("difficulty", DIFFICULTIES)
 levels = st.integers(0, 2 * LEVELS)
 
@@ -29,19 +25,12 @@ levels = st.integers(0, 2 * LEVELS)
 @everywhere
 @given(level=levels)
 @PROPERTY
-def test_robot_reaches_every_part_of_a_level_past_the_home(difficulty: str, level: int) -> None:
+def test_level_has_room_for_robots_and_pairs(difficulty: str, level: int) -> None:
     arena = procedural_arena(level, difficulty)
-    floor = usable_floor(arena)
-    assert floor.geom_type == "Polygon"
-    for past_home in (RADIUS, 50):
-        home = shapely.Point(arena.home).buffer(arena.home_radius + past_home)
-        assert floor.difference(home).geom_type == "Polygon"
-    for place in (arena.home, arena.start, *arena.foods):
-        assert floor.contains(shapely.Point(place[:2]))
-    check_ways(arena)
-    assert too_narrow(arena) == []
+    check_room(arena)
     # No slits: a place with some room around it is beside the floor that robots use.
-    assert usable_floor(arena, 50).difference(floor.buffer(60)).area == pytest.approx(0, abs=1)
+    slits = usable_floor(arena, 50).difference(usable_floor(arena).buffer(60))
+    assert slits.area == pytest.approx(0, abs=1)
 
 
 @everywhere
@@ -64,16 +53,6 @@ def test_level_has_what_its_difficulty_says(difficulty: str, level: int) -> None
         others = [outer, *(other for other in shapes if other is not shape)]
         assert min(map(shape.distance, others)) > PASSAGE - 1e-6
     assert (len(arena.walls) - 4) / 2 in range(chosen.notches[0], chosen.notches[1] + 1)
-
-
-@everywhere
-@given(level=levels)
-@PROPERTY
-def test_pair_of_a_level_is_in_the_picture_with_room_on_its_marks(difficulty: str, level: int) -> None:
-    pair = copies(procedural_arena(level, difficulty), 2)
-    check_seen(pair)
-    for arena in pair:
-        check_layout((arena,), Layout((arena.start,), arena.foods))
 
 
 @everywhere
@@ -115,11 +94,6 @@ def test_sequence_is_of_consecutive_levels_of_a_split() -> None:
     assert train[0].name == "procedural_easy_10"
     with pytest.raises(IndexError):
         train[5]
-
-
-def test_splits_have_no_level_in_common() -> None:
-    last = ProceduralArenas("easy", "train", 1, LEVELS - 1)
-    assert last.first_level + len(last) == LEVELS == ProceduralArenas("easy", "test").first_level
 
 
 def test_sequence_can_be_compared_copied_and_used_as_a_key() -> None:
