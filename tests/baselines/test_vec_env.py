@@ -151,19 +151,6 @@ def test_wrappers_of_stable_baselines3_accept_the_adapter() -> None:
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_infos_and_arrays_are_fresh(mode: str) -> None:
-    env = adapter(mode, worlds=2)
-    first = env.reset()
-    kept = first.copy()
-    for _ in range(2):
-        rows, _, _, infos = env.step(np.zeros(2, int))
-        assert infos == [{}, {}]
-        infos[0]["mine"] = 1
-        rows[:] = 7.0
-    np.testing.assert_array_equal(first, kept)
-
-
-@pytest.mark.parametrize("mode", MODES)
 def test_options_and_seeds_decide_the_start(mode: str) -> None:
     env = adapter(mode, worlds=2)
     env.set_options([{"start": (100.0, 100.0, 0.0)}, {}])
@@ -227,11 +214,6 @@ def test_step_before_the_first_reset_is_refused() -> None:
     env = adapter(COMPILED_MODE, worlds=2)
     with pytest.raises(ResetNeeded, match="not reset yet"):
         env.step(np.array([0, 0]))
-
-
-def test_hold_below_1_is_refused() -> None:
-    with pytest.raises(ValueError, match="hold is 0; allowed: a whole number of at least 1"):
-        adapter("sync", worlds=2, hold=0)
 
 
 def test_environments_that_begin_again_a_step_later_are_refused() -> None:

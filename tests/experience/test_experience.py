@@ -135,13 +135,6 @@ def test_joining_two_arenas_is_an_error(tmp_path: Path) -> None:
         corridor + 1  # type: ignore[operator]
 
 
-def test_loading_a_missing_file_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(TypeError, match="no path to load"):
-        Experience.load()
-    with pytest.raises(FileNotFoundError, match=r"g1\.csv"):
-        Experience.load(tmp_path / "g1.csv")
-
-
 BAD_ROWS: list[tuple[Any, Any, str]] = [
     ((2, 52, 0, 215, 28), 0, "object_presence is 2; allowed: 0 or 1"),
     ((0, -1, 0, 215, 28), 0, "robot_home_distance is -1; allowed: 0 to"),

@@ -5,7 +5,6 @@ import math
 import pytest
 import shapely
 from hypothesis import given
-from hypothesis import strategies as st
 
 from khepera_forage.geometry import polygon
 from khepera_forage.geometry.polygon import Segment
@@ -44,14 +43,6 @@ def test_clearance_is_the_distance_to_the_nearest_side_and_negative_off_the_free
     enclosure: Enclosure, place: Place
 ) -> None:
     check_clearance(enclosure, *place)
-
-
-@given(enclosures, st.floats(-600, 600), st.data())
-@PROPERTY
-def test_clearance_is_right_beside_a_corner(enclosure: Enclosure, x: float, data: st.DataObject) -> None:
-    """A ray along the x axis then passes exactly through the corner, where one wall ends and another starts."""
-    corners = [corner for corners in enclosure.polygons for corner in corners]
-    check_clearance(enclosure, x, data.draw(st.sampled_from(corners))[1])
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,10 @@
 """Learners of all kinds become policies in one line."""
 
-import pickle
 from typing import Any
 
 import numpy as np
 import pytest
 from sklearn.naive_bayes import GaussianNB
-from sklearn.neural_network import MLPClassifier
 from sklearn.svm import LinearSVC
 
 from khepera_forage.policies import (
@@ -115,13 +113,6 @@ def test_numbers_that_are_no_probabilities_are_refused(levels: tuple[float, ...]
         policy.act(X[0], np.random.default_rng(0))
 
 
-@pytest.mark.filterwarnings("ignore::sklearn.exceptions.ConvergenceWarning")  # of a network in one iteration
-@pytest.mark.parametrize("sample", [True, False])
-def test_network_that_was_shown_one_behaviour_executes_it(sample: bool) -> None:
-    network = MLPClassifier((4,), max_iter=1, random_state=0).fit(X, np.full(len(X), Behaviour.GO_HOME))
-    assert ClassifierPolicy(network, sample).act(X[0], np.random.default_rng(0)) is Behaviour.GO_HOME
-
-
 def test_classifier_without_classes_or_with_other_columns_is_refused() -> None:
     with pytest.raises(ValueError, match="GaussianNB has no classes_; allowed: a fitted classifier"):
         as_policy(GaussianNB())
@@ -149,23 +140,3 @@ def test_labels_with_gaps_are_learned_by_classifiers_that_know_none() -> None:
     assert [as_policy(wrapped).act(row, rng) for row in X] == [as_policy(plain).act(row, other) for row in X]
     with pytest.raises(ValueError, match="ContiguousLabels was fitted on 4 columns"):
         as_policy(ContiguousLabels(OnlyContiguous()).fit(X[:, :4], Y))
-
-
-class Counting(GaussianNB):  # type: ignore[misc]  # scikit-learn is untyped
-    """Counts its predictions."""
-
-    predictions = 0
-
-    def predict_proba(self, rows: Any) -> Any:
-        self.predictions += 1
-        return super().predict_proba(rows)
-
-
-def test_cached_probabilities_equal_predicted_ones() -> None:
-    classifier = Counting().fit(X, Y)
-    plain, cached = ClassifierPolicy(classifier), ClassifierPolicy(classifier, remember=True)
-    rng, other = np.random.default_rng(1), np.random.default_rng(1)
-    assert [plain.act(row, rng) for row in X] == [cached.act(row, other) for row in X]
-    assert classifier.predictions == len(X) + 4
-    twin = pickle.loads(pickle.dumps(cached))
-    assert twin.act(X[0], np.random.default_rng(0)) == cached.act(X[0], np.random.default_rng(0))

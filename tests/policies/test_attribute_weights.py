@@ -82,13 +82,3 @@ def test_equal_weights_equal_the_imitator() -> None:
 def test_parameters_out_of_range_are_refused(parameters: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         WeightedImitator(**parameters).fit(*misleading(0))
-
-
-def test_groups_of_another_length_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"groups have shape \(3,\); allowed: \(200,\)"):
-        WeightedImitator().fit(*misleading(0), groups=[1, 2, 3])
-
-
-def test_single_episode_keeps_equal_weights() -> None:
-    learned = WeightedImitator().fit(*misleading(0), groups=np.zeros(200))
-    assert learned.weights_ == (1,) * 5

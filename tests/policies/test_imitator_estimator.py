@@ -33,14 +33,6 @@ def test_threshold_out_of_range_is_refused(threshold: Any) -> None:
         NearestNeighbourImitator(threshold=threshold).fit(X, Y)
 
 
-def test_parameters_set_after_fit_are_checked() -> None:
-    imitator = NearestNeighbourImitator().fit(X, Y).set_params(diagonal=0)
-    with pytest.raises(ValueError, match="diagonal is 0"):
-        imitator.act(X[0], np.random.default_rng())
-    with pytest.raises(ValueError, match="diagonal is 0"):
-        imitator.predict(X)
-
-
 def test_imitator_without_experience_raises() -> None:
     with pytest.raises(NotFittedError):
         NearestNeighbourImitator().act(X[0], np.random.default_rng())

@@ -14,10 +14,9 @@ import khepera_forage  # noqa: F401 - registers the environments
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies.learned_behaviours import LearnedBehaviours, relations
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_CLOSED, Motors
-from khepera_forage.task.behaviours import command, wait
+from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.perception import RawData
-from khepera_forage.task.states import Behaviour
 
 SIGHT: dict[str, Any] = {
     "proximity": (0, 10, 20, 30, 40, 50),
@@ -124,13 +123,6 @@ def test_learned_behaviours_forage_at_new_places(learned: LearnedBehaviours) -> 
     assert sum(delivered) >= 1, "a robot that stands still, or drives at random, delivers nothing"
 
 
-def test_behaviour_without_examples_stands_still(learned: LearnedBehaviours) -> None:
-    assert Behaviour.PUSH_FOOD not in learned.known
-    assert learned.known >= {Behaviour.SEARCH_FOR_FOOD, Behaviour.GO_HOME, Behaviour.RELEASE_FOOD}
-    assert learned.command(Behaviour.PUSH_FOOD, RAW) == wait(RAW)
-    assert LearnedBehaviours().command(Behaviour.GO_HOME, RAW) == wait(RAW)
-
-
 def test_seed_decides_the_behaviours(steps: Steps, learned: LearnedBehaviours) -> None:
     def all_predicted(behaviours: LearnedBehaviours) -> Iterator[Motors]:
         unseen = moved(RAW, 3.0, 4.0, 5)._replace(food_y=31.0, wall_distance=11.0)
@@ -145,11 +137,6 @@ def test_seed_decides_the_behaviours(steps: Steps, learned: LearnedBehaviours) -
 def test_number_of_trees_out_of_range_is_refused(trees: int) -> None:
     with pytest.raises(ValueError, match=f"trees is {trees}; allowed: an integer, at least 1"):
         LearnedBehaviours(trees)
-
-
-def test_different_lengths_are_refused() -> None:
-    with pytest.raises(ValueError, match="1 raw data, 2 behaviours, 0 motors; allowed: as many of each"):
-        LearnedBehaviours().fit([RAW], [1, 2], [])
 
 
 def test_numbers_that_are_not_finite_are_refused() -> None:

@@ -99,8 +99,3 @@ def test_behaviours_are_drawn_with_the_probabilities_of_a_classifier() -> None:
     }
     assert len(expected) > 1
     check_frequencies(counts, expected, 2_000)
-
-
-def test_deterministic_is_passed_to_the_model() -> None:
-    assert ModelPolicy(Constant()).act(QUERY) is Behaviour.GO_HOME
-    assert ModelPolicy(Constant(), deterministic=False).act(QUERY) is Behaviour.AVOID_HOME

@@ -44,13 +44,6 @@ def test_learner_agrees_with_the_teacher_after_enough_rounds(env: BehavioursEnv)
     assert sum(recall(env, out.policy, seed).delivered for seed in range(8)) >= 7
 
 
-def test_queries_depend_only_on_the_seed(env: BehavioursEnv) -> None:
-    first, second, other = (dagger(make, env, 150, seed) for seed in (1, 1, 2))
-    np.testing.assert_array_equal(first.vectors, second.vectors)
-    assert first.rounds == second.rounds
-    assert not np.array_equal(first.vectors, other.vectors)
-
-
 def test_start_experience_is_learned_without_queries(env: BehavioursEnv) -> None:
     start = np.array([[0, 90, 0, 215, 60], [0, 60, 0, 255, 18]]), np.array([7, 7])
     out = dagger(make, env, 40, 3, queries_a_round=40, start=start)

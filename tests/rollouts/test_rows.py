@@ -107,18 +107,6 @@ def test_numpy_numbers_are_written_as_numbers(tmp_path: Path) -> None:
     assert type(back.penalty) is int
 
 
-def test_decisions_are_written_and_read_equal(tmp_path: Path) -> None:
-    rows = [
-        training(decisions="next_to_food=17;patience=50"),
-        training(decisions="v0.1"),
-        training(decisions="v1;next_to_food=17;patience=50"),
-        training(decisions="equal_distance=farther state"),
-    ]
-    write_rows(tmp_path / "rows.csv", TrainingRow, rows)
-    assert read_rows(tmp_path / "rows.csv", TrainingRow) == rows
-    assert (tmp_path / "rows.csv").read_text().endswith(",equal_distance=farther state\n")
-
-
 def test_row_is_on_disk_when_write_returns(tmp_path: Path) -> None:
     path = tmp_path / "deep" / "rows.csv"
     with RowWriter(path, RecallRow) as writer:
@@ -149,16 +137,6 @@ def test_killed_process_loses_at_most_the_last_row(tmp_path: Path) -> None:
     with RowWriter(path, RecallRow, resume=True) as writer:
         writer.write(recall(recall=len(rows)))
     assert len(read_rows(path, RecallRow)) == len(rows) + 1
-
-
-def test_incomplete_line_is_ignored_and_removed_on_resuming(tmp_path: Path) -> None:
-    path = tmp_path / "rows.csv"
-    write_rows(path, RecallRow, [recall(), recall(recall=1)])
-    os.truncate(path, path.stat().st_size - 20)
-    assert read_rows(path, RecallRow) == [recall()]
-    with RowWriter(path, RecallRow, resume=True) as writer:
-        writer.write(recall(recall=2))
-    assert read_rows(path, RecallRow) == [recall(), recall(recall=2)]
 
 
 def test_resuming_with_other_columns_is_an_error(tmp_path: Path) -> None:

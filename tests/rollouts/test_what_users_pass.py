@@ -19,7 +19,6 @@ from khepera_forage.policies.classifiers import tree
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import train
-from khepera_forage.rollouts.wheels_recall import recall_wheels
 from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.task.decisions import Decisions
 
@@ -71,26 +70,6 @@ def test_imitator_learns_the_diagonal_of_the_arena() -> None:
         given.predict_proba(vectors).tolist()
         == given.set_params(diagonal=138).predict_proba(vectors).tolist()
     )
-
-
-def test_recall_names_another_environment() -> None:
-    for env in (gym.make("khepera_forage/CorridorWheels-v1"), gym.make("CartPole-v1")):
-        with pytest.raises(TypeError, match=r"env is <.*>; allowed: Corridor-v1, Rectangle-v1"):
-            recall(env, Teacher(), seed=0)
-
-
-class StandStill:
-    """Commands nothing."""
-
-    def act(self, observation: Any, rng: np.random.Generator | None = None) -> Any:
-        return np.zeros(4)
-
-
-def test_recall_of_motors_takes_what_make_returns_and_names_another_environment() -> None:
-    env = gym.make("khepera_forage/CorridorWheels-v1", limit=9)
-    assert recall_wheels(env, StandStill(), 1) == recall_wheels(env.unwrapped, StandStill(), 1)
-    with pytest.raises(TypeError, match=r"env is <.*>; allowed: CorridorWheels-v1"):
-        recall_wheels(gym.make(NAME), StandStill(), 1)
 
 
 def test_train_takes_a_number_as_seed_and_a_wrapped_environment() -> None:
