@@ -87,16 +87,6 @@ def test_robots_stand_still_after_the_end_of_a_training_episode(pair: VirtualLab
     assert standing(pair)
 
 
-def test_robot_stands_still_after_the_end_of_a_recall(alone: VirtualLaboratory) -> None:
-    env = BehavioursEnv(world=alone, limit=4)
-    env.reset(seed=1)
-    truncated = False
-    while not truncated:
-        assert not env.step(0)[2]
-        truncated = env.step(0)[3]
-    assert standing(alone)
-
-
 @pytest.mark.parametrize("error", [OSError("disk full"), KeyboardInterrupt(), RuntimeError("of a policy")])
 def test_robots_stand_still_after_an_error_between_rounds(
     pair: VirtualLaboratory, error: BaseException
