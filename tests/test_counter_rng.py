@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.counter_rng import key_of, keys_of, random_bits, standard_normal, uniform
+from khepera_forage.counter_rng import key_of, random_bits, standard_normal, uniform
 
 WORDS = st.integers(0, 2**64 - 1)
 COUNT = 20_000
@@ -40,11 +40,6 @@ def test_random_bits_agree_between_python_and_numpy(key: int, number: int) -> No
     keys = np.full(3, key, np.uint64)
     numbers = np.full(3, number, np.uint64)
     assert random_bits(keys, numbers).tolist() == [expected] * 3
-
-
-@given(st.lists(WORDS, min_size=1, max_size=5))
-def test_keys_of_many_seeds_are_those_of_each(seeds: list[int]) -> None:
-    assert keys_of(np.array(seeds, np.uint64)).tolist() == [key_of(seed) for seed in seeds]
 
 
 def test_key_of_a_seed_uses_all_of_its_bits() -> None:

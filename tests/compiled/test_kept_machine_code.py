@@ -241,20 +241,6 @@ def test_without_a_place_for_files_code_is_compiled_in_memory(
     assert not list(package.sources.parent.parent.rglob("*.nb?"))
 
 
-DELETED = "import os; os.mkdir('gone'); os.chdir('gone'); os.rmdir('../gone')\n"
-UNUSUAL = [
-    (DELETED, {}),
-    ("", {"HOME": None}),
-]
-
-
-@pytest.mark.parametrize(("before", "environment"), UNUSUAL)
-def test_unusual_process_loads_machine_code(
-    kept: Package, before: str, environment: dict[str, str | None]
-) -> None:
-    assert kept.run(before + ADD, **environment) == (LOADED, "")
-
-
 def test_entries_are_compiled_where_numba_is_switched_off(package: Package) -> None:
     code = f"{ADD}\nimport numba\nprint(type(numba.njit(lambda x: x)).__name__)"
     assert package.run(code, NUMBA_DISABLE_JIT="1") == (COMPILED + "function\n", "")
@@ -273,33 +259,6 @@ with ThreadPoolExecutor(6) as pool:
 print(numbers, Compiled.names.count("add"), Compiled.names.count("left"))
 """
     assert package.run(code) == ("[2.0, 2.0, 2.0]\n[2. 2. 2.] 1 1\n", "")
-
-
-def test_entry_is_compiled_for_a_second_signature(package: Package) -> None:
-    """Even where its machine code cannot be written any more."""
-    whole = "whole = np.zeros(2, np.int64)\nadd(whole, 3)\nprint(whole[0], Compiled.names.count('add'))\n"
-    assert package.run(ADD + whole)[0] == COMPILED + "6 2\n"
-    output, _ = package.run(ADD + whole + FULL_DISK + whole.replace("np.int64", "np.int32"))
-    assert output == LOADED + "6 0\n6 1\n"
-
-
-ERRORS = """
-from khepera_forage.sim.kernel import add
-def show(*arguments):
-    try:
-        add(*arguments)
-    except Exception as error:
-        print(type(error).__name__, str(error).splitlines()[0], error.__context__)
-"""
-
-
-def test_errors_of_a_call_are_those_of_numba(kept: Package) -> None:
-    calls = "show(); show('text', 1.0); show(object(), 1.0)\n"
-    plain = "add = numba.njit(add._function)\n"
-    expected, _ = kept.run(ERRORS + plain + calls)
-    assert "TypeError not enough arguments" in expected
-    assert "TypingError" in expected
-    assert kept.run(ERRORS + calls) == (expected, "")
 
 
 def test_long_compilation_is_announced(package: Package) -> None:

@@ -1,6 +1,5 @@
 """Episodes of the recall environments (4.6, 5.4)."""
 
-import gymnasium as gym
 import numpy as np
 import pytest
 
@@ -8,7 +7,6 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
-from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.task.episode import score
 from khepera_forage.task.states import Behaviour, FoodType
 
@@ -99,24 +97,3 @@ def action_of(motors: Motors) -> np.ndarray:
     return np.array(
         (motors.left / MAX_SPEED, motors.right / MAX_SPEED, arm, 1.0 if motors.jaw == 0 else -1.0), np.float32
     )
-
-
-def test_users_arena_is_foraged_by_the_teacher() -> None:
-    walls = ((0, 0), (800, 0), (800, 300), (400, 300), (400, 700), (0, 700))
-    arena = Arena(
-        name="L",
-        walls=tuple(Point(x, y) for x, y in walls),
-        home=Point(680.0, 150.0),
-        home_radius=100.0,
-        start=Pose(200.0, 600.0, -1.5),
-        foods=(Point(200.0, 200.0),),
-    )
-    env = gym.make("khepera_forage/Corridor-v1", arena=arena, limit=700).unwrapped
-    assert isinstance(env, BehavioursEnv)
-    env.reset(seed=1, options={"start": (200, 600, -90), "foods": [(200, 200)]})
-    teacher, over = Teacher(env.home_radius), False
-    while not over:
-        presence, home, food_type, arm, food = env.forager.vector
-        _, _, terminated, truncated, info = env.step(int(teacher.act((presence, home, food_type, arm, food))))
-        over = terminated or truncated
-    assert info["delivered"] == 1

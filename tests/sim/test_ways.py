@@ -123,11 +123,3 @@ def test_check_ways_names_what_cannot_be_reached_and_the_narrow_place() -> None:
     assert "too narrow near (400, 400) mm; allowed: passages that are 160 mm wide" in str(error.value)
     with pytest.raises(ValueError, match=r"there is no way between food 1 at \(600, 300\) mm"):
         check_ways(replace(CLOSED, start=Pose(200, 680, 0.0)))
-
-
-def test_too_narrow_is_the_passage_that_separates_two_rooms() -> None:
-    (part,) = too_narrow(CLOSED)
-    passage = shapely.Polygon(part)
-    assert passage.contains(shapely.Point(400, 400))
-    assert not passage.contains(shapely.Point(200, 400))
-    assert too_narrow(DOOR) == []

@@ -110,16 +110,6 @@ def test_nearest_food_may_be_a_lost_region_or_one_that_shows_no_food_object() ->
     assert nearest_of(story) == (42.0, 52.0)
 
 
-def test_food_that_the_camera_sees_is_not_in_the_gripper() -> None:
-    """Not even if a reversed heading puts the gripper beside it."""
-    story = Story()
-    story.round((74, 69), PRESENT, region(1, FIRST), region(2, SECOND, found=False), orientation=270)
-    assert story.tracker.held == 1
-    story.round((74, 69), EMPTY, region(1, FIRST), region(2, SECOND))
-    story.round((74, 69), PRESENT, region(1, FIRST), region(2, SECOND), orientation=270)
-    assert story.tracker.held == 0
-
-
 def test_what_turns_up_beside_the_gripper_is_not_the_food_in_it() -> None:
     """A robot shoves food out of its track: what it holds is nearer to the new one, but is hidden by the marker."""
     story = Story()
@@ -135,16 +125,6 @@ def test_what_turns_up_beside_the_gripper_is_not_the_food_in_it() -> None:
 
 LOST = region(1, FIRST, found=False)
 RAISED = EMPTY._replace(arm=215)
-
-
-def test_lost_food_may_be_unseen_at_once() -> None:
-    story = Story(food_beside_robot="unseen")
-    story.round((40, 50), RAISED, LOST, region(2, SECOND))
-    assert nearest_of(story) == SECOND
-    story.round((40, 50), EMPTY, LOST, region(2, SECOND))
-    assert nearest_of(story) == SECOND, "whatever the arm"
-    story.round((40, 50), RAISED, region(1, FIRST), region(2, SECOND))
-    assert nearest_of(story) == FIRST
 
 
 def test_lost_food_may_be_seen_while_the_arm_is_down() -> None:
@@ -302,11 +282,3 @@ def test_poison_in_the_gripper_stays_the_nearest_food() -> None:
     assert labels_of_no_candidates(story.tracker) == set()
     assert story.tracker.type_in_gripper == FoodType.POISONOUS
     assert nearest_of(story) == FIRST
-
-
-def test_surplus_region_is_linked_to_nothing() -> None:
-    """Such as a reflection on the floor."""
-    story = Story()
-    story.round((20, 60), EMPTY, region(1, FIRST), region(2, SECOND), region(9, HOME))
-    assert linked_food(story.tracker, 9) is None
-    assert delivered(story.tracker) == [False, False]

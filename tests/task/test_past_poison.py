@@ -42,11 +42,6 @@ def test_way_past_poison_touches_it_nowhere(offset: float) -> None:
     assert _distance_from_line(_aim(_foods(place)), place) == pytest.approx(TOUCH + 2.0)
 
 
-@pytest.mark.parametrize(("offset", "side"), [(5.0, -1.0), (-5.0, 1.0)])
-def test_way_leads_past_the_shorter_side(offset: float, side: float) -> None:
-    assert (_aim(_foods((AHEAD[0], AHEAD[1] + offset)))[1] - ROBOT[1]) * side > 0.0
-
-
 def test_way_leads_past_the_other_side_if_a_wall_is_near() -> None:
     foods = _foods((100.0, 17.0))
     x, y = past_poison(40.0, 16.0, 160.0, 16.0, 0, foods, HALL)
@@ -99,8 +94,3 @@ def test_side_stays_while_the_poison_is_in_the_way() -> None:
     assert _aim(foods) == HOME
     foods[1].y = AHEAD[1] - 0.1
     assert (_aim(foods)[1] - ROBOT[1]) * (first[1] - ROBOT[1]) < 0.0
-
-
-def test_nearest_of_two_is_passed_first() -> None:
-    foods = [*_foods((120.0, 57.0)), FoodObject(80.0, 63.0, known=FoodType.POISONOUS)]
-    assert _distance_from_line(_aim(foods), (80.0, 63.0)) == pytest.approx(TOUCH + 2.0)
