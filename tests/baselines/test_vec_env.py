@@ -99,27 +99,6 @@ def test_held_action_equals_a_repeated_action(mode: str) -> None:
     assert lengths == [False] * 13 + [True]
 
 
-@pytest.mark.parametrize("mode", MODES)
-def test_adapter_without_features_shows_observations_as_they_are(mode: str) -> None:
-    env, other = VecEnvAdapter(vector_env(mode)), vector_env(mode)
-    assert env.observation_space == other.single_observation_space
-    env.seed(3)
-    shown: Any = env.reset()
-    same, _ = other.reset(seed=3)
-    for _ in range(LIMIT):
-        assert {name: values.tolist() for name, values in shown.items()} == {
-            name: values.tolist() for name, values in same.items()
-        }
-        shown, _, ended, infos = env.step(np.zeros(WORLDS, int))
-        same, *_, info = other.step(np.zeros(WORLDS, int))
-    assert ended.all()
-    for i in range(WORLDS):
-        last = infos[i]["terminal_observation"]
-        assert {name: np.ravel(value).tolist() for name, value in last.items()} == {
-            name: np.ravel(value).tolist() for name, value in info["final_obs"][i].items()
-        }
-
-
 @pytest.mark.parametrize("features", [None, behaviour_features])
 def test_make_vec_is_one_line_from_a_trained_and_recalled_model(features: Any) -> None:
     envs = gym.make_vec(

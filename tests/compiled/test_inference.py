@@ -8,8 +8,8 @@ import pytest
 
 from khepera_forage import Decisions, Noise
 from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING, run_recalls
-from khepera_forage.thesis.inference.prior import Laboratory
-from khepera_forage.thesis.inference.simulate import reason_against, replicate
+from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
+from khepera_forage.thesis.inference.simulate import reason_against, replicate, simulate
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 from tests.version_0_1 import V0_1
 
@@ -59,3 +59,9 @@ def test_replications_give_the_statistics_of_every_table() -> None:
     assert by_name["corridor 10 food"].mean() == pytest.approx(0.8, abs=0.2)
     assert np.nanmean(by_name["corridor 1 right_failed"]) < 15
     assert np.array_equal(replicate(laboratory(), 5, 3), statistics, equal_nan=True)
+
+
+def test_a_set_depends_on_seed_and_number_alone() -> None:
+    one, again, other = (simulate(PRIOR, 0, number, 1) for number in (3, 3, 4))
+    assert repr(one) == repr(again)
+    assert one.laboratory != other.laboratory

@@ -113,18 +113,6 @@ def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decision
     assert kernel.delivered.any() or decisions == DECISIONS[2], "not every reading lets an imitator forage"
 
 
-def test_starts_and_food_places_are_those_of_the_vector_environment() -> None:
-    env = BehavioursVectorEnv(12, "rectangle", 2)
-    env.reset(seed=9)
-    kernel = run_recalls("rectangle", None, np.full(12, TEACHER), 9, foods=2, limit=1)
-    robots, foods = env.batch.worlds.robots[:, 0], env.batch.worlds.foods
-    places = np.stack([foods[name] for name in ("x", "y")], axis=2)
-    assert (places == kernel.foods).all()
-    # One round at rest has passed, in which nothing moves.
-    poses = np.stack([robots[name] for name in ("x", "y", "heading")], axis=1)
-    assert poses == pytest.approx(kernel.start, abs=1e-9)
-
-
 def test_recalls_are_valid_rows(experience: Any) -> None:
     """`RecallRow` refuses fields that contradict each other."""
     # The last imitator pushes poison home: it learned with poison's type in the place of pushable food's.

@@ -94,11 +94,6 @@ def test_training_is_made_by_name(version: str) -> None:
         assert env.unwrapped.max_cycles == 30
 
 
-def test_name_without_version_is_the_newest() -> None:
-    env: Any = pettingzoo.make("parallel", "khepera_forage/PairedCorridors")
-    assert env.unwrapped.metadata["name"] == "paired_corridors_v1"
-
-
 def test_action_outside_its_space_is_named_and_changes_nothing() -> None:
     env = paired_corridors_v1.env(max_cycles=50)
     env.reset(seed=1)

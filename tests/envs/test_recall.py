@@ -8,7 +8,7 @@ from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
 from khepera_forage.task.episode import score
-from khepera_forage.task.states import Behaviour, FoodType
+from khepera_forage.task.states import Behaviour
 
 
 def forage(env: BehavioursEnv, seed: int, swap: dict[int, int] | None = None) -> dict[str, float]:
@@ -44,16 +44,6 @@ def test_teacher_without_orienting_delivers_nothing() -> None:
     env = BehavioursEnv()
     swap = {int(Behaviour.ORIENT_WITH_FOOD): int(Behaviour.SEARCH_FOR_FOOD)}
     assert [forage(env, seed, swap)["delivered"] for seed in range(10)] == [0] * 10
-
-
-def test_mixed_food_has_its_odds() -> None:
-    env = BehavioursEnv(food_types={"PICKABLE": 1, "POISONOUS": 1})
-    poisonous = 0
-    for seed in range(40):
-        info = forage(env, seed)
-        poisonous += env.forager.tracker.foods[0].known == FoodType.POISONOUS
-        assert info["delivered"] + (env.forager.tracker.foods[0].known == FoodType.POISONOUS) == 1
-    assert 8 <= poisonous <= 32
 
 
 def test_reward_and_score_add_up() -> None:

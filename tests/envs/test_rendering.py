@@ -72,7 +72,8 @@ def test_equal_views_give_equal_new_pictures_in_any_order(screen: Screen) -> Non
     )
     other = Screen("rgb_array", 0.1)
     first = draw(screen, VIEW)
-    assert (first.dtype, first.shape[2:]) == (np.uint8, (3,))
+    assert first.dtype == np.uint8
+    assert first.shape[2:] == (3,)
     kept = first.copy()
     np.testing.assert_array_equal(draw(screen, busy), draw(other, busy))
     first[:] = 0

@@ -103,12 +103,3 @@ def test_random_food_and_starts_can_be_reached_where_a_part_of_the_floor_cannot(
 def test_arena_without_a_way_is_refused(backend: str) -> None:
     with pytest.raises(ValueError, match="closed: there is no way between the start"):
         make(CLOSED, backend)
-
-
-def test_path_distance_in_an_unobstructed_arena_is_the_distance() -> None:
-    observations = []
-    for decisions in (Decisions(), Decisions(distances="along the path")):
-        env = gym.make("khepera_forage/Rectangle-v1", decisions=decisions)
-        observation, _ = env.reset(seed=3)
-        observations.append(observation)
-    assert observations[0] == observations[1]

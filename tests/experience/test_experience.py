@@ -10,7 +10,6 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -81,18 +80,6 @@ def test_file_is_readable_text(tmp_path: Path) -> None:
         "1,48,PICKABLE,215,14,GO_HOME",
         "# complete: 2 vectors",
     ]
-
-
-def test_arrays_are_new_integer_arrays() -> None:
-    experience = Experience([SEARCH, HOME], [0, 7])
-    vectors, behaviours = experience.arrays()
-    assert vectors.dtype == behaviours.dtype == np.dtype(np.int64)
-    assert vectors.tolist() == [list(SEARCH), list(HOME)]
-    assert behaviours.tolist() == [0, 7]
-    vectors[:] = 1  # changes only the array
-    assert experience.arrays()[0].tolist() == [list(SEARCH), list(HOME)]
-    assert Experience(*experience.arrays()) == experience
-    assert [part.shape for part in Experience([], []).arrays()] == [(0, 5), (0,)]
 
 
 def test_loading_several_files_joins_them(tmp_path: Path) -> None:
@@ -250,3 +237,15 @@ def test_killed_recording_loses_at_most_its_last_line(lines: int, tmp_path: Path
     # Every row whose append had returned is there; the row after it may be there too.
     assert printed[-1] <= len(kept) <= printed[-1] + 1
     assert list(kept) == [((0, n % 1000, 0, 215, 28), n % 10) for n in range(len(kept))]
+
+
+def test_loading_a_missing_file_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match="no path to load"):
+        Experience.load()
+    with pytest.raises(FileNotFoundError, match=r"g1\.csv"):
+        Experience.load(tmp_path / "g1.csv")
+
+
+def test_unequal_numbers_of_vectors_and_behaviours_are_an_error() -> None:
+    with pytest.raises(ExperienceError, match="2 vectors with 1 behaviours; allowed: equal numbers"):
+        Experience([SEARCH, HOME], [0])

@@ -116,16 +116,6 @@ def test_episode_without_decisions_has_those_of_its_environment(monkeypatch: pyt
         assert part.decisions == decisions
 
 
-def test_environment_with_unreadable_decisions_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    dataset = to_minari([SOME], "khepera/damaged-v0")
-    spec = gym.spec("khepera_forage/Corridor-v1")
-    monkeypatch.setattr(dataset, "_env_spec", replace(spec, kwargs={"decisions": {"next_to_food": 17}}))
-    with pytest.raises(
-        ExperienceError, match=r"the environment of the dataset: decisions is \{'next_to_food': 17\}; allowed"
-    ):
-        from_minari(dataset)
-
-
 def test_dataset_from_another_recorder_trains_the_imitator() -> None:
     """The dataset holds an episode of the teacher in the rectangle, recorded step by step."""
     minari = import_module("minari")

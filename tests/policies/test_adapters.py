@@ -47,13 +47,6 @@ def test_learners_become_the_policy_of_their_kind() -> None:
     assert type(as_policy(Agent())) is AgentPolicy
 
 
-def test_policies_of_learners_act() -> None:
-    rng = np.random.default_rng(0)
-    assert as_policy(Agent()).act(X[2], rng) is Behaviour.GO_HOME
-    assert as_policy(Trained()).act(X[2], rng) is Behaviour.PICK_UP_FOOD
-    assert as_policy(GaussianNB().fit(X, Y)).act(X[2], rng) is Behaviour.EXPLORE_FOOD
-
-
 @pytest.mark.parametrize(
     "learner", [Teacher, GaussianNB, 7, None, LinearSVC().fit(X, Y), lambda observation: 3]
 )

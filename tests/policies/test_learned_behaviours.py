@@ -1,7 +1,6 @@
 """Behaviours learned from the motors behind them (action level, 4.8)."""
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import gymnasium as gym
@@ -121,16 +120,6 @@ def test_learned_behaviours_forage_at_new_places(learned: LearnedBehaviours) -> 
         delivered.append(info["delivered"])
     env.close()
     assert sum(delivered) >= 1, "a robot that stands still, or drives at random, delivers nothing"
-
-
-def test_seed_decides_the_behaviours(steps: Steps, learned: LearnedBehaviours) -> None:
-    def all_predicted(behaviours: LearnedBehaviours) -> Iterator[Motors]:
-        unseen = moved(RAW, 3.0, 4.0, 5)._replace(food_y=31.0, wall_distance=11.0)
-        return (behaviours.command(behaviour, unseen) for behaviour in sorted(behaviours.known))
-
-    again = LearnedBehaviours().fit(*steps)
-    assert list(all_predicted(again)) == list(all_predicted(learned))
-    assert list(all_predicted(LearnedBehaviours(random_state=1).fit(*steps))) != list(all_predicted(learned))
 
 
 @pytest.mark.parametrize("trees", [0, -1, 2.5, True])

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from sklearn.naive_bayes import GaussianNB
-from sklearn.neighbors import KNeighborsClassifier
 from sklearn.tree import DecisionTreeClassifier
 
 from khepera_forage.policies import (
@@ -85,17 +84,3 @@ def test_behaviours_are_drawn_with_their_confidence_levels() -> None:
     rng = np.random.default_rng(11)
     counts = Counter(int(imitator.act(QUERY, rng)) for _ in range(20_000))
     check_frequencies(counts, imitator.confidence_levels(QUERY), 20_000)
-
-
-def test_behaviours_are_drawn_with_the_probabilities_of_a_classifier() -> None:
-    policy = ClassifierPolicy(KNeighborsClassifier(n_neighbors=5).fit(X, Y))
-    rng = np.random.default_rng(13)
-    counts = Counter(int(policy.act(QUERY, rng)) for _ in range(2_000))
-    levels = policy.classifier.predict_proba(np.array([QUERY]))[0]
-    expected = {
-        Behaviour(int(label)): float(level)
-        for label, level in zip(policy.classifier.classes_, levels, strict=True)
-        if level
-    }
-    assert len(expected) > 1
-    check_frequencies(counts, expected, 2_000)

@@ -1,6 +1,7 @@
 """Delayed interrupts, and interrupts while an experience file is opened."""
 
 import signal
+import threading
 from pathlib import Path
 from typing import IO, Any
 
@@ -42,3 +43,16 @@ def test_delayed_interrupt_is_raised_at_the_end_of_the_block() -> None:
         interrupted()
     assert done
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_delayed_interrupts_change_nothing_in_other_threads() -> None:
+    handlers: list[object] = []
+
+    def in_thread() -> None:
+        with delayed_interrupts():
+            handlers.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=in_thread)
+    thread.start()
+    thread.join()
+    assert handlers == [signal.default_int_handler]

@@ -93,30 +93,6 @@ def test_written_rows_are_read_equal(tmp_path: Path) -> None:
     assert read_rows(tmp_path / "trainings.csv", TrainingRow) == tries
 
 
-def test_numpy_numbers_are_written_as_numbers(tmp_path: Path) -> None:
-    row = recall(
-        score=np.float64(80.0),
-        penalty=20.0 - 20.0,
-        food_x=(np.float32(-36.0),),
-        food_delivered=(np.True_,),
-        seed=np.int64(7),
-    )
-    write_rows(tmp_path / "rows.csv", RecallRow, [row])
-    (back,) = read_rows(tmp_path / "rows.csv", RecallRow)
-    assert back == recall(seed=7)
-    assert type(back.penalty) is int
-
-
-def test_row_is_on_disk_when_write_returns(tmp_path: Path) -> None:
-    path = tmp_path / "deep" / "rows.csv"
-    with RowWriter(path, RecallRow) as writer:
-        assert read_rows(path, RecallRow) == []
-        writer.write(recall())
-        assert read_rows(path, RecallRow) == [recall()]
-        writer.write(recall(recall=1), recall(recall=2))
-        assert len(read_rows(path, RecallRow)) == 3
-
-
 def _write_endlessly(path: Path) -> None:
     with RowWriter(path, RecallRow) as writer:
         for number in range(10**9):
@@ -188,3 +164,13 @@ def test_damaged_file_is_an_error(tmp_path: Path, damage: Callable[[str], str], 
     path.write_text(damage(path.read_text()))
     with pytest.raises(ValueError, match=message):
         read_rows(path, TrainingRow)
+
+
+def test_incomplete_line_is_ignored_and_removed_on_resuming(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    write_rows(path, RecallRow, [recall(), recall(recall=1)])
+    os.truncate(path, path.stat().st_size - 20)
+    assert read_rows(path, RecallRow) == [recall()]
+    with RowWriter(path, RecallRow, resume=True) as writer:
+        writer.write(recall(recall=2))
+    assert read_rows(path, RecallRow) == [recall(), recall(recall=2)]

@@ -8,11 +8,10 @@ import pytest
 
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience, ExperienceError
-from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Teacher
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import TEACHER, TrainingRow
-from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, attempt, train
+from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, train
 from khepera_forage.task.decisions import Decisions, decisions_text
 
 
@@ -76,11 +75,3 @@ def test_rows_and_files_have_the_decisions_of_their_environment(tmp_path: Path) 
     assert recall(env, Teacher.of(env), 1, learner=TEACHER).decisions == text
     row = recall(recall_env("corridor"), Teacher(), 1, learner=TEACHER)
     assert row.decisions == decisions_text(Decisions())
-
-
-def test_teacher_of_an_attempt_has_the_thresholds_of_its_environment() -> None:
-    """Every behaviour of the default teacher is the correct one."""
-    env = TrainingEnv(noise=Noise.none(), decisions=Decisions(next_to_food=12, close_to_food=45))
-    attempt(env, 1, lambda vector, behaviour: None)
-    info = env.infos[env.possible_agents[0]]
-    assert info["correct"] == info["steps"]

@@ -19,6 +19,7 @@ from khepera_forage.policies.classifiers import tree
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import train
+from khepera_forage.rollouts.wheels_recall import recall_wheels
 from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.task.decisions import Decisions
 
@@ -117,3 +118,11 @@ def test_other_noise_is_named(noise: Any) -> None:
     if find_spec("numba") is not None:
         with pytest.raises(ValueError, match=message):
             gym.make_vec(NAME, num_envs=2, noise=noise)
+
+
+def test_recall_names_another_environment() -> None:
+    for env in (gym.make("khepera_forage/CorridorWheels-v1"), gym.make("CartPole-v1")):
+        with pytest.raises(TypeError, match=r"env is <.*>; allowed: Corridor-v1, Rectangle-v1"):
+            recall(env, Teacher(), seed=0)
+    with pytest.raises(TypeError, match=r"env is <.*>; allowed: CorridorWheels-v1"):
+        recall_wheels(gym.make(NAME), Teacher(), 1)  # type: ignore[arg-type]

@@ -72,15 +72,6 @@ def test_encoders_count_the_commanded_travel(legs: list[tuple[int, int, int]]) -
     assert senses.right_pulses == pytest.approx(travelled[1] / PULSE, abs=1)
 
 
-def test_robot_against_a_wall_spins_its_wheels_and_stays() -> None:
-    world = make_world(Pose(1900, 1000, 0), OUT_OF_THE_WAY)
-    run(world, 10, 20, 20)
-    before = world.poses()[0]
-    pulses = run(world, 10, 20, 20).left_pulses
-    assert apart(world.poses()[0], before) < 0.5
-    assert pulses == 20 * 200
-
-
 # ---------------------------------------------------------------- noise
 
 

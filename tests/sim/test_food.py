@@ -1,9 +1,5 @@
 """Food on the floor: pushed by contact, slowed by friction, and sensed by a robot."""
 
-import math
-from collections.abc import Iterator
-from itertools import product
-
 import pytest
 
 from khepera_forage.noise import Noise
@@ -45,39 +41,6 @@ def test_row_of_food_pushed_against_a_wall_stays_inside(speed: int, arm: int) ->
         first, second, third = world.food_places()
         assert min(apart(first, second), apart(second, third)) >= 2 * FOOD_RADIUS - 1.5
         assert CLOSED.clearance(world.poses()[0]) >= RADIUS - 1
-
-
-def sweeps() -> Iterator[tuple[Pose, tuple[float, float], int]]:
-    """Starts from which a turn on the spot sweeps food, 45 or 80 mm from the wall, past or towards it."""
-    for degrees, turn, room in product(range(0, 360, 15), (1, -1), (45, 80)):
-        heading = math.radians(degrees)
-        food = 300.0, 230.0 - room
-        place = heading + 0.9 * turn
-        start = Pose(food[0] - 75 * math.cos(place), food[1] - 75 * math.sin(place), heading)
-        tips = [
-            Point(
-                start.x + 75 * math.cos(heading) - side * math.sin(heading),
-                start.y + 75 * math.sin(heading) + side * math.cos(heading),
-            )
-            for side in (-32, 32)
-        ]
-        if CLOSED.clearance(start) > RADIUS and min(map(CLOSED.clearance, tips)) > 0:
-            yield start, food, turn
-
-
-def test_food_swept_by_swinging_fingers_stays_inside() -> None:
-    cases = list(sweeps())
-    assert len(cases) > 40
-    moved = 0
-    for start, food, turn in cases:
-        world = make_world(start, food, arena=CLOSED)
-        run(world, 11, arm=ARM_DOWN)
-        for _ in range(12):
-            run(world, 1, -20 * turn, 20 * turn, arm=ARM_DOWN)
-            swept = world.food_places()[0]
-            assert CLOSED.clearance(Point(swept.x, swept.y)) >= FOOD_RADIUS - 1, start
-        moved += apart(swept, Point(*food)) > 20
-    assert moved > len(cases) / 2
 
 
 # ---------------------------------------------------------------- the optical barrier

@@ -39,7 +39,7 @@ def other_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @every_field
 def test_field_has_section_reason_unit_and_an_allowed_default(field: Field) -> None:
-    default = getattr(Decisions(), field.name)
+    default: Any = getattr(Decisions(), field.name)
     assert field.section[0] in "345"
     assert field.reason.endswith(".")
     assert bool(field.unit) != bool(field.choices)

@@ -25,9 +25,7 @@ from khepera_forage.task.placement import (
     Place,
     Start,
     draw_food_types,
-    food_type_key,
     layout_is_free,
-    layout_key,
 )
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -133,16 +131,6 @@ def test_decisions_move_the_limits_of_random_food(decisions: Decisions) -> None:
     assert nearest_wall < decisions.food_to_walls + 10
     assert nearest_food < decisions.food_spacing + 25
     assert nearest_robot < decisions.close_to_food * MM_PER_PIXEL + 30
-
-
-def test_keys_differ_between_seeds_episodes_and_purposes() -> None:
-    keys = [
-        purpose(key_of(seed), episode)
-        for purpose in (layout_key, food_type_key)
-        for seed in range(20)
-        for episode in range(20)
-    ]
-    assert len(set(keys)) == len(keys)
 
 
 def test_food_types_have_their_odds() -> None:
