@@ -1,6 +1,5 @@
 """A full disk names the file that it has cut short."""
 
-import errno
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +9,7 @@ import pytest
 from khepera_forage.cli.main import main
 from khepera_forage.envs.arguments import set_up_of
 from khepera_forage.experience import Experience, ExperienceWriter
-from khepera_forage.files import NamingFile, replacing
+from khepera_forage.files import replacing
 from khepera_forage.lab.settings_file import load, sample
 from khepera_forage.rollouts.row_files import RowWriter, read_rows, write_rows
 from khepera_forage.sim.arena_file import read_arena, write_arena
@@ -27,24 +26,6 @@ needs_full = pytest.mark.skipif(not FULL.exists(), reason="needs /dev/full, a di
 @dataclass(frozen=True)
 class Row:
     number: int
-
-
-def test_errors_without_a_file_get_one_and_others_stay() -> None:
-    with pytest.raises(OSError, match=r"No space left on device: 'g1.csv'") as caught, NamingFile("g1.csv"):
-        raise OSError(errno.ENOSPC, "No space left on device")
-    assert caught.value.errno == errno.ENOSPC
-    with pytest.raises(FileNotFoundError, match="other"), NamingFile("g1.csv"):
-        Path("/nowhere/other").read_text()
-    with pytest.raises(ValueError, match="bad"), NamingFile("g1.csv"):
-        raise ValueError("bad")
-
-
-@needs_full
-def test_rows_and_experience_name_the_file() -> None:
-    with pytest.raises(OSError, match="/dev/full"):
-        RowWriter(FULL, Row)
-    with pytest.raises(OSError, match="/dev/full"):
-        ExperienceWriter(FULL, "corridor", overwrite=True)
 
 
 @needs_full

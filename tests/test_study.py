@@ -86,14 +86,6 @@ def test_finished_units_are_not_done_again(tmp_path: Path, capsys: pytest.Captur
     assert f"1 of 3 units are done already, in {tmp_path}" in capsys.readouterr().out
 
 
-def test_units_of_earlier_runs_are_kept(tmp_path: Path) -> None:
-    walk(tmp_path, "xy")
-    assert walk(tmp_path, "a") == ["a", "a"]
-    assert [line[0] for line in (tmp_path / "steps.csv").read_text().split()[1:]] == list("xxyyaa")
-    others = collect(given(tmp_path), [Walk("y")], TABLES, others=True)
-    assert [row.unit for row in others.of(Fall)] == list("xay")
-
-
 def test_fresh_deletes_rows_of_earlier_runs(tmp_path: Path) -> None:
     walk(tmp_path, "xy")
     walk(tmp_path, "a", "--fresh", "--seed", "2")
@@ -138,14 +130,6 @@ FALLS = [Fall(condition, number, number + (condition == "b")) for condition in "
 HEIGHT = estimates.Measure[Fall]("height (m)", lambda row: row.height)
 
 
-def test_differences_are_paired_by_replication() -> None:
-    rng = np.random.default_rng(0)
-    high, low = estimates.pick(FALLS, unit="b"), estimates.pick(FALLS, unit="a")
-    assert estimates.mean(high, HEIGHT, rng).value == 3.5
-    assert tuple(estimates.difference(high, low, HEIGHT, rng)) == pytest.approx((1, 1, 1))
-    assert np.isnan(estimates.difference(high, [], HEIGHT, rng).value)
-
-
 def test_a_table_of_means_has_a_line_for_each_combination_of_fields() -> None:
     rng = np.random.default_rng(0)
     table = estimates.means_table(
@@ -154,15 +138,6 @@ def test_a_table_of_means_has_a_line_for_each_combination_of_fields() -> None:
     assert [column.name for column in table.columns] == ["place", "n", "rows", "height (m)"]
     assert [row[:3] for row in table.rows] == [(place, n, 1) for place in "ab" for n in range(6)]
     assert [row[3].value for row in table.rows] == [0, 1, 2, 3, 4, 5, 1, 2, 3, 4, 5, 6]  # type: ignore[union-attr]
-
-
-def test_quantiles_and_shares() -> None:
-    assert estimates.extremes([3, 1, 2]) == (2, 1, 3)
-    assert estimates.quantiles(range(101)) == (50, 5, 95)
-    assert np.isnan(estimates.quantiles([]).value)
-    assert estimates.percent(1, 2).value == 50
-    assert np.isnan(estimates.percent(0, 0).value)
-    assert np.isnan(estimates.plain(3.0).low)
 
 
 def test_a_page_has_its_parts_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

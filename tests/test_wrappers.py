@@ -129,13 +129,6 @@ def test_reports_of_inner_wrappers_are_kept_in_whichever_round_they_come(mode: s
     assert ends.tolist() == reported.tolist() == [5] * WORLDS
 
 
-@modes
-def test_films_of_held_actions_have_their_true_speed(mode: str) -> None:
-    env, many = single(), vector(mode)
-    assert HoldAction(env, 5).metadata["render_fps"] == env.metadata["render_fps"] / 5
-    assert HoldVectorAction(many, 5).metadata["render_fps"] == many.metadata["render_fps"] / 5
-
-
 @pytest.mark.parametrize("rounds", [0, -1, 1.5, "2"])
 def test_wrong_number_of_rounds_is_named(rounds: Any) -> None:
     with pytest.raises(ValueError, match=f"rounds is {rounds!r}; allowed: a whole number of at least 1"):

@@ -1,6 +1,5 @@
 """Learners of stable-baselines3: short trainings, the contract of policies, the same outcome for the same seed."""
 
-import copy
 import pickle
 import random
 import re
@@ -14,7 +13,7 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from khepera_forage.policies import ModelPolicy, Policy, as_policy
+from khepera_forage.policies import ModelPolicy, Policy
 from khepera_forage.policies.learners import LEARNERS, FromSteps
 from khepera_forage.policies.model_policy import algorithm_named
 from khepera_forage.rollouts.recall import recall, recall_env
@@ -102,23 +101,6 @@ def test_policy_forages_with_wheels(name: str, trained: dict[str, list[Trained]]
     assert (rows[0].steps, rows[0].foods) == (58, 1)
 
 
-@pytest.mark.parametrize("name", ["ppo", "ppo_wheels"])
-def test_action_holds_for_its_rounds(name: str, trained: dict[str, list[Trained]]) -> None:
-    policy = replace(trained[name][-1].policy, hold=4)
-    env = gym.make(f"khepera_forage:khepera_forage/Corridor{'Wheels' if FROM_STEPS[name].wheels else ''}-v1")
-    shown = [env.reset(seed=seed)[0] for seed in range(40)]
-    env.close()
-
-    def decisions(rng: np.random.Generator, count: int) -> list[tuple[float, ...]]:
-        return [tuple(np.atleast_1d(policy.act(one, rng)).tolist()) for one in shown[:count]]
-
-    first = decisions(np.random.default_rng(0), 40)
-    assert all(len(set(first[begin : begin + 4])) == 1 for begin in range(0, 40, 4))
-    assert len(set(first)) > 3
-    decisions(np.random.default_rng(1), 2)
-    assert decisions(np.random.default_rng(0), 40) == first, "another generator, another episode"
-
-
 def test_short_training_learns_one_right_behaviour() -> None:
     """An environment with one right behaviour: everything from environment to policy works."""
 
@@ -160,13 +142,6 @@ def test_global_random_states_stay_unchanged() -> None:
     assert (str(np.random.get_state(legacy=False)), random.getstate()) == before  # noqa: NPY002
 
 
-@pytest.mark.parametrize("name", FROM_STEPS)
-def test_settings_stay_unchanged(name: str) -> None:
-    before = copy.deepcopy(dict(FROM_STEPS[name].settings))
-    short(name, (200,))
-    assert dict(FROM_STEPS[name].settings) == before
-
-
 def test_log_names_the_backend(caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level("INFO", "khepera_forage")
     short("dqn", (50,))
@@ -201,12 +176,6 @@ def test_algorithm_unknown_or_not_installed_is_refused(monkeypatch: pytest.Monke
         algorithm_named("PPO")
 
 
-def test_sampling_without_a_generator_is_refused(trained: dict[str, list[Trained]]) -> None:
-    for name, shown in (("ppo", [0, 60, 0, 215, 40]), ("ppo_wheels", {})):
-        with pytest.raises(TypeError, match=r"rng is None; allowed: a numpy\.random\.Generator"):
-            trained[name][-1].policy.act(shown)
-
-
 def parameters(trained: Trained) -> bytes:
     model: Any = trained.policy.model
     return b"".join(value.numpy().tobytes() for value in model.policy.state_dict().values())
@@ -218,20 +187,3 @@ def test_code_on_the_page_about_learners_runs(capsys: pytest.CaptureFixture[str]
     corridor = recall_env("corridor", limit=50)
     exec(block, {"LEARNERS": LEARNERS, "recall": recall, "corridor": corridor})
     assert re.findall(r"after (\d+) steps", capsys.readouterr().out) == ["2560", "5120"]
-
-
-@pytest.mark.parametrize("form", ["flattened", "dictionary", "adapter"])
-def test_model_trained_in_any_form_can_be_recalled(form: str) -> None:
-    """As users train one: behind a wrapper, on the dictionary itself, or in the vector environments shipped."""
-    from gymnasium.wrappers import FlattenObservation
-    from stable_baselines3 import PPO
-
-    settings: dict[str, Any] = {"n_steps": 32, "batch_size": 32, "n_epochs": 1, "seed": 0, "device": "cpu"}
-    env: Any = gym.make("khepera_forage/Corridor-v1", limit=40)
-    if form == "flattened":
-        env = FlattenObservation(env)
-    elif form == "adapter":
-        env = vec_env(FROM_STEPS["ppo"], envs=2, backend="pymunk")
-    model = PPO("MultiInputPolicy" if form == "dictionary" else "MlpPolicy", env, **settings).learn(64)
-    row = recall(recall_env("corridor", limit=20), as_policy(model), seed=1)
-    assert 1 <= row.steps <= 20

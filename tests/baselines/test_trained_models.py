@@ -151,14 +151,3 @@ def test_evaluation_counts_rounds_as_training_does() -> None:
     env = VecEnvAdapter(worlds(), behaviour_features, hold=5)
     _, lengths = evaluate_policy(model, env, n_eval_episodes=2, return_episode_rewards=True)
     assert lengths == [60, 60]
-
-
-def test_pictures_of_the_adapter_have_their_speed() -> None:
-    env = VecEnvAdapter(worlds(render_mode="rgb_array"), behaviour_features, hold=5)
-    env.reset()
-    fps = gym.make("khepera_forage/Corridor-v1").metadata["render_fps"]
-    assert env.metadata["render_fps"] == fps / 5
-    pictures = env.get_images()
-    assert len(pictures) == 2
-    assert pictures[0] is not None
-    assert pictures[0].ndim == 3

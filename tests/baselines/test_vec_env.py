@@ -99,27 +99,6 @@ def test_held_action_equals_a_repeated_action(mode: str) -> None:
     assert lengths == [False] * 13 + [True]
 
 
-@pytest.mark.parametrize("mode", MODES)
-def test_adapter_without_features_shows_observations_as_they_are(mode: str) -> None:
-    env, other = VecEnvAdapter(vector_env(mode)), vector_env(mode)
-    assert env.observation_space == other.single_observation_space
-    env.seed(3)
-    shown: Any = env.reset()
-    same, _ = other.reset(seed=3)
-    for _ in range(LIMIT):
-        assert {name: values.tolist() for name, values in shown.items()} == {
-            name: values.tolist() for name, values in same.items()
-        }
-        shown, _, ended, infos = env.step(np.zeros(WORLDS, int))
-        same, *_, info = other.step(np.zeros(WORLDS, int))
-    assert ended.all()
-    for i in range(WORLDS):
-        last = infos[i]["terminal_observation"]
-        assert {name: np.ravel(value).tolist() for name, value in last.items()} == {
-            name: np.ravel(value).tolist() for name, value in info["final_obs"][i].items()
-        }
-
-
 @pytest.mark.parametrize("features", [None, behaviour_features])
 def test_make_vec_is_one_line_from_a_trained_and_recalled_model(features: Any) -> None:
     envs = gym.make_vec(
@@ -148,19 +127,6 @@ def test_wrappers_of_stable_baselines3_accept_the_adapter() -> None:
         assert (rows.shape, rewards.shape, rows.dtype) == ((WORLDS, 9), (WORLDS,), np.float32)
         assert ended.all() == (step == LIMIT)
     assert all(info["episode"]["l"] == LIMIT for info in infos)
-
-
-@pytest.mark.parametrize("mode", MODES)
-def test_infos_and_arrays_are_fresh(mode: str) -> None:
-    env = adapter(mode, worlds=2)
-    first = env.reset()
-    kept = first.copy()
-    for _ in range(2):
-        rows, _, _, infos = env.step(np.zeros(2, int))
-        assert infos == [{}, {}]
-        infos[0]["mine"] = 1
-        rows[:] = 7.0
-    np.testing.assert_array_equal(first, kept)
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -227,11 +193,6 @@ def test_step_before_the_first_reset_is_refused() -> None:
     env = adapter(COMPILED_MODE, worlds=2)
     with pytest.raises(ResetNeeded, match="not reset yet"):
         env.step(np.array([0, 0]))
-
-
-def test_hold_below_1_is_refused() -> None:
-    with pytest.raises(ValueError, match="hold is 0; allowed: a whole number of at least 1"):
-        adapter("sync", worlds=2, hold=0)
 
 
 def test_environments_that_begin_again_a_step_later_are_refused() -> None:

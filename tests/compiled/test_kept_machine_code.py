@@ -8,12 +8,10 @@ import re
 import shutil
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numba
 import pytest
@@ -151,14 +149,6 @@ def test_folder_of_numba_comes_first(package: Package) -> None:
     assert not package.cache.exists()
 
 
-def test_own_functions_of_the_user_are_kept_where_they_were(kept: Package) -> None:
-    own = kept.sources.parent / "own.py"
-    own.write_text("import numba\n@numba.njit(cache=True)\ndef own(x):\n    return x\n")
-    code = f"{ADD}\nassert not numba.config.CACHE_DIR\nfrom own import own\nown(1)"
-    kept.run(code)
-    assert len(list((own.parent / "__pycache__").glob("own.own*.nbc"))) == 1
-
-
 def test_changed_rule_is_compiled(package: Package) -> None:
     package.run(ADD)
     rules = package.sources / "sim" / "rules.py"
@@ -198,36 +188,26 @@ for name in "{calls}".split():
     function, points = (left, LEFT) if name == "left" else (right, RIGHT)
     print(function(points), name in Compiled.names)
 """
-BOTH_LOADED = ("left", "right", "left right"), "{} False\n{} False\n"
-ONE_LOADED = ("left", "right left"), "{} True\n{} False\n"
-MIXED = pytest.mark.parametrize(
-    ("processes", "last"), [BOTH_LOADED, ONE_LOADED], ids=["both loaded", "one compiled"]
-)
+PROCESSES = ("left", "right", "left right")
+"""The functions that each process calls. The last one loads both, which no process has compiled together."""
 
 
-@MIXED
-def test_numba_alone_mixes_up_functions_of_two_processes(
-    package: Package, processes: tuple[str, ...], last: str
-) -> None:
+def test_numba_alone_mixes_up_functions_of_two_processes(package: Package) -> None:
     """Once this test fails, numba has mended it: rules can be functions of `register_jitable` again."""
     (package.sources.parent / "alone.py").write_text(NUMBA_ALONE)
     place = {"NUMBA_CACHE_DIR": str(package.cache)}
-    outputs = [package.run(USE.format(module="alone", calls=calls), **place)[0] for calls in processes]
-    assert outputs[-1] == last.format("2.0", "200.0")
+    outputs = [package.run(USE.format(module="alone", calls=calls), **place)[0] for calls in PROCESSES]
+    assert outputs[-1] == "2.0 False\n200.0 False\n"
 
 
-@MIXED
-def test_functions_of_two_processes_are_not_mixed_up(
-    package: Package, processes: tuple[str, ...], last: str
-) -> None:
+def test_functions_of_two_processes_are_not_mixed_up(package: Package) -> None:
     module = "khepera_forage.sim.kernel"
-    outputs = [package.run(USE.format(module=module, calls=calls))[0] for calls in processes]
-    assert outputs[-1] == last.format("2.0", "2.0")
+    outputs = [package.run(USE.format(module=module, calls=calls))[0] for calls in PROCESSES]
+    assert outputs[-1] == "2.0 False\n2.0 False\n"
 
 
-@pytest.mark.parametrize("changes", [b"", b"garbage", "half", "zeros"], ids=str)
-@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
-def test_damaged_file_is_replaced(kept: Package, tmp_path: Path, suffix: str, changes: bytes | str) -> None:
+@pytest.mark.parametrize(("suffix", "part"), [("nbi", 0.0), ("nbi", 0.5), ("nbc", 0.5)])
+def test_damaged_file_is_replaced(kept: Package, tmp_path: Path, suffix: str, part: float) -> None:
     package = Package(tmp_path)
     shutil.copytree(kept.cache, package.cache)
     package.environment["PYTHONPATH"] = kept.environment[
@@ -235,8 +215,7 @@ def test_damaged_file_is_replaced(kept: Package, tmp_path: Path, suffix: str, ch
     ]  # numba's folder names contain their paths
     (file,) = package.files(f"*.{suffix}")
     whole = file.read_bytes()
-    damaged = {"half": whole[: len(whole) // 2], "zeros": bytes(len(whole))}
-    file.write_bytes(damaged[changes] if isinstance(changes, str) else changes)
+    file.write_bytes(whole[: int(part * len(whole))])
     output, error = package.run(ADD)
     assert output == COMPILED
     assert re.fullmatch("khepera_forage: machine code on disk cannot be used, .*\n", error)
@@ -246,49 +225,20 @@ def test_damaged_file_is_replaced(kept: Package, tmp_path: Path, suffix: str, ch
 FULL_DISK = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))\n"
 NO_PLACE = [
     ("", {"NUMBA_CACHE_DIR": "/dev/null/x"}),
-    ("", {"XDG_CACHE_HOME": "/dev/null/x"}),
-    ("", {"XDG_CACHE_HOME": None, "HOME": "/proc/nope"}),
     ("import os.path; os.path.expanduser = str\n", {"XDG_CACHE_HOME": None, "HOME": None}),
-    ("", {"NUMBA_CACHE_LOCATOR_CLASSES": "InTreeCacheLocator"}),
     (FULL_DISK, {}),
     ("sys.modules['platformdirs'] = None\n", {}),
 ]
-NO_PLACE_NAMES = ["numba", "xdg", "home", "no home", "locator", "full disk", "no platformdirs"]
 
 
-@pytest.mark.parametrize(("before", "environment"), NO_PLACE, ids=NO_PLACE_NAMES)
+@pytest.mark.parametrize(("before", "environment"), NO_PLACE)
 def test_without_a_place_for_files_code_is_compiled_in_memory(
     package: Package, before: str, environment: dict[str, str | None]
 ) -> None:
-    code = before + ADD + "from khepera_forage.sim.kernel import *\nprint(left(LEFT))"
-    output, error = package.run(code, **environment)
-    assert output == COMPILED + "2.0\n"
+    output, error = package.run(before + ADD, **environment)
+    assert output == COMPILED
     assert re.fullmatch("khepera_forage: machine code on disk cannot be used, .*\n", error)
     assert not list(package.sources.parent.parent.rglob("*.nb?"))
-
-
-DELETED = "import os; os.mkdir('gone'); os.chdir('gone'); os.rmdir('../gone')\n"
-UNUSUAL = [
-    (DELETED, {}),
-    ("import pathlib; sys.path.insert(0, pathlib.Path('folder'))\n", {}),
-    ("", {"HOME": None}),
-]
-
-
-@pytest.mark.parametrize(("before", "environment"), UNUSUAL, ids=["no current folder", "path", "no home"])
-def test_unusual_process_loads_machine_code(
-    kept: Package, before: str, environment: dict[str, str | None]
-) -> None:
-    assert kept.run(before + ADD, **environment) == (LOADED, "")
-
-
-def test_deleted_current_folder_does_not_prevent_compilation(package: Package) -> None:
-    assert package.run(DELETED + ADD) == (COMPILED, "")
-    output, error = package.run(DELETED + ADD, NUMBA_CACHE_DIR="relative")
-    assert output == COMPILED
-    assert error.startswith(
-        "khepera_forage: machine code on disk cannot be used, compiling (FileNotFoundError"
-    )
 
 
 def test_entries_are_compiled_where_numba_is_switched_off(package: Package) -> None:
@@ -309,45 +259,6 @@ with ThreadPoolExecutor(6) as pool:
 print(numbers, Compiled.names.count("add"), Compiled.names.count("left"))
 """
     assert package.run(code) == ("[2.0, 2.0, 2.0]\n[2. 2. 2.] 1 1\n", "")
-
-
-def test_entry_is_compiled_for_a_second_signature(package: Package) -> None:
-    """Even where its machine code cannot be written any more."""
-    whole = "whole = np.zeros(2, np.int64)\nadd(whole, 3)\nprint(whole[0], Compiled.names.count('add'))\n"
-    assert package.run(ADD + whole)[0] == COMPILED + "6 2\n"
-    output, _ = package.run(ADD + whole + FULL_DISK + whole.replace("np.int64", "np.int32"))
-    assert output == LOADED + "6 0\n6 1\n"
-
-
-ERRORS = """
-from khepera_forage.sim.kernel import add
-def show(*arguments):
-    try:
-        add(*arguments)
-    except Exception as error:
-        print(type(error).__name__, str(error).splitlines()[0], error.__context__)
-"""
-
-
-def test_errors_of_a_call_are_those_of_numba(kept: Package) -> None:
-    calls = "show(); show('text', 1.0); show(object(), 1.0)\n"
-    plain = "add = numba.njit(add._function)\n"
-    expected, _ = kept.run(ERRORS + plain + calls)
-    assert "TypeError not enough arguments" in expected
-    assert "TypingError" in expected
-    assert kept.run(ERRORS + calls) == (expected, "")
-    assert kept.run(ERRORS + "add(np.zeros(2), 1.0)\n" + calls) == (expected, "")
-
-
-def test_error_of_compiled_code_is_raised_by_the_only_run(package: Package) -> None:
-    """Also if the call has compiled the code."""
-    code = """
-for numbers in (np.zeros(2), np.zeros(2), np.zeros(2, np.int64)):
-    show(numbers, -1)
-    print(numbers[0])
-"""
-    error = "ValueError a negative amount None\n"
-    assert package.run(ERRORS + code) == (f"{error}-2.0\n{error}-2.0\n{error}-2\n", "")
 
 
 def test_long_compilation_is_announced(package: Package) -> None:
@@ -382,12 +293,6 @@ def test_ranges_are_equal_and_cover_everything(
     assert (ranges[0][0], ranges[-1][1]) == (0, count)
     assert all(one[1] == other[0] for one, other in pairwise(ranges))
     assert len({last - first for first, last in ranges}) == 1
-
-
-def test_ranges_run_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(numba, "get_num_threads", lambda: 2)
-    barrier = threading.Barrier(2, timeout=30)
-    share_out(lambda first, last: barrier.wait(), 2, least=1)
 
 
 @pytest.mark.parametrize("bad", [0, 1])
@@ -431,14 +336,3 @@ threading.Thread(target=lambda: (main.join(), call("thread"))).start()
 """
     names = ("main", "child", "thread", "exit")
     assert package.run(SHARE_OUT + code)[0] == "".join(f"{name} [(0, 100), (100, 200)]\n" for name in names)
-
-
-def test_ranges_may_be_shared_out_within_a_range(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(numba, "get_num_threads", lambda: 2)
-    ranges: list[tuple[int, int]] = []
-
-    def outer(first: int, last: int) -> Any:
-        share_out(record(ranges), 8, least=1)
-
-    share_out(outer, 8, least=1)
-    assert sorted(ranges) == [(0, 4)] * 2 + [(4, 8)] * 2

@@ -1,24 +1,21 @@
 """Compiled worlds in several arenas: the same arenas, layouts and episodes as in one arena after the other."""
 
-import copy
-import pickle
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
 import pytest
-from gymnasium.utils.env_checker import check_env
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.counter_rng import key_of, keys_of
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.compiled.arenas import PreparedArenas
-from khepera_forage.rollouts.compiled.recalls import TEACHER, Recalls, run_teacher
+from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.procedural import ProceduralArenas, procedural_arena
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.placement import arena_number
-from tests.arenas import BLOCKS, HALL, L_ROOM, POOL
+from tests.arenas import HALL, POOL
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 
@@ -34,29 +31,6 @@ def _many(num_envs: int, name: str = "Corridor", **kwargs: Any) -> Any:
 
 def _same(one: Any, two: Any) -> bool:
     return set(one) == set(two) and all(np.array_equal(one[key], two[key]) for key in one)
-
-
-def test_arena_numbers_are_the_same_for_one_world_and_for_many() -> None:
-    seeds, episodes = np.arange(200, dtype=np.uint64), np.arange(200, dtype=np.uint64) % 7
-    numbers = arena_number(keys_of(seeds), episodes, 3)
-    assert numbers.tolist() == [arena_number(key_of(s), s % 7, 3) for s in range(200)]
-    assert np.bincount(numbers.astype(int)).min() > 40
-
-
-def test_seed_has_the_same_arenas_and_layouts_on_both_backends() -> None:
-    one, other = _one("pymunk", foods=2), _one("compiled", foods=2)
-    seen = set()
-    for seed in range(6):
-        for begin in ({"seed": seed}, {}, {}):
-            one.reset(**begin)
-            other.reset(**begin)
-            assert one.arena == other.arena
-            assert (one.diagonal, one.home_radius) == (other.diagonal, other.home_radius)
-            np.testing.assert_allclose(one.layout.starts, other.layout.starts, atol=1e-9)
-            np.testing.assert_allclose(one.layout.foods, other.layout.foods, atol=1e-9)
-            assert one.world.arenas == other.world.arenas == (one.arena,)
-            seen.add(one.arena.name)
-    assert seen == {"hall", "L-room", "blocks"}
 
 
 @pytest.mark.parametrize("name", ["Corridor", "CorridorWheels"])
@@ -86,83 +60,17 @@ def test_batch_has_the_episodes_of_single_worlds_bit_for_bit(name: str) -> None:
     assert seen == {"hall", "L-room", "blocks"}
 
 
-def test_episodes_are_those_of_an_environment_with_the_arena_alone() -> None:
-    """Given the same layout and random numbers; the key of a world does not depend on its arena."""
-    pool = _one("compiled")
-    for seed in range(4):
-        observation, _ = pool.reset(seed=seed)
-        alone = _one("compiled", arena=pool.arena)
-        expected, info = alone.reset(seed=seed)
-        assert pool.layout == alone.layout
-        for _ in range(60):
-            assert _same(observation, expected)
-            observation = pool.step(info["correct_behaviour"])[0]
-            expected, _, end, cut, info = alone.step(info["correct_behaviour"])
-            if end or cut:
-                break
-
-
 def test_forgotten_arenas_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """The arenas of ended episodes are prepared again when a world enters them again."""
-    arenas = ProceduralArenas("easy", num_levels=12)
-    every = _many(4, arena=arenas, limit=15)
-    forgetful = _many(4, arena=arenas, limit=15)
+    every, forgetful = (_many(4, arena=ProceduralArenas("easy", num_levels=12), limit=15) for _ in range(2))
     (_, infos), (_, known) = every.reset(seed=2), forgetful.reset(seed=2)
-    most = 0
     for _ in range(200):
-        monkeypatch.setattr(PreparedArenas, "_MOST_BYTES", 1)
-        known = forgetful.step(known["correct_behaviour"])[4]
-        monkeypatch.undo()
+        with monkeypatch.context() as patch:
+            patch.setattr(PreparedArenas, "_MOST_BYTES", 1)
+            known = forgetful.step(known["correct_behaviour"])[4]
         infos = every.step(infos["correct_behaviour"])[4]
         assert _same(known, infos)
         assert forgetful.unwrapped.batch.arenas == every.unwrapped.batch.arenas
-        most = max(most, len(forgetful.unwrapped.batch._arenas._place_of))
-    assert most <= 9, "of one round, and of the round before"
-    assert len(every.unwrapped.batch._arenas._place_of) == 12
-
-
-def test_recalls_keep_their_arenas_and_do_not_depend_on_earlier_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    levels, teacher = ProceduralArenas("easy", num_levels=1000), np.full(9, TEACHER)
-    alone = run_teacher(levels, 9, seed=3, limit=40)
-    recalls, prepared, runs = Recalls(levels, limit=40), [], []
-    for seed in (0, 0, 3):
-        runs.append(recalls.run(None, teacher, seed))
-        prepared.append(len(recalls._arenas._place_of))
-    assert prepared[0] == prepared[1] <= 10, "those of one run, and the first one"
-    assert prepared[1] < prepared[2] <= 19
-    monkeypatch.setattr(PreparedArenas, "_MOST_BYTES", 1)
-    runs.append(recalls.run(None, teacher, seed=3))
-    assert len(recalls._arenas._place_of) <= 10, "those of earlier runs are forgotten"
-    for again, expected in zip(runs, (runs[0], runs[0], alone, alone), strict=True):
-        assert all(np.array_equal(ours, theirs) for ours, theirs in zip(again, expected, strict=True))
-
-
-def test_worlds_do_not_depend_on_their_number() -> None:
-    few, many = _many(3), _many(300)
-    (_, infos), (_, all_infos) = few.reset(seed=9), many.reset(seed=9)
-    for _ in range(200):
-        assert _same(infos, {key: values[:3] for key, values in all_infos.items()})
-        infos = few.step(infos["correct_behaviour"])[4]
-        all_infos = many.step(all_infos["correct_behaviour"])[4]
-
-
-def test_resets_of_some_worlds_leave_the_others() -> None:
-    env = _many(40)
-    _, infos = env.reset(seed=1)
-    for _ in range(5):
-        infos = env.step(infos["correct_behaviour"])[4]
-    twin, mask = copy.deepcopy(env), np.arange(40) % 3 == 0
-    arenas = env.unwrapped.batch.arenas
-    env.reset(seed=50, options={"reset_mask": mask})
-    fresh = _many(40)
-    fresh.reset(seed=50)
-    now, new = env.unwrapped.batch.arenas, fresh.unwrapped.batch.arenas
-    assert now == [new[i] if mask[i] else arenas[i] for i in range(40)]
-    actions = infos["correct_behaviour"]
-    ours, others, remade = env.step(actions)[0], twin.step(actions)[0], fresh.step(actions)[0]
-    for key in ours:
-        assert np.array_equal(ours[key][~mask], others[key][~mask])
-        assert np.array_equal(ours[key][mask], remade[key][mask])
 
 
 def test_teacher_forages_in_kernels_as_in_environments() -> None:
@@ -201,42 +109,25 @@ def test_names_and_arenas_make_the_same_pool() -> None:
     names: list[Arena | str] = ["corridor", HALL, "t_maze"]
     decisions = Decisions(home_to_wall=100.0)
     arenas = [checked_arena(given, decisions) for given in names]
-    for backend in ("pymunk", "compiled"):
-        one, other = (_one(backend, arena=given, decisions=decisions) for given in (names, arenas))
-        assert one.observation_space == other.observation_space
+    paired = [TrainingEnv(arena=given, decisions=decisions) for given in (names, arenas)]
+    many = [_many(9, arena=given, decisions=decisions) for given in (names, arenas)]
+    for pair in (
+        [_one("pymunk", arena=given, decisions=decisions) for given in (names, arenas)],
+        [_one("compiled", arena=given, decisions=decisions) for given in (names, arenas)],
+        many,
+    ):
+        assert pair[0].observation_space == pair[1].observation_space
         for seed in range(5):
-            assert _same(one.reset(seed=seed)[0], other.reset(seed=seed)[0])
-            assert one.arena == other.arena
-    by_name, by_arena = (_many(9, arena=given, decisions=decisions) for given in (names, arenas))
-    assert _same(by_name.reset(seed=0)[0], by_arena.reset(seed=0)[0])
-    assert {arena.name for arena in by_name.unwrapped.batch.arenas} == {"corridor", "hall", "t_maze"}
-    one, other = (
-        run_teacher(names, 9, limit=200, decisions=decisions),
-        run_teacher(arenas, 9, limit=200, decisions=decisions),
-    )
-    assert np.array_equal(one.start, other.start)
-    assert np.array_equal(one.score, other.score)
-
-
-def test_arenas_are_prepared_when_they_are_drawn() -> None:
-    prepared: list[str] = []
-
-    class Lazy(tuple[Arena, ...]):
-        def __getitem__(self, number: Any) -> Any:
-            arena = super().__getitem__(number)
-            prepared.append(arena.name)
-            return arena
-
-    arenas = Lazy((HALL, L_ROOM, BLOCKS))
-    arenas.diagonal = 2000.0  # type: ignore[attr-defined]
-    for backend in ("pymunk", "compiled"):
-        prepared.clear()
-        env = _one(backend, arena=arenas)
-        assert env.observation_space["robot_home_distance"].high == 400
-        assert set(prepared) == {"hall"}
-        seed = next(s for s in range(20) if arena_number(key_of(s), 0, 3) == 2)
-        env.reset(seed=seed)
-        assert set(prepared) == {"hall", "blocks"}
+            assert _same(*(env.reset(seed=seed)[0] for env in pair))
+    assert {arena.name for arena in many[0].unwrapped.batch.arenas} == {"corridor", "hall", "t_maze"}
+    for seed in range(5):
+        for env in paired:
+            env.reset(seed=seed)
+        assert paired[0].arenas == paired[1].arenas
+        assert paired[0].arena_of(seed) == paired[0].arenas[0]
+    teachers = [run_teacher(given, 9, limit=200, decisions=decisions) for given in (names, arenas)]
+    assert np.array_equal(teachers[0].start, teachers[1].start)
+    assert np.array_equal(teachers[0].score, teachers[1].score)
 
 
 def test_a_million_levels_are_drawn_when_they_are_used() -> None:
@@ -246,36 +137,6 @@ def test_a_million_levels_are_drawn_when_they_are_used() -> None:
         env.reset(seed=8)
     assert run_teacher(levels, 2, seed=8, limit=5).steps.tolist() == [5, 5]
     assert procedural_arena.cache_info().misses == 3, "the first level, and those of two seeds"
-
-
-def test_worlds_change_to_arenas_with_more_walls() -> None:
-    """The first arena has the fewest walls, corners and waypoints."""
-    env = _many(2)
-    seeds = [next(s for s in range(40) if arena_number(key_of(s), 0, 3) == number) for number in range(3)]
-    env.reset(seed=[seeds[0], seeds[0]])
-    env.reset(seed=[seeds[1], None], options={"reset_mask": np.array([True, False])})
-    env.reset(seed=[seeds[2], None], options={"reset_mask": np.array([True, False])})
-    batch = env.unwrapped.batch
-    assert [arena.name for arena in batch.arenas] == ["blocks", "hall"]
-
-
-@pytest.mark.parametrize("name", ["Corridor", "CorridorWheels"])
-def test_gymnasium_checker_passes(name: str) -> None:
-    for backend in ("pymunk", "compiled"):
-        check_env(_one(backend, name))
-
-
-def test_copies_go_on_alike() -> None:
-    env = _one("compiled")
-    env.reset(seed=2)
-    twins = [pickle.loads(pickle.dumps(env)), copy.deepcopy(env)]
-    for _ in range(3):
-        expected, _ = env.reset()
-        steps = [env.step(0)[0] for _ in range(5)]
-        for twin in twins:
-            assert _same(twin.reset()[0], expected)
-            assert twin.arena == env.arena
-            assert all(_same(twin.step(0)[0], step) for step in steps)
 
 
 @pytest.mark.parametrize(
@@ -288,10 +149,13 @@ def test_copies_go_on_alike() -> None:
     ],
 )
 def test_bad_pools_are_quoted(arenas: Any, message: str) -> None:
-    for backend in ("pymunk", "compiled"):
+    makers: tuple[Callable[[], Any], ...] = (
+        lambda: _one("pymunk", arena=arenas),
+        lambda: _one("compiled", arena=arenas),
+        lambda: _many(2, arena=arenas),
+        lambda: TrainingEnv(arena=arenas),
+        lambda: run_teacher(arenas, 1),
+    )
+    for make in makers:
         with pytest.raises(ValueError, match=message):
-            _one(backend, arena=arenas)
-    with pytest.raises(ValueError, match=message):
-        _many(2, arena=arenas)
-    with pytest.raises(ValueError, match=message):
-        run_teacher(arenas, 1)
+            make()

@@ -1,6 +1,5 @@
 """Recalls in kernels: the imitators, the counts and the rows are those of Python."""
 
-from dataclasses import replace
 from typing import Any
 
 import numba
@@ -17,7 +16,6 @@ from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType
 from tests.compiled.decisions import DECISIONS
-from tests.version_0_1 import V0_1
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 RECTANGLE: dict[str, Any] = {"foods": 2, "limit": 150, "food_types": MIXED}
@@ -114,18 +112,6 @@ def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decision
     assert kernel.delivered.any() or decisions == DECISIONS[2], "not every reading lets an imitator forage"
 
 
-def test_starts_and_food_places_are_those_of_the_vector_environment() -> None:
-    env = BehavioursVectorEnv(12, "rectangle", 2)
-    env.reset(seed=9)
-    kernel = run_recalls("rectangle", None, np.full(12, TEACHER), 9, foods=2, limit=1)
-    robots, foods = env.batch.worlds.robots[:, 0], env.batch.worlds.foods
-    places = np.stack([foods[name] for name in ("x", "y")], axis=2)
-    assert (places == kernel.foods).all()
-    # One round at rest has passed, in which nothing moves.
-    poses = np.stack([robots[name] for name in ("x", "y", "heading")], axis=1)
-    assert poses == pytest.approx(kernel.start, abs=1e-9)
-
-
 def test_recalls_are_valid_rows(experience: Any) -> None:
     """`RecallRow` refuses fields that contradict each other."""
     # The last imitator pushes poison home: it learned with poison's type in the place of pushable food's.
@@ -189,18 +175,6 @@ def test_a_recall_does_not_depend_on_the_other_recalls(experience: Any) -> None:
             assert (a[: len(b)] == b).all()
 
 
-def test_recalls_follow_the_decisions() -> None:
-    usual = run_teacher("corridor", 300, decisions=V0_1)
-    longer = run_teacher("corridor", 300, decisions=replace(V0_1, round_duration=0.2))
-    slower = run_teacher("corridor", 300, decisions=replace(V0_1, search_speed=6, home_speed=6))
-    farther = run_teacher("corridor", 300, decisions=replace(V0_1, food_to_walls=80))
-    assert (longer.start == usual.start).all()
-    assert 0.45 < longer.steps.mean() / usual.steps.mean() < 0.65
-    assert slower.steps.mean() > 1.2 * usual.steps.mean()
-    assert (farther.foods != usual.foods).any()
-    assert (farther.foods[:, 0, 1] >= 80).all()
-
-
 def test_teacher_is_always_right_and_chance_one_time_in_ten() -> None:
     teacher = run_teacher("corridor", 300, 2)
     assert (teacher.correct == teacher.steps).all()
@@ -214,16 +188,6 @@ def test_teacher_is_always_right_and_chance_one_time_in_ten() -> None:
     right, steps = int(chance.correct.sum()), int(chance.steps.sum())
     assert stats.binomtest(right, steps, 0.1).pvalue > 1e-3
     assert not chance.ties.any()
-
-
-def test_imitator_of_one_vector_always_executes_its_behaviour() -> None:
-    memories = memories_of([([(0, 50, 0, 215, 40)], [Behaviour.MOVE_SLOWLY])])
-    kernel = run_recalls("corridor", memories, np.zeros(50, np.int64), limit=40)
-    moving = kernel.rounds_by_state[:, Behaviour.MOVE_SLOWLY]
-    assert (kernel.correct == moving).all()
-    assert moving.any()
-    assert not kernel.ties.any()
-    assert (kernel.score == 100 * moving / 40 - 20).all()
 
 
 @pytest.mark.parametrize(

@@ -77,40 +77,25 @@ def test_a_learner_beside_its_mark_is_led_and_waited_for_as_in_the_environment(
 
 
 @pytest.mark.parametrize(
-    "decisions",
+    ("changes", "mark"),
     [
-        replace(V0_1, round_duration=0.2),
-        replace(V0_1, arm_travel_time=0.5),
-        replace(V0_1, jaw_travel_time=0.8),
-        replace(V0_1, close_to_food=35),
-        replace(V0_1, equal_distance="farther state"),
-        replace(V0_1, home_speed=10),
+        ({"round_duration": 0.2}, (-30.0, -10.0, 0.3)),
+        ({"arm_travel_time": 0.5}, (-30.0, -10.0, 0.3)),
+        ({"close_to_food": 35}, (-30.0, -10.0, 0.3)),
+        ({"equal_distance": "farther state"}, (-30.0, -10.0, 0.3)),
+        ({"home_speed": 10}, (-30.0, -10.0, 0.3)),
+        ({"separation": 20}, (90.0, 20.0, -0.5)),
+        ({"following_gain": 0.2}, (90.0, 20.0, -0.5)),
     ],
-    ids=lambda decisions: "-".join(decisions.differing(V0_1)),
+    ids=str,
 )
 def test_decisions_change_training_as_in_the_environment(
-    decisions: Decisions, monkeypatch: pytest.MonkeyPatch
+    changes: dict[str, Any], mark: tuple[float, float, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    _check_changed(_learner_beside_its_mark(monkeypatch, -30.0, -10.0, 0.3), decisions)
-
-
-@pytest.mark.parametrize(
-    "decisions",
-    [replace(V0_1, separation=20), replace(V0_1, following_gain=0.2)],
-    ids=lambda d: "-".join(d.differing(V0_1)),
-)
-def test_decisions_on_following_change_training_as_in_the_environment(
-    decisions: Decisions, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    _check_changed(_learner_beside_its_mark(monkeypatch, 90.0, 20.0, -0.5), decisions)
-
-
-def _check_changed(arenas: tuple[Arena, Arena], decisions: Decisions) -> None:
-    """The same training in both, and another one than under those of version 0.1."""
-    env = _environment(arenas, decisions)
-    experience, rows = train(env, np.random.SeedSequence(0), attempts=1)
+    arenas, decisions = _learner_beside_its_mark(monkeypatch, *mark), Decisions.from_changes(changes, V0_1)
+    single = train(_environment(arenas, decisions), np.random.SeedSequence(0), attempts=1)
     compiled = train_learners(1, noise=Noise.none(), attempts=1, decisions=decisions)
-    _check_same(compiled, experience, rows)
+    _check_same(compiled, *single)
     usual = train_learners(1, noise=Noise.none(), attempts=1, decisions=V0_1)
     assert not np.array_equal(compiled.experience, usual.experience)
 

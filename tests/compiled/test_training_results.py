@@ -92,16 +92,6 @@ def test_training_takes_as_long_as_on_pymunk() -> None:
     assert stats.ks_2samp(np.bincount(compiled.learner), [len(rows) for rows in single]).pvalue > 1e-3
 
 
-def test_experience_of_a_learner_can_be_saved_and_loaded(tmp_path: Any) -> None:
-    trained = train_learners(2, seed=3, episodes=2)
-    whole = trained.experience_of(1)
-    assert whole.episodes == 2
-    first, second = (trained.experience_of(1, episode) for episode in range(2))
-    assert first + second == whole
-    whole.save(tmp_path / "g1.csv")
-    assert Experience.load(tmp_path / "g1.csv") == whole
-
-
 def test_training_that_is_never_complete_raises_the_same_error_as_on_pymunk() -> None:
     with pytest.raises(RuntimeError, match="none of 3 attempts") as compiled:
         train_learners(2, max_cycles=9, attempts=3)
@@ -137,3 +127,13 @@ def test_missing_learner_or_episode_is_quoted(learner: int, episode: int | None,
     value = learner if episode is None else episode
     with pytest.raises(ValueError, match=f"{name} is {value}; allowed: 0 to"):
         trained.vectors_of(learner, episode)
+
+
+def test_experience_of_a_learner_can_be_saved_and_loaded(tmp_path: Any) -> None:
+    trained = train_learners(2, seed=3, episodes=2)
+    whole = trained.experience_of(1)
+    assert whole.episodes == 2
+    first, second = (trained.experience_of(1, episode) for episode in range(2))
+    assert first + second == whole
+    whole.save(tmp_path / "g1.csv")
+    assert Experience.load(tmp_path / "g1.csv") == whole

@@ -11,7 +11,6 @@ from gymnasium.vector import AutoresetMode
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv, WheelsVectorEnv
 from khepera_forage.noise import Noise
-from khepera_forage.sim.arena import Arena, Point, Pose
 
 NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
 
@@ -70,35 +69,6 @@ def test_rollouts_repeat_bit_for_bit_in_fresh_arrays_for_any_number_of_worlds() 
     assert any(a[2].any() for a in one)
 
 
-def test_next_step_autoreset_begins_new_episodes_one_step_later() -> None:
-    before = None
-    episodes = 0
-    for obs, rewards, terminated, truncated, infos in _roll(_make("Rectangle", 40, limit=60), 130):
-        if before is not None:
-            assert (infos["steps"][before] == 0).all()
-            assert (rewards[before] == 0).all()
-            assert not (terminated | truncated)[before].any()
-        before = terminated | truncated
-        episodes += before.sum()
-        assert (infos["steps"][truncated] == 60).all()
-        assert (obs["robot_home_distance"] > 0).all()
-    assert episodes >= 80
-
-
-def test_same_step_autoreset_reports_final_observations_and_infos() -> None:
-    ended = 0
-    for _, _, terminated, truncated, infos in _roll(_make(num_envs=30, autoreset_mode="SameStep"), 120):
-        over = terminated | truncated
-        if over.any():
-            assert np.array_equal(infos["_final_info"], over)
-            assert (infos["final_info"]["steps"][over] > 20).all()
-            assert (infos["final_info"]["delivered"][terminated] == 1).all()
-            assert (infos["steps"][over] == 0).all()
-            assert set(infos["final_obs"][np.flatnonzero(over)[0]]) == set(_make().single_observation_space)
-            ended += over.sum()
-    assert ended > 10
-
-
 def test_disabled_autoreset_waits_for_a_reset_mask() -> None:
     env = _make(num_envs=8, autoreset_mode="Disabled")
     _, infos = env.reset(seed=0)
@@ -113,18 +83,6 @@ def test_disabled_autoreset_waits_for_a_reset_mask() -> None:
     for key in obs:
         assert np.array_equal(obs[key][~over], again[key][~over])
     env.step(np.zeros(8, np.int64))
-
-
-def test_each_world_has_its_seed_and_places_are_as_given() -> None:
-    env = _make("Rectangle", 3, noise=Noise.none())
-    env.reset(seed=[5, 6, 5])
-    poses = env.reset(seed=[5, 6, 5])[1]["pose"]
-    assert np.array_equal(poses[0], poses[2])
-    assert not np.array_equal(poses[0], poses[1])
-    options = {"start": (100, 300, 90), "foods": [(300, 200), (300, 400)]}
-    obs, infos = env.reset(options=options)
-    assert infos["pose"].tolist() == [[20.0, 60.0, 90.0]] * 3
-    assert obs["robot_food_distance"].ravel().tolist() == [45] * 3
 
 
 def test_bad_input_is_quoted() -> None:
@@ -151,19 +109,6 @@ def test_bad_input_is_quoted() -> None:
         wheels.step(np.full((2, 4), 1.5))
 
 
-def test_arena_without_room_is_refused() -> None:
-    box = Arena(
-        "box",
-        (Point(0, 0), Point(180, 0), Point(180, 180), Point(0, 180)),
-        Point(90, 90),
-        80,
-        Pose(90, 90, 0),
-        (Point(30, 30),),
-    )
-    with pytest.raises(ValueError, match="no room for a robot and 1 food"):
-        BehavioursVectorEnv(2, arena=box).reset(seed=0)
-
-
 def test_pictures_of_worlds_are_those_of_single_environments() -> None:
     kwargs: Any = {"noise": Noise.none(), "render_mode": "rgb_array"}
     worlds = _make("Rectangle", 3, **kwargs)
@@ -181,26 +126,38 @@ def test_pictures_of_worlds_are_those_of_single_environments() -> None:
     assert len({frame.tobytes() for frame in frames}) == 3
 
 
+@pytest.mark.parametrize("limits", [{"limit": 20, "max_episode_steps": 7}, {"limit": 60}])
 @pytest.mark.parametrize("mode", list(AutoresetMode))
-def test_longest_episode_is_that_of_time_limit(mode: AutoresetMode) -> None:
-    compiled = _make(max_episode_steps=7, autoreset_mode=mode, limit=20)
-    plain = _make(
-        vectorization_mode="sync",
-        backend="compiled",
-        max_episode_steps=7,
-        limit=20,
-        vector_kwargs={"autoreset_mode": mode},
-    )
-    compiled.reset(seed=3)
+def test_episodes_end_and_begin_as_in_synchronous_environments(
+    mode: AutoresetMode, limits: dict[str, int]
+) -> None:
+    compiled = _make(autoreset_mode=mode, **limits)
+    modes: dict[str, Any] = {"vectorization_mode": "sync", "vector_kwargs": {"autoreset_mode": mode}}
+    plain = _make(backend="compiled", **modes, **limits)
+    actions = compiled.reset(seed=3)[1]["correct_behaviour"]
     plain.reset(seed=3)
-    for _ in range(20):
-        one, other = (env.step(np.zeros(5, np.int64)) for env in (compiled, plain))
+    ends = np.zeros(5)
+    for _ in range(120):
+        one, other = (env.step(actions) for env in (compiled, plain))
         for mine, theirs in zip(one[:4], other[:4], strict=True):
             np.testing.assert_equal(mine, theirs)
+        over, actions = one[2] | one[3], one[4]["correct_behaviour"]
+        ends += over
         np.testing.assert_array_equal(one[4]["steps"], other[4]["steps"])
-        if mode == AutoresetMode.DISABLED and one[3].any():
-            for env in (compiled, plain):
-                env.reset(options={"reset_mask": one[3]})
+        if mode == AutoresetMode.SAME_STEP and over.any():
+            np.testing.assert_array_equal(one[4]["_final_info"], over)
+            for name, values in one[4]["final_info"].items():
+                np.testing.assert_array_equal(values[over], other[4]["final_info"][name][over])
+            for i in np.flatnonzero(over):
+                np.testing.assert_equal(one[4]["final_obs"][i], other[4]["final_obs"][i])
+        if mode == AutoresetMode.DISABLED and over.any():
+            fresh = [env.reset(options={"reset_mask": over}) for env in (compiled, plain)]
+            np.testing.assert_equal(fresh[0][0], fresh[1][0])
+            actions = np.where(over, fresh[0][1]["correct_behaviour"], actions)
+    assert ends.min() >= 1
+
+
+def test_wrong_number_of_steps_is_quoted() -> None:
     with pytest.raises(ValueError, match="max_episode_steps is 0; allowed: a whole number of at least 1"):
         _make(max_episode_steps=0)
 

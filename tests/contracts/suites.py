@@ -1,24 +1,21 @@
-"""The contracts of `Robot`, `Camera`, `World` and `Policy`, and of environments with several arenas.
+"""The contracts of `Robot`, `Camera`, `World` and `Policy`.
 
 There is one suite of tests for each contract, for every implementation.
 
 A module that tests an implementation defines a fixture `stage` (a world after a reset, with one robot on open floor and
-one food object well away from it), `policy` or `pooled`, and subclasses the suites.
+one food object well away from it) or `policy`, and subclasses the suites.
 """
 
 import math
-from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from khepera_forage.counter_rng import key_of
 from khepera_forage.policies import Policy
 from khepera_forage.robots.khepera import MAX_SPEED, Motors, Robot, Senses
-from khepera_forage.sim.arena import Arena, Pose
+from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import Layout, World
-from khepera_forage.task.placement import arena_number
 from khepera_forage.vision.scene import Camera, Region, Scene
 
 STILL = Motors(0, 0, 215, 200)
@@ -236,46 +233,6 @@ class SimulationContract(WorldContract):
                 history.append((stage.robot.sense(), stage.camera.look(), stage.world.poses()))
             runs.append(history)
         assert runs[0] == runs[1]
-
-
-class Pooled(NamedTuple):
-    """An environment with several arenas, in any form.
-
-    Attributes:
-        pool: Names of the arenas.
-        reset: Starts an episode in every world, with a seed or with None; returns the observation.
-        arenas: The arena of every world. World i has the episodes of the seed + i.
-        contains: Whether an observation is in its space.
-    """
-
-    pool: tuple[str, ...]
-    reset: Callable[[int | None], Any]
-    arenas: Callable[[], Sequence[Arena]]
-    contains: Callable[[Any], bool]
-
-
-class PoolContract:
-    """Environments with several arenas: a seed has the same arenas, whatever the form of the environment."""
-
-    def test_seed_and_episode_determine_the_arena(self, pooled: Pooled) -> None:
-        seen = set()
-        for seed in range(4):
-            for episode in range(2):
-                pooled.reset(None if episode else seed)
-                names = [arena.name for arena in pooled.arenas()]
-                keys = [key_of(seed + world) for world in range(len(names))]
-                numbers = [arena_number(key, episode, len(pooled.pool)) for key in keys]
-                assert names == [pooled.pool[number] for number in numbers]
-                seen.update(names)
-        assert seen == set(pooled.pool)
-
-    def test_observations_are_in_the_space_of_all_arenas(self, pooled: Pooled) -> None:
-        assert all(pooled.contains(pooled.reset(seed)) for seed in range(4))
-
-    def test_second_reset_with_a_seed_gives_the_same(self, pooled: Pooled) -> None:
-        first = pooled.reset(2)
-        pooled.reset(None)
-        np.testing.assert_equal(pooled.reset(2), first)
 
 
 class PolicyContract:

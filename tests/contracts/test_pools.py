@@ -1,134 +1,84 @@
-"""The contracts, for worlds of environments with several arenas, and for these environments in every form."""
+"""Environments with several arenas: a seed has the same arenas in every form, and worlds keep their contract."""
 
-from collections.abc import Callable, Sequence
-from importlib.util import find_spec
 from typing import Any
 
 import gymnasium as gym
+import numpy as np
 import pettingzoo
 import pytest
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.sim.arena import Arena, Point
-from khepera_forage.sim.world import Layout
+from khepera_forage.counter_rng import key_of
+from khepera_forage.task.placement import arena_number
 from tests.arenas import BLOCKS, HALL, POOL
-from tests.contracts.suites import (
-    CameraContract,
-    PoolContract,
-    Pooled,
-    RobotContract,
-    SimulationContract,
-    Stage,
-)
+from tests.contracts.suites import SimulationContract, Stage
+
+pytest.importorskip("numba")
 
 NAME = "khepera_forage/Corridor-v1"
-SEEDS = (1, 0)
-"""Of an episode in the third arena, and of the next one, in the second."""
 PLACES = {"start": (200, 300, 29), "foods": [(500, 150)]}
 """Free in all arenas."""
-NAMED: Sequence[Arena | str] = ["rectangle", HALL, BLOCKS]
-needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba")
 
 
-@pytest.fixture(params=["pymunk", pytest.param("compiled", marks=needs_numba)])
+@pytest.fixture(params=["pymunk", "compiled"])
 def stage(request: pytest.FixtureRequest) -> Stage:
     """The world of a recall in another arena than the first one and the one before."""
     env: Any = gym.make(NAME, arena=POOL, backend=request.param, noise="none").unwrapped
-    for seed in SEEDS:
+    for seed in (1, 0):  # of an episode in the third arena, and of the next one, in the second
         env.reset(seed=seed, options=PLACES)
     assert env.arena == env.world.arenas[0] == POOL[1]
     return Stage(env.world, env.layout)
-
-
-class TestRobotInSeveralArenas(RobotContract):
-    pass
-
-
-class TestCameraInSeveralArenas(CameraContract):
-    pass
 
 
 class TestWorldInSeveralArenas(SimulationContract):
     pass
 
 
-class TestTrainingWorldInSeveralArenas(SimulationContract):
-    @pytest.fixture
-    def stage(self) -> Stage:
-        env = TrainingEnv(arena=POOL, noise="none")
-        for seed in SEEDS:
-            env.reset(seed=seed, options=PLACES)
-        assert env.arenas[0] == env.world.arenas[0] == POOL[1]
-        foods = tuple(Point(x, y) for x, y, _ in env.world.food_places())
-        return Stage(env.world, Layout(env.world.poses(), foods))
+def names_of(env: Any) -> list[str]:
+    """The arena of every world."""
+    if isinstance(env, gym.vector.SyncVectorEnv):
+        return [one.unwrapped.arena.name for one in env.envs]  # type: ignore[attr-defined]
+    own = env.unwrapped
+    if isinstance(env, gym.vector.VectorEnv):
+        return [arena.name for arena in own.batch.arenas]
+    return [own.arena.name if isinstance(env, gym.Env) else own.arenas[0].name]
 
 
-def _one(backend: str) -> Pooled:
-    env: Any = gym.make(NAME, arena=NAMED, backend=backend).unwrapped
-    return _pooled(lambda seed: env.reset(seed=seed)[0], lambda: [env.arena], env.observation_space.contains)
+def begun(env: Any, seed: int | None) -> list[Any]:
+    """The observations of a new episode, which are in their spaces."""
+    shown = env.reset(seed=seed)
+    if isinstance(env, gym.Env | gym.vector.VectorEnv):
+        assert env.observation_space.contains(shown[0])
+        return [shown[0]]
+    observations = [env.unwrapped.observe(agent) for agent in env.possible_agents]
+    for agent, observation in zip(env.possible_agents, observations, strict=True):
+        assert env.observation_space(agent).contains(observation)
+    return observations
 
 
-def _many(mode: str) -> Pooled:
-    env: Any = gym.make_vec(NAME, 2, arena=NAMED, vectorization_mode=mode)
-
-    def arenas() -> Sequence[Arena]:
-        if mode == "vector_entry_point":
-            return env.unwrapped.batch.arenas  # type: ignore[no-any-return]
-        return [one.unwrapped.arena for one in env.envs]
-
-    return _pooled(lambda seed: env.reset(seed=seed)[0], arenas, env.observation_space.contains)
-
-
-def _aec() -> Pooled:
-    env = TrainingEnv(arena=NAMED)
-
-    def reset(seed: int | None) -> Any:
-        env.reset(seed=seed)
-        return [env.observe(agent) for agent in env.possible_agents]
-
-    return _paired(reset, env)
-
-
-def _parallel() -> Pooled:
-    env: Any = pettingzoo.make("parallel", "khepera_forage/PairedCorridors-v1", arena=NAMED)
-    return _paired(lambda seed: list(env.reset(seed=seed)[0].values()), env.unwrapped)
-
-
-def _paired(reset: Callable[[int | None], Any], env: TrainingEnv) -> Pooled:
-    spaces = [env.observation_space(agent) for agent in env.possible_agents]
-    return _pooled(
-        reset,
-        lambda: env.arenas[:1],
-        lambda shown: all(space.contains(own) for space, own in zip(spaces, shown, strict=True)),
-    )
-
-
-def _pooled(
-    reset: Callable[[int | None], Any],
-    arenas: Callable[[], Sequence[Arena]],
-    contains: Callable[[Any], bool],
-) -> Pooled:
-    return Pooled(("rectangle", "hall", "blocks"), reset, arenas, contains)
-
-
-FORMS: dict[str, Callable[[], Pooled]] = {
-    "pymunk": lambda: _one("pymunk"),
-    "compiled": lambda: _one("compiled"),
-    "sync": lambda: _many("sync"),
-    "compiled vector": lambda: _many("vector_entry_point"),
-    "paired": _aec,
-    "paired, parallel": _parallel,
-}
-
-
-@pytest.fixture(
-    scope="module",
-    params=[pytest.param(form, marks=needs_numba if form.startswith("compiled") else ()) for form in FORMS],
-)
-def pooled(request: pytest.FixtureRequest) -> Pooled:
-    return FORMS[request.param]()
-
-
-class TestEnvironmentsInSeveralArenas(PoolContract):
-    pass
+@pytest.mark.parametrize(
+    ("make", "name", "kwargs"),
+    [
+        (gym.make, NAME, {"backend": "pymunk"}),
+        (gym.make, NAME, {"backend": "compiled"}),
+        (gym.make_vec, NAME, {"num_envs": 2, "vectorization_mode": "sync"}),
+        (gym.make_vec, NAME, {"num_envs": 2}),
+        (lambda name, **kwargs: pettingzoo.make("aec", name, **kwargs), "khepera_forage/PairedCorridors-v1", {}),
+        (lambda name, **kwargs: pettingzoo.make("parallel", name, **kwargs), "khepera_forage/PairedCorridors-v1", {}),
+    ],
+    ids=("pymunk", "compiled", "sync", "compiled vector", "paired", "paired, parallel"),
+)  # fmt: skip
+def test_seed_and_episode_determine_the_arena(make: Any, name: str, kwargs: dict[str, Any]) -> None:
+    pool = ("rectangle", "hall", "blocks")
+    env, seen = make(name, arena=["rectangle", HALL, BLOCKS], **kwargs), set()
+    for seed in range(4):
+        first = begun(env, seed)
+        for episode in range(2):
+            if episode:
+                begun(env, None)
+            names = names_of(env)
+            keys = [key_of(seed + world) for world in range(len(names))]
+            assert names == [pool[arena_number(key, episode, len(pool))] for key in keys]
+            seen.update(names)
+        np.testing.assert_equal(begun(env, seed), first)
+    assert seen == set(pool)

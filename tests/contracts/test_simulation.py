@@ -1,4 +1,6 @@
-"""The contracts, for the simulation on pymunk and for policies."""
+"""The contracts, for worlds of both backends and for policies."""
+
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,9 +15,17 @@ from tests.version_0_1 import RECTANGLE, TIMING
 
 
 @pytest.fixture(params=["none", "laboratory"])
-def stage(request: pytest.FixtureRequest) -> Stage:
-    noise = Noise.none() if request.param == "none" else Noise.laboratory()
-    world = PymunkWorld([RECTANGLE], (2,), noise, timing=TIMING)
+def noise(request: pytest.FixtureRequest) -> Noise:
+    return Noise.none() if request.param == "none" else Noise.laboratory()
+
+
+@pytest.fixture(params=["pymunk", "compiled"])
+def stage(request: pytest.FixtureRequest, noise: Noise) -> Stage:
+    kind: Any = PymunkWorld
+    if request.param == "compiled":
+        pytest.importorskip("numba")
+        from khepera_forage.sim.compiled.world import CompiledWorld as kind  # noqa: N813
+    world = kind([RECTANGLE], (2,), noise, timing=TIMING)
     layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))
     world.reset(np.random.default_rng(3), layout)
     return Stage(world, layout)
@@ -29,7 +39,7 @@ class TestOverheadCamera(CameraContract):
     pass
 
 
-class TestPymunkWorld(SimulationContract):
+class TestSimulation(SimulationContract):
     pass
 
 

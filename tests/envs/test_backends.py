@@ -10,7 +10,6 @@ import pytest
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage import Decisions
-from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.task.states import Behaviour
 
 NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
@@ -21,14 +20,6 @@ needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba
 
 def _id(name: str) -> str:
     return f"khepera_forage/{name}-v1"
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_make_uses_pymunk_by_default(name: str) -> None:
-    for made in (gym.make(_id(name)), gym.make(_id(name), backend="pymunk")):
-        env = made.unwrapped
-        assert isinstance(env, RecallEnv)
-        assert env.backend == "pymunk"
 
 
 @needs_numba
@@ -48,20 +39,6 @@ def test_unknown_backend_is_refused(make: Any, backend: Any) -> None:
     with pytest.raises(ValueError, match="allowed: 'pymunk', 'compiled'") as error:
         make(_id("Corridor"), backend=backend)
     assert str(error.value).startswith(f"backend is {backend!r};")
-
-
-@pytest.mark.parametrize("backend", ["pymunk", pytest.param("compiled", marks=needs_numba)])
-@pytest.mark.parametrize(
-    ("foods", "message"),
-    [
-        (17, "foods is 17; allowed: .*1 to 16"),
-        (0, "foods is 0; allowed: a whole number"),
-        (1.5, "foods is 1.5; allowed: a whole number"),
-    ],
-)
-def test_number_of_foods_that_no_backend_has_is_refused(backend: str, foods: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        gym.make(_id("Rectangle"), backend=backend, foods=foods)
 
 
 @pytest.mark.parametrize("backend", ["pymunk", pytest.param("compiled", marks=needs_numba)])
@@ -141,37 +118,3 @@ def _check_views(one: Any, other: Any) -> None:
     for food, other_food in zip(one.foods, other.foods, strict=True):
         assert other_food[:2] == pytest.approx(food[:2])
         assert other_food[2:] == food[2:]
-
-
-@needs_numba
-@pytest.mark.parametrize("backend", ["pymunk", "compiled"])
-def test_confidence_of_a_policy_appears_in_the_view(backend: str) -> None:
-    env: Any = gym.make(_id("Corridor"), backend=backend).unwrapped
-    env.reset(seed=1)
-    assert env.view().robots[0].confidence is None
-    env.confidence = (0.5, 0.5) + (0.0,) * 8
-    assert env.view().robots[0].confidence == env.confidence
-
-
-@needs_numba
-@pytest.mark.parametrize("mode", ["pymunk", "compiled", "vector"])
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"foods": [(300, 300), (310, 300)]}, r"food at \(310, 300\) mm overlaps food at \(300, 300\) mm"),
-        (
-            {"start": (300, 300, 0), "foods": [(325, 300), (500, 100)]},
-            r"food at \(325, 300\) mm overlaps robot at \(300, 300\) mm; allowed: at least 45 mm apart",
-        ),
-        ({"start": (10, 300, 0)}, r"start at \(10, 300\) mm is 10 mm from a wall"),
-        ({"foods": [(300, 300)]}, "1 foods given; allowed: 2"),
-        ({"food": [(300, 300)]}, "reset option 'food' is unknown"),
-    ],
-)
-def test_wrong_places_are_refused_alike(mode: str, options: Any, message: str) -> None:
-    name = _id("Rectangle")
-    env: Any = gym.make_vec(name, num_envs=2) if mode == "vector" else gym.make(name, backend=mode)
-    env.reset(seed=1)
-    with pytest.raises(ValueError, match=message):
-        env.reset(options=options)
-    env.step(env.action_space.sample())

@@ -1,7 +1,7 @@
 """Every mistake raises one clear error that quotes the value and what is allowed."""
 
 import math
-from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import gymnasium as gym
@@ -11,10 +11,13 @@ from gymnasium.error import ResetNeeded
 
 import khepera_forage  # noqa: F401  (registers the environments)
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.sim.arena import Point
-from tests.version_0_1 import CORRIDOR
+
+pytest.importorskip("numba")
+BACKENDS = ("pymunk", "compiled")
+on_both_backends = pytest.mark.parametrize("backend", BACKENDS)
 
 
 @pytest.mark.parametrize(
@@ -33,10 +36,11 @@ from tests.version_0_1 import CORRIDOR
     ],
 )
 def test_wrong_arguments_are_refused(kwargs: dict[str, Any], quoted: str, allowed: str) -> None:
-    with pytest.raises(ValueError, match="allowed") as error:
-        BehavioursEnv(**kwargs)
-    assert quoted in str(error.value)
-    assert allowed in str(error.value)
+    for backend in BACKENDS:
+        with pytest.raises(ValueError, match="allowed") as error:
+            BehavioursEnv(backend=backend, **kwargs)
+        assert quoted in str(error.value)
+        assert allowed in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -55,8 +59,9 @@ def test_wrong_training_arguments_are_refused(kwargs: dict[str, Any], quoted: st
 
 
 @pytest.mark.parametrize("action", [10, -1, 2.5, math.nan, None, "3", True, np.array([1, 2])])
-def test_wrong_behaviour_actions_are_refused(action: Any) -> None:
-    env = gym.make("khepera_forage/Corridor-v1", disable_env_checker=True)
+@on_both_backends
+def test_wrong_behaviour_actions_are_refused(backend: str, action: Any) -> None:
+    env = gym.make("khepera_forage/Corridor-v1", disable_env_checker=True, backend=backend)
     env.reset(seed=0)
     with pytest.raises(ValueError, match="allowed: a whole number from 0 to 9") as error:
         env.step(action)
@@ -68,8 +73,9 @@ def test_wrong_behaviour_actions_are_refused(action: Any) -> None:
 @pytest.mark.parametrize(
     "action", [[0, 0, 0], [2, 0, 0, 0], [math.nan, 0, 0, 0], [math.inf] * 4, "drive", None]
 )
-def test_wrong_wheel_actions_are_refused(action: Any) -> None:
-    env = WheelsEnv()
+@on_both_backends
+def test_wrong_wheel_actions_are_refused(backend: str, action: Any) -> None:
+    env = WheelsEnv(backend=backend)
     env.reset(seed=0)
     with pytest.raises(ValueError, match=r"allowed: four numbers in -1\.\.1"):
         env.step(action)
@@ -83,8 +89,9 @@ def test_wrong_training_actions_are_refused(action: Any) -> None:
         env.step(action)
 
 
-def test_step_before_reset_and_after_the_end_is_refused() -> None:
-    env = BehavioursEnv(limit=2)
+@on_both_backends
+def test_step_before_reset_and_after_the_end_is_refused(backend: str) -> None:
+    env = BehavioursEnv(limit=2, backend=backend)
     with pytest.raises(ResetNeeded, match="not reset"):
         env.step(0)
     with pytest.raises(ResetNeeded, match="not reset"):
@@ -108,42 +115,34 @@ def test_training_step_after_the_end_is_refused() -> None:
         env.step(0)
 
 
+@pytest.mark.parametrize("mode", ["pymunk", "compiled", "vector"])
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"begin": 1}, "'begin' is unknown; allowed: 'start', 'foods'"),
+        ({"foods": [(300, 300), (310, 300)]}, r"food at \(310, 300\) mm overlaps food at \(300, 300\) mm"),
+        (
+            {"start": (300, 300, 0), "foods": [(325, 300), (500, 100)]},
+            r"food at \(325, 300\) mm overlaps robot at \(300, 300\) mm; allowed: at least 45 mm apart",
+        ),
+        ({"start": (10, 300, 0)}, r"start at \(10, 300\) mm is 10 mm from a wall"),
         ({"start": (0, 0, 0)}, "start at .* allowed: on the floor"),
         ({"start": (1, 2)}, "allowed: .x mm, y mm, heading degrees."),
-        ({"foods": [(5, 5)]}, "food at .5, 5. mm"),
-        ({"foods": [(math.nan, 5)]}, "nan.*finite"),
-        ({"foods": []}, "0 foods given; allowed: 1"),
-        ({"start": (300, 115, 0), "foods": [(320, 115)]}, "overlaps"),
+        ({"foods": [(5, 5), (300, 300)]}, "food at .5, 5. mm"),
+        ({"foods": [(math.nan, 5), (300, 300)]}, "nan.*finite"),
+        ({"foods": [(300, 300)]}, "1 foods given; allowed: 2"),
+        ({"food": [(300, 300)]}, "reset option 'food' is unknown; allowed: 'start', 'foods'"),
     ],
 )
-def test_wrong_reset_options_are_refused(options: dict[str, Any], message: str) -> None:
+def test_wrong_reset_options_are_refused(mode: str, options: Any, message: str) -> None:
+    name = "khepera_forage/Rectangle-v1"
+    env: Any = gym.make_vec(name, num_envs=2) if mode == "vector" else gym.make(name, backend=mode)
+    env.reset(seed=1)
     with pytest.raises(ValueError, match=message):
-        BehavioursEnv().reset(seed=0, options=options)
+        env.reset(options=options)
+    env.step(env.action_space.sample())
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"home": Point(900.0, 100.0)}, "home at .900, 100. mm is inside a wall or outside the walls"),
-        ({"home_radius": -5.0}, "home_radius is -5.0 mm; allowed: a positive length"),
-        ({"home_radius": 300.0}, "reaches outside the walls.*at most 100 mm"),
-        (
-            {"foods": (Point(640.0, 100.0),)},
-            "food at .640, 100. mm is 10 mm from a wall; .* at least 17.5 mm",
-        ),
-        ({"foods": ()}, "foods has 0 places; allowed: 1 to 16"),
-        ({"walls": (Point(0, 0), Point(1, 1))}, "2 corners; allowed: at least 3"),
-    ],
-)
-def test_impossible_arenas_are_refused(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        replace(CORRIDOR, **change)
-
-
-def test_arena_without_room_is_refused() -> None:
+@pytest.mark.parametrize("make", [BehavioursEnv, partial(BehavioursVectorEnv, 2)])
+def test_arena_without_room_is_refused(make: Any) -> None:
     with pytest.raises(ValueError, match=r"no room for a robot and 16 food objects"):
-        BehavioursEnv(foods=16).reset(seed=0)
+        make(foods=16).reset(seed=0)

@@ -1,90 +1,137 @@
-"""Environments under other decisions: set-up, rules and markers."""
+"""Environments under other decisions, on both backends: versions, stored specs, set-up, rules and times."""
 
-from dataclasses import replace
+import pickle
+import warnings
+from collections.abc import Callable
+from dataclasses import asdict, replace
 from typing import Any
 
 import gymnasium as gym
+import numpy as np
 import pytest
+from gymnasium.envs.registration import EnvSpec
 
 from khepera_forage import Decisions
-from khepera_forage.envs import paired_corridors_v1
-from khepera_forage.envs.arguments import checked_arena, set_up_of
+from khepera_forage.envs import paired_corridors_v0, paired_corridors_v1
+from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, SPEED_UNIT
 from khepera_forage.sim.arena import Pose
-from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
-from khepera_forage.task.behaviours import command
-from khepera_forage.task.states import Behaviour, State, classify
+from khepera_forage.task.states import Behaviour, State
 from tests.version_0_1 import CORRIDOR, V0_1
 
-IDS = [f"khepera_forage/{name}-v1" for name in ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")]
+pytest.importorskip("numba")
+
+NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
+OTHER = replace(V0_1, separation=20)
+OF_VERSION = {"v0": V0_1, "v1": Decisions()}
+QUIET: dict[str, Any] = {"noise": Noise.none()}
+FREE = {"start": (200, 150, 0), "foods": [(100, 500), (300, 500)]}
+"""Places in the rectangle where a robot can drive ahead for some rounds."""
+FORWARD, LOWER, CLOSE = (0.5, 0.5, 1.0, 0.0), (0.0, 0.0, -1.0, 0.0), (0.0, 0.0, 1.0, 1.0)
+BACKENDS = ("pymunk", "compiled")
+on_both_backends = pytest.mark.parametrize("backend", BACKENDS)
+of_both_versions = pytest.mark.parametrize("version", OF_VERSION)
 
 
-def recall_env(env_id: str = IDS[0], **kwargs: Any) -> RecallEnv[Any]:
-    env = gym.make(env_id, **kwargs).unwrapped
-    assert isinstance(env, RecallEnv)
-    return env
+def made(make: Callable[..., Any], name: str, version: str = "v1", **kwargs: Any) -> Any:
+    """An environment; v0 with Gymnasium's warning that there is a newer version, v1 without."""
+    name = f"khepera_forage/{name}-{version}"
+    if version == "v1":
+        return make(name, **kwargs)
+    with pytest.warns(DeprecationWarning, match=rf"{name} is out of date.*upgrading to version `v1`"):
+        return make(name, **kwargs)
 
 
-# ---------------------------------------------------------------- how decisions are given
+# ---------------------------------------------------------------- versions and specs
+
+FORMS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
+    (gym.make, {"backend": "pymunk"}),
+    (gym.make, {"backend": "compiled"}),
+    (gym.make_vec, {"num_envs": 2, "vectorization_mode": "sync"}),
+    (gym.make_vec, {"num_envs": 2, "vectorization_mode": "async"}),
+    (gym.make_vec, {"num_envs": 2}),
+]
 
 
-@pytest.mark.parametrize("env_id", IDS)
-def test_make_accepts_decisions(env_id: str) -> None:
-    decisions = Decisions(next_to_food=17)
-    env = recall_env(env_id, decisions=decisions)
-    assert env.decisions == decisions
-    env.reset(seed=1)
-    assert env.forager.decisions == decisions.values()
-    assert recall_env(env_id).decisions == Decisions()
+def decisions_of(env: Any) -> Decisions:
+    if isinstance(env, gym.vector.VectorEnv):
+        one, other = env.get_attr("decisions")  # type: ignore[attr-defined]
+        assert one == other
+        env.close()
+        return one  # type: ignore[no-any-return]
+    return env.unwrapped.decisions  # type: ignore[no-any-return]
 
 
-def test_make_vec_accepts_decisions() -> None:
-    envs = gym.make_vec(IDS[0], num_envs=2, vectorization_mode="sync", decisions=Decisions(next_to_food=17))
-    envs.reset(seed=1)
-    assert [env.unwrapped.decisions.next_to_food for env in envs.envs] == [17, 17]  # type: ignore[attr-defined]
-    envs.close()
+@pytest.mark.parametrize(("make", "kwargs"), FORMS, ids=str)
+@pytest.mark.parametrize("name", ["Corridor", "RectangleWheels"])
+@of_both_versions
+def test_version_has_its_decisions_unless_others_are_given(
+    make: Callable[..., Any], kwargs: dict[str, Any], name: str, version: str
+) -> None:
+    assert Decisions() != V0_1
+    for given, decisions in ((None, OF_VERSION[version]), (OTHER, OTHER)):
+        assert decisions_of(made(make, name, version, decisions=given, **kwargs)) == decisions
+    assert decisions_of(made(make, name, version, **kwargs)) == OF_VERSION[version]
+
+
+def test_name_without_a_version_makes_the_newest_and_the_newest_without_a_warning() -> None:
+    with pytest.warns(UserWarning, match=r"the latest versioned environment `khepera_forage/Corridor-v1`"):
+        env: Any = gym.make("khepera_forage/Corridor")
+    assert env.unwrapped.decisions == Decisions()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        gym.make("khepera_forage/Corridor-v1")
+
+
+@pytest.mark.parametrize(("make", "kwargs"), [FORMS[0], FORMS[1], FORMS[4]], ids=str)
+@pytest.mark.parametrize("decisions", [None, OTHER])
+@of_both_versions
+def test_spec_makes_the_same_environment_again(
+    make: Callable[..., Any], kwargs: dict[str, Any], version: str, decisions: Decisions | None
+) -> None:
+    env = made(make, "Corridor", version, decisions=decisions, **kwargs)
+    for spec in (env.spec, pickle.loads(pickle.dumps(env.spec)), EnvSpec.from_json(env.spec.to_json())):
+        again = make(spec)  # by a spec, without a warning
+        assert again.spec.id == f"khepera_forage/Corridor-{version}"
+        assert again.unwrapped.backend == env.unwrapped.backend
+        assert decisions_of(again) == (decisions or OF_VERSION[version])
+
+
+def test_spec_stored_before_there_were_versions_has_the_decisions_of_version_0_1() -> None:
+    for name, kind in (("Corridor", "behaviours"), ("CorridorWheels", "wheels")):
+        spec = EnvSpec(f"khepera_forage/{name}-v0", f"khepera_forage.envs.backends:{kind}")
+        assert gym.make(spec).unwrapped.decisions == V0_1  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("make", ["env", "raw_env", "parallel_env"])
+@pytest.mark.parametrize(("module", "version"), [(paired_corridors_v0, "v0"), (paired_corridors_v1, "v1")])
+def test_paired_corridors_have_the_decisions_of_their_version(module: Any, version: str, make: str) -> None:
+    for given, decisions in ((None, OF_VERSION[version]), (OTHER, OTHER)):
+        env = getattr(module, make)(num_learners=2, decisions=given)
+        env.reset(seed=1)
+        raw = getattr(env.unwrapped, "aec_env", env).unwrapped
+        assert raw.decisions == decisions
+        assert all(forager.decisions.separation == decisions.separation for forager in raw.foragers)
+        assert env.metadata["name"] == f"paired_corridors_{version}"
 
 
 @pytest.mark.parametrize(
-    "make", [paired_corridors_v1.env, paired_corridors_v1.raw_env, paired_corridors_v1.parallel_env]
-)
-def test_paired_corridors_accept_decisions(make: Any) -> None:
-    env = make(decisions=Decisions(next_to_food=17, separation=20))
-    env.reset(seed=1)
-    training = env.unwrapped
-    assert isinstance(getattr(training, "aec_env", training).unwrapped, TrainingEnv)
-    raw = getattr(training, "aec_env", training).unwrapped
-    assert raw.decisions.next_to_food == 17
-    assert all(forager.decisions.separation == 20 for forager in raw.foragers)
-
-
-@pytest.mark.parametrize(
-    "decisions", [17, "next_to_food=17", {"next_to_food": 17}, [], Noise.none(), Decisions]
-)
-@pytest.mark.parametrize("make", [BehavioursEnv, WheelsEnv, TrainingEnv, paired_corridors_v1.env])
-def test_decisions_of_the_wrong_type_are_refused(make: Any, decisions: Any) -> None:
-    with pytest.raises(ValueError, match=r"allowed: a khepera_forage\.Decisions, or None") as error:
-        make(decisions=decisions)
-    assert repr(decisions) in str(error.value)
-
-
-def test_make_refuses_decisions_of_the_wrong_type() -> None:
-    with pytest.raises(ValueError, match=r"decisions is 17; allowed: a khepera_forage\.Decisions, or None"):
-        gym.make(IDS[0], decisions=17)
-
-
-def test_default_decisions_give_the_default_environment() -> None:
-    runs = []
-    for kwargs in ({}, {"decisions": None}, {"decisions": Decisions()}):
-        env = BehavioursEnv(**kwargs)
-        env.reset(seed=4)
-        runs.append([repr(env.step(0)) for _ in range(30)])
-    assert runs[0] == runs[1] == runs[2]
+    "decisions",
+    [17, "next_to_food=17", {}, {"next_to_food": 17}, asdict(V0_1) | {"next_to_foot": 17}, Noise.none(), Decisions],
+)  # fmt: skip
+def test_decisions_of_the_wrong_type_are_refused(decisions: Any) -> None:
+    makers: list[Callable[..., Any]] = [TrainingEnv, paired_corridors_v1.env]
+    makers += [
+        lambda decisions, b=b: made(gym.make, "Corridor", backend=b, decisions=decisions) for b in BACKENDS
+    ]
+    for make in makers:
+        with pytest.raises(ValueError, match=r"allowed: a khepera_forage\.Decisions, or None") as error:
+            make(decisions=decisions)
+        assert repr(decisions) in str(error.value)
 
 
 # ---------------------------------------------------------------- the set-up of figure 5.1
@@ -94,19 +141,12 @@ def test_default_decisions_give_the_default_environment() -> None:
 def test_set_up_of_a_named_arena_follows_the_decisions(name: str) -> None:
     decisions = Decisions(start_to_wall=120, food_to_home=200, home_to_wall=90, home_radius=80)
     arena = checked_arena(name, decisions)
-    assert arena.start.x == 120
-    assert arena.home.x == 650 - 90
-    assert arena.home_radius == 80
+    assert (arena.start.x, arena.home.x, arena.home_radius) == (120, 650 - 90, 80)
     assert {arena.home.x - food.x for food in arena.foods} == {200}
-    assert checked_arena(name, Decisions()) == named_arena(name, set_up_of(Decisions()))
     env = BehavioursEnv(arena=name, decisions=decisions)
     assert (env.arena, env.home_radius) == (arena, 16)
     assert TrainingEnv(arena=name, decisions=decisions).arenas[0] == arena
-
-
-def test_given_arena_stays_whatever_the_decisions() -> None:
-    env = BehavioursEnv(arena=CORRIDOR, decisions=Decisions(start_to_wall=120, home_radius=80))
-    assert env.arena is CORRIDOR
+    assert BehavioursEnv(arena=CORRIDOR, decisions=decisions).arena is CORRIDOR, "a given arena stays"
 
 
 @pytest.mark.parametrize("name", ["start_to_wall", "food_to_home", "home_to_wall", "home_radius"])
@@ -118,45 +158,66 @@ def test_ends_of_the_set_up_ranges_fit_in_the_named_arenas(name: str) -> None:
             changes["home_radius"] = value
         if name == "home_radius" and value > 100:
             changes["home_to_wall"] = value
-        decisions = Decisions.from_changes(changes)
         for arena in THESIS_ARENAS:
-            env = BehavioursEnv(arena=arena, decisions=decisions)
-            env.reset(seed=1)
+            BehavioursEnv(arena=arena, decisions=Decisions.from_changes(changes)).reset(seed=1)
 
 
 # ---------------------------------------------------------------- rules
 
 
 @pytest.mark.parametrize(
-    "decisions",
-    [Decisions(next_to_food=25), Decisions(equal_distance="farther state"), Decisions(search_speed=7)],
-    ids=lambda decisions: "-".join(decisions.changed()),
+    ("decisions", "next_to", "close_to"),
+    [
+        (V0_1, 20, 30),
+        (replace(V0_1, next_to_food=17, close_to_food=40), 17, 40),
+        (replace(V0_1, next_to_food=17, close_to_food=40, equal_distance="farther state"), 16, 39),
+    ],
 )
-def test_environment_applies_its_decisions_to_states_and_behaviours(decisions: Decisions) -> None:
-    env = BehavioursEnv(noise=Noise.none(), decisions=decisions)
-    values = decisions.values()
-    for distance in (20, 25, 30, 35):
-        options = {"start": (100, 115, 0), "foods": [(100 + 5 * distance, 115)]}
-        _, info = env.reset(seed=1, options=options)
-        forager = env.forager
-        assert forager.vector.robot_food_distance == distance
-        assert info["state"] == classify(forager.vector, env.home_radius, values)
-        assert forager.motors_for(Behaviour.SEARCH_FOR_FOOD) == command(
-            Behaviour.SEARCH_FOR_FOOD, forager.raw, values
-        )
+@on_both_backends
+def test_thresholds_of_the_decisions_bound_the_states(
+    backend: str, decisions: Decisions, next_to: int, close_to: int
+) -> None:
+    """In front of food that lies 16 to 45 pixels straight ahead, beyond the robot's marker."""
+    env, states = made(gym.make, "Corridor", backend=backend, decisions=decisions, **QUIET), []
+    for pixels in range(16, 46):
+        options = {"start": (100, 115, 0), "foods": [(100 + 5 * pixels, 115)]}
+        states.append(env.reset(seed=1, options=options)[1]["state"])
+    assert states.count(State.NEXT_TO_FOOD) == next_to - 15
+    assert states.count(State.CLOSE_TO_FOOD) == close_to - next_to
 
 
-def test_next_to_food_moves_where_the_teacher_would_orient() -> None:
-    states = []
-    for threshold in (17, 18):
-        env = BehavioursEnv(noise=Noise.none(), decisions=replace(V0_1, next_to_food=threshold))
-        _, info = env.reset(seed=1, options={"start": (100, 115, 0), "foods": [(190, 115)]})
-        states.append(info["state"])
-    assert states == [State.CLOSE_TO_FOOD, State.NEXT_TO_FOOD]
+def teacher_run(backend: str, decisions: Decisions) -> Any:
+    """State, correct decisions and place in every step."""
+    env, run = made(gym.make, "Corridor", backend=backend, decisions=decisions, **QUIET), []
+    for seed in range(1, 7):
+        _, info = env.reset(seed=seed)
+        for _ in range(20):
+            _, _, _, _, info = env.step(info["correct_behaviour"])
+            run.append((info["state"], info["correct"], *info["pose"][:2]))
+    return np.array(run)
+
+
+@pytest.mark.parametrize(
+    "decisions",
+    [
+        Decisions(),
+        replace(V0_1, next_to_food=17),
+        replace(V0_1, search_speed=7, aimed=10),
+        replace(V0_1, equal_distance="farther state", close_to_food=36),
+        replace(V0_1, quick_turn_speed=5, astray=30),
+    ],
+    ids=lambda decisions: "-".join(decisions.differing(V0_1))[:50],
+)
+def test_teacher_follows_the_decisions_alike_on_both_backends(decisions: Decisions) -> None:
+    """Twenty steps without noise, before contacts differ: the same states, poses within a millimetre."""
+    pymunk, compiled = (teacher_run(backend, decisions) for backend in BACKENDS)
+    assert (pymunk[:, :2] == compiled[:, :2]).all()
+    assert np.abs(pymunk[:, 2:] - compiled[:, 2:]).max() < 0.2
+    assert np.abs(teacher_run("compiled", V0_1) - compiled).max() > 0.5
 
 
 def test_separation_and_patience_of_training_follow_the_decisions() -> None:
-    env = TrainingEnv(noise=Noise.none(), decisions=Decisions(separation=30, patience=5))
+    env = TrainingEnv(decisions=Decisions(separation=30, patience=5), **QUIET)
     assert env.patience == 5
     assert TrainingEnv(patience=7, decisions=Decisions(patience=5)).patience == 7
     env.reset(seed=0)
@@ -174,30 +235,61 @@ def test_separation_and_patience_of_training_follow_the_decisions() -> None:
     assert env.infos["learner_0"]["separated_rounds"] == 5
 
 
-def test_recall_marker_is_that_of_the_robot() -> None:
-    for holes in (1, 2):
-        env = recall_env(decisions=Decisions(recall_marker=holes))
-        env.reset(seed=1)
-        assert env.forager.holes == holes
-        assert {region.holes for region in env.world.camera.look().regions} == {0, holes}
+@pytest.mark.parametrize("holes", [1, 2])
+@on_both_backends
+def test_recall_marker_is_that_of_the_robot(backend: str, holes: int) -> None:
+    env = made(gym.make, "Corridor", backend=backend, decisions=Decisions(recall_marker=holes)).unwrapped
+    env.reset(seed=1)
+    assert env.forager.holes == holes
+    assert {region.holes for region in env.world.camera.look().regions} == {0, holes}
 
 
-def test_teacher_delivers_under_other_decisions() -> None:
-    """A changed reading of the thesis stays a task that the teacher can do."""
-    changes: dict[str, Any] = {
-        "next_to_food": 19.0,
-        "close_to_food": 35.0,
-        "home_radius": 90.0,
-        "search_speed": 10.0,
-    }
-    decisions = replace(V0_1, round_duration=0.08, arm_travel_time=0.8, **changes)
-    env = BehavioursEnv(decisions=decisions)
-    delivered = 0
-    for seed in range(5):
-        env.reset(seed=seed)
-        over = False
-        while not over:
-            _, _, terminated, truncated, info = env.step(int(env.forager.correct_behaviour))
-            over = terminated or truncated
-        delivered += info["delivered"]
-    assert delivered >= 4
+# ---------------------------------------------------------------- times
+
+
+def senses_after(backend: str, decisions: Decisions, action: Any, rounds: int) -> tuple[float, float, float]:
+    """x in mm, arm and jaw after some rounds under one action."""
+    env = made(gym.make, "RectangleWheels", backend=backend, decisions=decisions, **QUIET).unwrapped
+    env.reset(seed=1, options=FREE)
+    for _ in range(rounds):
+        env.step(np.array(action))
+    return env.forager.raw.x * 5.0, env.forager.senses.arm, env.forager.senses.jaw
+
+
+@on_both_backends
+@pytest.mark.parametrize("duration", [0.05, 0.1, 0.25])
+def test_round_duration_is_how_long_an_action_lasts(backend: str, duration: float) -> None:
+    x, _, _ = senses_after(backend, Decisions(round_duration=duration), FORWARD, 8)
+    assert x - 200 == pytest.approx(10 * SPEED_UNIT * 8 * duration, abs=2.5)
+
+
+@on_both_backends
+@pytest.mark.parametrize(("duration", "travel"), [(0.1, 0.4), (0.1, 2.0), (0.2, 0.4), (0.2, 2.0)])
+def test_travel_times_are_how_long_arm_and_jaw_take(backend: str, duration: float, travel: float) -> None:
+    lowering = Decisions(round_duration=duration, arm_travel_time=travel)
+    closing = Decisions(round_duration=duration, jaw_travel_time=travel)
+    whole = round(travel / duration)
+    for rounds in (1, whole - 1, whole, whole + 1):
+        share = min(1.0, rounds * duration / travel)
+        _, arm, _ = senses_after(backend, lowering, LOWER, rounds)
+        assert arm == pytest.approx(ARM_RAISED + share * (ARM_DOWN - ARM_RAISED), abs=0.5)
+        _, _, jaw = senses_after(backend, closing, CLOSE, rounds)
+        assert jaw == pytest.approx(JAW_OPEN + share * (JAW_CLOSED - JAW_OPEN), abs=0.5)
+
+
+def test_vector_and_training_environments_run_at_the_decided_times() -> None:
+    decisions = Decisions(round_duration=0.2, arm_travel_time=0.4, jaw_travel_time=2.0)
+    env = made(gym.make_vec, "RectangleWheels", num_envs=3, decisions=decisions, **QUIET)
+    single = made(gym.make, "RectangleWheels", backend="compiled", decisions=decisions, **QUIET)
+    env.reset(seed=1, options=FREE)
+    single.reset(seed=1, options=FREE)
+    for _ in range(4):
+        observation, *_ = env.step(np.tile((0.5, 0.4, 0.5, 1.0), (3, 1)))
+        expected, *_ = single.step(np.array((0.5, 0.4, 0.5, 1.0)))
+    for name, values in observation.items():
+        assert (values == expected[name]).all(), name
+    training = TrainingEnv(decisions=decisions, **QUIET)
+    training.reset(seed=1)
+    for _ in range(2 * len(training.possible_agents)):
+        training.step(int(Behaviour.EXPLORE_FOOD))
+    assert [forager.senses.arm for forager in training.foragers] == [ARM_DOWN, ARM_DOWN]

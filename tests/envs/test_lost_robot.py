@@ -8,7 +8,6 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from khepera_forage.envs import paired_corridors_v1
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TEACHER, TrainingEnv
@@ -22,7 +21,6 @@ from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.rollouts import recall as recalling
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.rows import TrainingRow
-from tests.version_0_1 import RECTANGLE, V0_1
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -89,16 +87,6 @@ def test_robots_stand_still_after_the_end_of_a_training_episode(pair: VirtualLab
     assert standing(pair)
 
 
-def test_robot_stands_still_after_the_end_of_a_recall(alone: VirtualLaboratory) -> None:
-    env = BehavioursEnv(world=alone, limit=4)
-    env.reset(seed=1)
-    truncated = False
-    while not truncated:
-        assert not env.step(0)[2]
-        truncated = env.step(0)[3]
-    assert standing(alone)
-
-
 @pytest.mark.parametrize("error", [OSError("disk full"), KeyboardInterrupt(), RuntimeError("of a policy")])
 def test_robots_stand_still_after_an_error_between_rounds(
     pair: VirtualLaboratory, error: BaseException
@@ -128,21 +116,6 @@ def test_episode_whose_row_cannot_be_written_is_incomplete(pair: VirtualLaborato
         training.train(TrainingEnv(world=pair, noise=Noise.none()), 1, path=path, on_attempt=full)
     with pytest.raises(ExperienceError, match="ends before its closing line"):
         Experience.load(path)
-
-
-def test_pettingzoo_loop_ends_when_a_robot_is_lost(pair: VirtualLaboratory) -> None:
-    env = paired_corridors_v1.env(world=pair, noise=Noise.none())
-    env.reset(seed=1)
-    reasons = []
-    for count, agent in enumerate(env.agent_iter()):
-        _, _, terminated, truncated, info = env.last()
-        if count == 20:
-            unplug(pair, 1)
-        if truncated:
-            reasons.append((agent, info["robot_lost"]))
-        env.step(None if terminated or truncated else 0)
-    assert [agent for agent, _ in reasons] == [TEACHER, "learner_0"]
-    assert not env.agents
 
 
 def test_robot_lost_in_a_pause_ends_the_episode(pair: VirtualLaboratory) -> None:
@@ -270,14 +243,6 @@ def test_world_needs_one_robot_in_each_arena(pair: VirtualLaboratory) -> None:
         BehavioursEnv(world=pair)
     with pytest.raises(ValueError, match="allowed: 3, one in each"):
         TrainingEnv(num_learners=2, world=pair)
-
-
-def test_environment_has_the_arena_and_markers_of_its_world() -> None:
-    with virtual_laboratory(RECTANGLE.shifted(100, 50), 1, V0_1) as lab:
-        env = BehavioursEnv(foods=2, world=lab, decisions=V0_1)
-        assert env.arena == RECTANGLE.shifted(100, 50)
-        env.reset(seed=1)
-        assert env.forager.holes == 2
 
 
 def test_operator_who_gives_up_leaves_no_empty_file(tmp_path: Path) -> None:

@@ -1,18 +1,14 @@
 """Episodes of the recall environments (4.6, 5.4)."""
 
-import gymnasium as gym
 import numpy as np
 import pytest
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
-from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import score
-from khepera_forage.task.states import Behaviour, FoodType
+from khepera_forage.task.states import Behaviour
 
 
 def forage(env: BehavioursEnv, seed: int, swap: dict[int, int] | None = None) -> dict[str, float]:
@@ -48,26 +44,6 @@ def test_teacher_without_orienting_delivers_nothing() -> None:
     env = BehavioursEnv()
     swap = {int(Behaviour.ORIENT_WITH_FOOD): int(Behaviour.SEARCH_FOR_FOOD)}
     assert [forage(env, seed, swap)["delivered"] for seed in range(10)] == [0] * 10
-
-
-def test_mixed_food_has_its_odds() -> None:
-    env = BehavioursEnv(food_types={"PICKABLE": 1, "POISONOUS": 1})
-    poisonous = 0
-    for seed in range(40):
-        info = forage(env, seed)
-        poisonous += env.forager.tracker.foods[0].known == FoodType.POISONOUS
-        assert info["delivered"] + (env.forager.tracker.foods[0].known == FoodType.POISONOUS) == 1
-    assert 8 <= poisonous <= 32
-
-
-def test_new_episode_has_score_0_and_the_whole_penalty() -> None:
-    env = BehavioursEnv(limit=30)
-    for seed in range(2):
-        _, info = env.reset(seed=seed)
-        assert (info["score"], info["penalty"], info["steps"]) == (0.0, 20.0, 0)
-        for _ in range(30):
-            info = env.step(Behaviour.EXPLORE_FOOD)[4]
-        assert (info["score"], info["penalty"], info["steps"]) == (-20.0, 20.0, 30)
 
 
 def test_reward_and_score_add_up() -> None:
@@ -111,32 +87,3 @@ def action_of(motors: Motors) -> np.ndarray:
     return np.array(
         (motors.left / MAX_SPEED, motors.right / MAX_SPEED, arm, 1.0 if motors.jaw == 0 else -1.0), np.float32
     )
-
-
-def test_reset_options_place_start_and_food() -> None:
-    env = BehavioursEnv(noise=Noise.none(), decisions=Decisions.v0_1())
-    observation, info = env.reset(seed=0, options={"start": (100, 115, 90), "foods": [(400, 100)]})
-    assert info["pose"].tolist() == [20.0, 23.0, 90.0]
-    assert observation["robot_home_distance"].tolist() == [90]
-    assert observation["robot_food_distance"].tolist() == [60]
-
-
-def test_users_arena_is_foraged_by_the_teacher() -> None:
-    walls = ((0, 0), (800, 0), (800, 300), (400, 300), (400, 700), (0, 700))
-    arena = Arena(
-        name="L",
-        walls=tuple(Point(x, y) for x, y in walls),
-        home=Point(680.0, 150.0),
-        home_radius=100.0,
-        start=Pose(200.0, 600.0, -1.5),
-        foods=(Point(200.0, 200.0),),
-    )
-    env = gym.make("khepera_forage/Corridor-v1", arena=arena, limit=700).unwrapped
-    assert isinstance(env, BehavioursEnv)
-    env.reset(seed=1, options={"start": (200, 600, -90), "foods": [(200, 200)]})
-    teacher, over = Teacher(env.home_radius), False
-    while not over:
-        presence, home, food_type, arm, food = env.forager.vector
-        _, _, terminated, truncated, info = env.step(int(teacher.act((presence, home, food_type, arm, food))))
-        over = terminated or truncated
-    assert info["delivered"] == 1

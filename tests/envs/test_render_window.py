@@ -73,24 +73,6 @@ screen.close()
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
-def test_window_keeps_the_frame_rate() -> None:
-    done = in_python(
-        DRAW
-        + """
-import time
-screen = Screen("human", 0.05)
-draw(screen, (CORRIDOR,))
-start = time.perf_counter()
-for step in range(6):
-    draw(screen, (CORRIDOR,), step=step)
-assert time.perf_counter() - start > 0.25
-screen.close()
-""",
-        SDL_VIDEODRIVER="dummy",
-    )
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-
-
 def test_missing_pygame_or_pillow_is_reported_with_what_to_install() -> None:
     done = in_python(
         """

@@ -76,30 +76,6 @@ def test_learners_do_what_they_hear(robot: str, backend: str, food: str, deliver
     assert [(info["complete"], info["delivered"]) for info in infos.values()] == [(1, delivered)] * 3
 
 
-def test_batches_are_the_single_worlds() -> None:
-    batch = gym.make_vec(
-        "khepera_forage/Corridor-v1", 3, vectorization_mode="vector_entry_point", robot="toio"
-    )
-    singles = [make("Corridor", "toio", "compiled") for _ in range(3)]
-    _, infos = batch.reset(seed=5)
-    states = [env.reset(seed=5 + i)[1]["state"] for i, env in enumerate(singles)]
-    for _ in range(60):
-        assert infos["state"].tolist() == states
-        _, rewards, _, _, infos = batch.step(infos["state"])
-        steps = [env.step(state) for env, state in zip(singles, states, strict=True)]
-        states = [step[4]["state"] for step in steps]
-        np.testing.assert_array_equal(rewards, [step[1] for step in steps])
-
-
-def test_wheels_are_all_that_counts_of_an_action() -> None:
-    env = make("CorridorWheels", "e-puck2", "pymunk")
-    env.reset(seed=0)
-    for arm, jaw in ((1.0, -1.0), (-1.0, 1.0)):
-        right = env.forager.motors_for(env.forager.correct_behaviour)
-        *_, info = env.step(np.array((right.left / 20, right.right / 20, arm, jaw), np.float32))
-        assert info["correct"] == info["steps"]
-
-
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_speeds_are_limited_to_what_the_robot_can_do(backend: str) -> None:
     env = make("CorridorWheels", "e-puck2", backend)

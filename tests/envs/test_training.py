@@ -1,16 +1,27 @@
-"""Training episodes of teacher and learners (4.5, 5.3)."""
+"""Training episodes of teacher and learners (4.5, 5.3), on marks, in pools of arenas, and on both backends."""
 
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from khepera_forage.envs import paired_arenas_v1, paired_corridors_v1, paired_corridors_wheels_v1
 from khepera_forage.envs.training import TEACHER, TrainingEnv
+from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Listener, Teacher
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
+from khepera_forage.rollouts.training import IncompleteTrainingError, attempt, train
 from khepera_forage.sim.arena import Pose
+from khepera_forage.sim.layout_checks import check_robot
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import Behaviour, FoodType
+from khepera_forage.task.states import Behaviour, FoodType, StateVector, is_raised
+from tests.arenas import HALL
+from tests.version_0_1 import V0_1, VALUES
+
+QUIET = Noise.none()
 
 
 def play(env: TrainingEnv, rounds: int = 10_000) -> list[list[int]]:
@@ -29,40 +40,35 @@ def play(env: TrainingEnv, rounds: int = 10_000) -> list[list[int]]:
     return history
 
 
-@pytest.mark.parametrize("learners", [1, 3])
-def test_learners_do_what_they_hear_until_the_episode_is_complete(learners: int) -> None:
-    env = TrainingEnv(num_learners=learners, decisions=Decisions.v0_1())
+@pytest.mark.parametrize(
+    ("food_type", "learners"), [("PICKABLE", 1), ("PICKABLE", 3), ("PUSHABLE", 1), ("POISONOUS", 1)]
+)
+def test_learners_do_what_they_hear_until_the_episode_is_complete(food_type: str, learners: int) -> None:
+    env = TrainingEnv(num_learners=learners, food_types=food_type, decisions=V0_1)
+    shown = {
+        "PICKABLE": Behaviour.GO_HOME,
+        "PUSHABLE": Behaviour.PUSH_FOOD,
+        "POISONOUS": Behaviour.AVOID_FOOD,
+    }
     complete = 0
     for seed in range(5):
         env.reset(seed=seed)
         history = play(env)
         assert all(action == row[0] for row in history for action in row)
         complete += env.terminations[TEACHER]
-        if env.terminations[TEACHER]:
-            for agent in env.possible_agents:
-                assert env.infos[agent]["delivered"] == 1
+        for agent in env.possible_agents:
+            assert env.infos[agent]["poison_home"] == 0
+            if env.terminations[TEACHER]:
+                assert env.infos[agent]["delivered"] == (food_type != "POISONOUS")
                 assert env.observe(agent)[1] > env.home_radius, "complete is outside the home (5.3)"
+                assert [shown[food_type]] * len(env.possible_agents) in history
     assert complete >= 3
-
-
-@pytest.mark.parametrize("food_type", ["PUSHABLE", "POISONOUS"])
-def test_training_with_other_food_is_completed_without_poison_brought_home(food_type: str) -> None:
-    env = TrainingEnv(food_types=food_type, decisions=Decisions.v0_1())
-    complete = 0
-    for seed in range(4):
-        env.reset(seed=seed)
-        history = play(env)
-        complete += env.terminations[TEACHER]
-        wanted = Behaviour.PUSH_FOOD if food_type == "PUSHABLE" else Behaviour.AVOID_FOOD
-        assert any(row[0] == wanted for row in history) or not env.terminations[TEACHER]
-        assert sum(env.infos[agent]["poison_home"] for agent in env.possible_agents) == 0
-    assert complete >= 2
 
 
 @pytest.mark.parametrize("food_type", ["PICKABLE", "PUSHABLE", "POISONOUS"])
 def test_training_without_noise_is_complete_under_the_defaults(food_type: str) -> None:
     """Distances repeat without noise: a robot could back off food and approach it for ever."""
-    env = TrainingEnv(food_types=food_type, noise=Noise.none())
+    env = TrainingEnv(food_types=food_type, noise=QUIET)
     env.reset(seed=0)
     assert len(play(env)) < 200
     assert env.terminations[TEACHER]
@@ -87,7 +93,7 @@ def put_learner(env: TrainingEnv, dx: float) -> None:
 
 
 def test_teacher_waits_while_a_separated_learner_recovers() -> None:
-    env = TrainingEnv(noise=Noise.none())
+    env = TrainingEnv(noise=QUIET)
     env.reset(seed=0)
     play(env, 3)
     put_learner(env, 5 * Decisions().separation + 30.0)
@@ -108,7 +114,7 @@ def test_teacher_waits_while_a_separated_learner_recovers() -> None:
 
 
 def test_separation_longer_than_patience_ends_the_attempt() -> None:
-    env = TrainingEnv(noise=Noise.none(), patience=4)
+    env = TrainingEnv(noise=QUIET, patience=4)
     env.reset(seed=0)
     put_learner(env, 200.0)
     history = play(env)
@@ -119,7 +125,7 @@ def test_separation_longer_than_patience_ends_the_attempt() -> None:
 
 
 def test_pause_and_resume_puts_the_learner_beside_the_teacher() -> None:
-    env = TrainingEnv(noise=Noise.none())
+    env = TrainingEnv(noise=QUIET)
     env.reset(seed=0)
     put_learner(env, 200.0)
     play(env, 3)
@@ -147,13 +153,165 @@ def test_following_corrects_a_learner_whose_wheels_differ() -> None:
     assert np.median(apart) < 4.0
 
 
-def test_same_seed_gives_the_same_training_bit_for_bit() -> None:
-    runs = []
-    for _ in range(2):
-        env = TrainingEnv()
-        env.reset(seed=11)
-        play(env, 50)
-        runs.append(
-            [env.observe(a).tolist() for a in env.possible_agents] + [list(p) for p in env.world.poses()]
+# ---------------------------------------------------------------- on given marks
+
+
+def test_robots_and_food_stand_on_the_given_marks() -> None:
+    env = TrainingEnv(num_learners=2, noise=QUIET)
+    env.reset(seed=1, options={"start": (110, 90, 45), "foods": [(300, 140)]})
+    for arena, pose, food in zip(env.arenas, env.world.poses(), env.world.food_places(), strict=True):
+        home = env.arenas[0].home
+        dx, dy = arena.home.x - home.x, arena.home.y - home.y
+        assert pose == pytest.approx((110 + dx, 90 + dy, np.pi / 4))
+        assert food[:2] == pytest.approx((300 + dx, 140 + dy))
+
+
+def test_placement_error_applies_to_given_marks() -> None:
+    env = TrainingEnv()
+    env.reset(seed=1, options={"start": (110, 90, 45)})
+    first, second = (np.array(pose[:2]) for pose in env.world.poses())
+    assert 0 < np.linalg.norm(first - (110, 90)) < 5 * Noise.laboratory().placement_error
+    assert np.abs(second - first - (0, 300)).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"begin": 1}, "'begin' is unknown; allowed: 'start', 'foods'"),
+        ({"start": (0, 0, 0)}, "start at .* allowed: on the floor"),
+        ({"start": (1, 2)}, "allowed: .x mm, y mm, heading degrees."),
+        ({"foods": [(5, 5)]}, "food at .5, 5. mm"),
+        ({"foods": [(300, 100), (400, 100)]}, "2 foods given; allowed: 1"),
+    ],
+)
+def test_wrong_options_are_refused(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        TrainingEnv().reset(seed=0, options=options)
+
+
+def test_robot_that_would_stand_in_a_wall_is_placed_again() -> None:
+    env = TrainingEnv(noise=Noise(placement_error=15.0, placement_heading_error=30.0))
+    for seed in range(100):
+        env.reset(seed=seed, options={"start": (75, 75, 0)})
+        for arena, start in zip(env.arenas, env.world.poses(), strict=True):
+            check_robot(arena, start)
+    facing_the_wall = {"start": (60, 100, 180)}
+    with pytest.raises(
+        ValueError, match=r"placement error of 0 mm.*\(60, 100\) mm has its gripper in a wall"
+    ):
+        TrainingEnv(noise=QUIET).reset(seed=0, options=facing_the_wall)
+
+
+def test_episode_with_poison_is_complete_only_after_it_was_avoided() -> None:
+    env = TrainingEnv(food_types="POISONOUS", decisions=V0_1)
+    for seed in range(4):
+        heard: list[Behaviour] = []
+
+        def record(vector: StateVector, behaviour: Behaviour, heard: list[Behaviour] = heard) -> None:
+            heard.append(behaviour)
+
+        result = attempt(env, seed, record)
+        assert result.complete
+        assert Behaviour.AVOID_FOOD in heard
+        assert env.terminations[TEACHER]
+        for forager in env.foragers:
+            assert [food.known for food in forager.tracker.foods] == [FoodType.POISONOUS]
+            assert not forager.vector.object_presence
+            assert is_raised(forager.vector.arms_height, VALUES)
+
+
+# ---------------------------------------------------------------- in several arenas
+
+
+def test_experience_names_the_arena_of_its_attempt(tmp_path: Path) -> None:
+    env, names = TrainingEnv(arena=["corridor", HALL, "rectangle"]), set()
+    for seed in range(4):
+        path = tmp_path / f"g{seed}.csv"
+        try:
+            experience, _ = train(env, seed, path=path, attempts=3)
+        except IncompleteTrainingError:
+            continue
+        assert Experience.load(path) == experience
+        assert experience.seed is not None
+        assert experience.arena == env.arena_of(experience.seed).name == env.arenas[0].name
+        names.add(experience.arena)
+    assert len(names) > 1
+
+
+def test_several_arenas_need_a_number_of_rounds() -> None:
+    env = paired_arenas_v1.raw_env(arena=["t_maze", "doors"], max_cycles=2500)
+    assert env.metadata["name"] == "paired_arenas_v1"
+    env.reset(seed=0)
+    assert env.view().title == f"Training in the {env.arenas[0].name.replace('_', ' ')}"
+    with pytest.raises(ValueError, match="max_cycles is None; allowed with several arenas: a whole number"):
+        paired_arenas_v1.raw_env(arena=["t_maze", "doors"])
+
+
+# ---------------------------------------------------------------- on both backends
+
+
+def _attempt(env: Any, seed: int) -> dict[str, Any]:
+    """One attempt in which everybody does what the teacher says; returns the infos of its end."""
+    env.reset(seed=seed)
+    said = 10
+    for agent in env.agent_iter():
+        observation, _, terminated, truncated, _ = env.last()
+        if terminated or truncated:
+            return dict(env.infos)
+        if agent == "teacher_0":
+            said = 10 if observation[6] else env.infos[agent]["correct_behaviour"]
+        env.step(said)
+    raise AssertionError("the attempt has no end")
+
+
+@pytest.mark.parametrize("learners", [1, 3])
+def test_attempts_are_complete_about_as_often_as_on_pymunk(learners: int) -> None:
+    complete = {}
+    for backend in ("pymunk", "compiled"):
+        env = paired_corridors_v1.env(backend=backend, num_learners=learners)
+        assert env.unwrapped.backend == backend
+        ends = [_attempt(env, seed) for seed in range(6)]
+        complete[backend] = sum(end["teacher_0"]["complete"] for end in ends)
+        if learners == 1:
+            delivered = sum(end["learner_0"]["delivered"] for end in ends)
+            assert delivered >= 4
+    assert abs(complete["pymunk"] - complete["compiled"]) <= 4
+
+
+def test_attempts_begin_alike_on_both_backends() -> None:
+    layouts = []
+    for backend in ("pymunk", "compiled"):
+        env: Any = paired_arenas_v1.env(arena="t_maze", backend=backend, noise="none")
+        env.reset(seed=4)
+        world = env.unwrapped.world
+        layouts.append([*(pose[:2] for pose in world.poses()), *(food[:2] for food in world.food_places())])
+    assert np.allclose(layouts[0], layouts[1])
+
+
+def action_of(motors: Motors) -> Any:
+    """The action that commands these motors."""
+    left, right, arm, jaw = applicable(motors)
+    raised = 1 - 2 * (arm - ARM_RAISED) / (ARM_DOWN - ARM_RAISED)
+    return np.array((left / MAX_SPEED, right / MAX_SPEED, raised, 1.0 if jaw == 0 else -1.0))
+
+
+@pytest.mark.parametrize("backend", ["pymunk", "compiled"])
+def test_wheels_that_do_what_the_behaviours_command_train_as_the_behaviours_do(backend: str) -> None:
+    """Round by round, bit for bit; learners hear the behaviour that the teacher's motors mean."""
+    behaviours = paired_corridors_v1.raw_env(backend=backend)
+    wheels = paired_corridors_wheels_v1.raw_env(backend=backend)
+    behaviours.reset(seed=3)
+    wheels.reset(seed=3)
+    while not any((*behaviours.terminations.values(), *behaviours.truncations.values())):
+        said = (
+            10 if behaviours.observe("teacher_0")[6] else behaviours.infos["teacher_0"]["correct_behaviour"]
         )
-    assert runs[0] == runs[1]
+        for i, agent in enumerate(behaviours.agents):
+            assert wheels.observe(agent)[-2:].tolist() == behaviours.observe(agent)[5:].tolist()
+            action = action_of(wheels.foragers[i].motors_for(said))
+            behaviours.step(said)
+            wheels.step(action)
+        assert wheels.world.poses() == behaviours.world.poses()
+        assert wheels.terminations == behaviours.terminations
+        assert wheels.truncations == behaviours.truncations
+    assert wheels.infos["learner_0"]["delivered"] == behaviours.infos["learner_0"]["delivered"] == 1

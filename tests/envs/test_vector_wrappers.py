@@ -44,15 +44,6 @@ def test_environment_with_vector_wrappers_is_made_again_from_its_spec() -> None:
     assert again.num_envs == WORLDS
 
 
-def test_wrappers_of_single_environments_work_in_synchronous_compiled_worlds() -> None:
-    env = made(vectorization_mode="sync", backend="compiled", wrappers=[partial(HoldAction, rounds=3)])
-    env.reset(seed=0)
-    info = env.step(np.zeros(WORLDS, np.int64))[4]
-    assert info["steps"].tolist() == [3] * WORLDS
-    assert {one.unwrapped.backend for one in env.envs} == {"compiled"}
-    env.close()
-
-
 def test_wrong_vector_wrapper_is_named() -> None:
     with pytest.raises(ValueError, match=r"allowed: a single environment \(HoldVectorAction is for many\)"):
         made(vector_wrappers=[HoldAction])

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import gymnasium as gym
@@ -11,10 +10,9 @@ import pytest
 
 from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.sim.arena import Arena, Point
-from khepera_forage.sim.ways import shortest_path
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from tests.sim.test_ways import BLOCK, CLOSED, DOOR, HALL, L_ROOM, WINDING
+from tests.sim.test_ways import CLOSED, DOOR, HALL, L_ROOM, WINDING
 
 BACKENDS = ["pymunk", "compiled"]
 BOTH_SIDES = replace(DOOR, name="both_sides", foods=(Point(600, 150), Point(200, 700)))
@@ -68,26 +66,6 @@ def test_teacher_delivers_food_between_the_home_and_a_wall(
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_teacher_delivers_food_on_both_sides_of_a_door(backend: str) -> None:
-    env = make(BOTH_SIDES, backend, foods=2)
-    assert [delivered(env, seed) for seed in range(4)] == [2] * 4
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_robot_heads_for_the_corner_and_knows_the_length_of_its_path(backend: str) -> None:
-    env = make(L_ROOM, backend)
-    env.reset(seed=0, options={"start": (150, 125, 0), "foods": [(575, 600)]})
-    raw = env.unwrapped.forager.raw
-    robot, food = Point(raw.x * MM_PER_PIXEL, raw.y * MM_PER_PIXEL), Point(575, 600)
-    path = shortest_path(L_ROOM, robot, food)
-    assert (raw.food_way_x * MM_PER_PIXEL, raw.food_way_y * MM_PER_PIXEL) == pytest.approx(path[1])
-    length = sum(math.dist(a, b) for a, b in pairwise(path))
-    assert raw.food_path * MM_PER_PIXEL == pytest.approx(length, abs=5.0)
-    assert raw.food_distance < raw.food_path - 10.0
-    assert raw.home_path == raw.home_distance
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
 def test_distances_along_the_path_are_those_of_the_state_vector(backend: str) -> None:
     places = {"start": (150, 125, 0), "foods": [(575, 600)]}
     distances = []
@@ -125,18 +103,3 @@ def test_random_food_and_starts_can_be_reached_where_a_part_of_the_floor_cannot(
 def test_arena_without_a_way_is_refused(backend: str) -> None:
     with pytest.raises(ValueError, match="closed: there is no way between the start"):
         make(CLOSED, backend)
-
-
-def test_path_distance_in_an_unobstructed_arena_is_the_distance() -> None:
-    observations = []
-    for decisions in (Decisions(), Decisions(distances="along the path")):
-        env = gym.make("khepera_forage/Rectangle-v1", decisions=decisions)
-        observation, _ = env.reset(seed=3)
-        observations.append(observation)
-    assert observations[0] == observations[1]
-
-
-def test_block_is_passed_on_the_side_of_the_shorter_path() -> None:
-    env = make(BLOCK)
-    env.reset(seed=0, options={"start": (680, 370, 180), "foods": [(150, 370)]})
-    assert env.unwrapped.forager.raw.food_way_y * MM_PER_PIXEL < 300

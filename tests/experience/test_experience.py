@@ -10,7 +10,6 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -83,18 +82,6 @@ def test_file_is_readable_text(tmp_path: Path) -> None:
     ]
 
 
-def test_arrays_are_new_integer_arrays() -> None:
-    experience = Experience([SEARCH, HOME], [0, 7])
-    vectors, behaviours = experience.arrays()
-    assert vectors.dtype == behaviours.dtype == np.dtype(np.int64)
-    assert vectors.tolist() == [list(SEARCH), list(HOME)]
-    assert behaviours.tolist() == [0, 7]
-    vectors[:] = 1  # changes only the array
-    assert experience.arrays()[0].tolist() == [list(SEARCH), list(HOME)]
-    assert Experience(*experience.arrays()) == experience
-    assert [part.shape for part in Experience([], []).arrays()] == [(0, 5), (0,)]
-
-
 def test_loading_several_files_joins_them(tmp_path: Path) -> None:
     parts = [Experience([SEARCH] * n, [0] * n, seed=seed) for n, seed in [(1, 4), (2, 4), (3, 5)]]
     paths = [tmp_path / f"g{n}.csv" for n in (1, 2, 3)]
@@ -133,13 +120,6 @@ def test_joining_two_arenas_is_an_error(tmp_path: Path) -> None:
     assert corridor != rectangle
     with pytest.raises(TypeError, match="unsupported operand"):
         corridor + 1  # type: ignore[operator]
-
-
-def test_loading_a_missing_file_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(TypeError, match="no path to load"):
-        Experience.load()
-    with pytest.raises(FileNotFoundError, match=r"g1\.csv"):
-        Experience.load(tmp_path / "g1.csv")
 
 
 BAD_ROWS: list[tuple[Any, Any, str]] = [
@@ -186,11 +166,6 @@ def test_invalid_header_is_an_error(about: dict[str, Any], message: str, tmp_pat
     with pytest.raises(ExperienceError, match=message):
         ExperienceWriter(tmp_path / "g1.csv", **about)
     assert not list(tmp_path.iterdir())
-
-
-def test_unequal_numbers_of_vectors_and_behaviours_are_an_error() -> None:
-    with pytest.raises(ExperienceError, match="2 vectors with 1 behaviours; allowed: equal numbers"):
-        Experience([SEARCH, HOME], [0])
 
 
 def test_writer_replaces_a_file_only_with_overwrite(tmp_path: Path) -> None:
@@ -262,3 +237,15 @@ def test_killed_recording_loses_at_most_its_last_line(lines: int, tmp_path: Path
     # Every row whose append had returned is there; the row after it may be there too.
     assert printed[-1] <= len(kept) <= printed[-1] + 1
     assert list(kept) == [((0, n % 1000, 0, 215, 28), n % 10) for n in range(len(kept))]
+
+
+def test_loading_a_missing_file_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match="no path to load"):
+        Experience.load()
+    with pytest.raises(FileNotFoundError, match=r"g1\.csv"):
+        Experience.load(tmp_path / "g1.csv")
+
+
+def test_unequal_numbers_of_vectors_and_behaviours_are_an_error() -> None:
+    with pytest.raises(ExperienceError, match="2 vectors with 1 behaviours; allowed: equal numbers"):
+        Experience([SEARCH, HOME], [0])

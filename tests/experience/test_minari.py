@@ -97,22 +97,6 @@ def test_dataset_has_the_spaces_of_its_environment() -> None:
     env.close()
 
 
-@pytest.mark.parametrize("decisions", [Decisions(), Decisions.v0_1(), OTHER])
-def test_recovered_environment_has_the_decisions_of_the_experience(decisions: Decisions) -> None:
-    part = Experience([(0, 60, 0, 215, 40)], [0], decisions=decisions)
-    dataset = to_minari([part, part], "khepera/decided-v0")
-    for again in (dataset, import_module("minari").load_dataset("khepera/decided-v0")):
-        assert again.recover_environment().unwrapped.decisions == decisions
-
-
-def test_recovered_environment_of_different_decisions_has_the_defaults() -> None:
-    parts = [
-        Experience([(0, 60, 0, 215, 40)], [0], decisions=decisions) for decisions in (Decisions(), OTHER)
-    ]
-    dataset = to_minari(parts, "khepera/different-v0", allow_other_decisions=True)
-    assert dataset.recover_environment().unwrapped.decisions == Decisions()
-
-
 def test_episode_without_decisions_has_those_of_its_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     v1 = Decisions(patience=7)
     monkeypatch.setattr(backends, "behaviours_v1", EntryPoint(BehavioursEnv, v1))
@@ -132,16 +116,6 @@ def test_episode_without_decisions_has_those_of_its_environment(monkeypatch: pyt
         monkeypatch.setattr(dataset, "_env_spec", spec)
         (part,) = from_minari(dataset)
         assert part.decisions == decisions
-
-
-def test_environment_with_unreadable_decisions_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    dataset = to_minari([SOME], "khepera/damaged-v0")
-    spec = gym.spec("khepera_forage/Corridor-v1")
-    monkeypatch.setattr(dataset, "_env_spec", replace(spec, kwargs={"decisions": {"next_to_food": 17}}))
-    with pytest.raises(
-        ExperienceError, match=r"the environment of the dataset: decisions is \{'next_to_food': 17\}; allowed"
-    ):
-        from_minari(dataset)
 
 
 def test_dataset_from_another_recorder_trains_the_imitator() -> None:
@@ -257,14 +231,6 @@ def test_episode_without_an_arena_has_that_of_its_environment(
     spec = replace(gym.spec("khepera_forage/Corridor-v1"), kwargs={"arena": arena})
     monkeypatch.setattr(dataset, "_env_spec", spec)
     assert from_minari(dataset)[0].arena == "blocks"
-
-
-def test_dataset_with_unreadable_decisions_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    dataset = to_minari([SOME], "khepera/damaged-v0")
-    options = {"arena": "corridor", "decisions": "next_to_food=9"}
-    monkeypatch.setattr(dataset.storage, "get_episode_metadata", lambda indices: [{"options": options}])
-    with pytest.raises(ExperienceError, match=r"episode 0: decision next_to_food is 9\.0; allowed: a number"):
-        from_minari(dataset)
 
 
 def test_dataset_without_state_vectors_is_an_error() -> None:

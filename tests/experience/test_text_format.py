@@ -58,21 +58,12 @@ BAD: dict[str, tuple[str | bytes, int, str]] = {
         1,
         "not an experience file, its first line is 'a,b'; allowed: '# khepera_forage ex",
     ),
-    "long line": ("x" * 10**6, 1, "first line is '" + "x" * 76 + "...; allowed"),
     "later version": (
         WHOLE.replace("version 1", "version 2"),
         1,
         "the format version is '2', written by a later version of this package; allowed: '# khepera_forage ex",
     ),
-    "no version": (WHOLE.replace("version 1", "version x"), 1, "the format version is 'x'; allowed: "),
-    "no arena": (
-        WHOLE.replace("# arena", "# place"),
-        3,
-        "'# place: corridor'; allowed: '# arena: ' and a value",
-    ),
-    "blank arena": (WHOLE.replace("corridor", ""), 3, "arena is ''; allowed: a printable name"),
     "seed": (WHOLE.replace("seed: 7", "seed: 7.5"), 4, "seed is '7.5'; allowed: an integer"),
-    "episodes": (WHOLE.replace("episodes: 1", "episodes: 0"), 5, "episodes is 0; allowed: at least 1"),
     "units": (WHOLE.replace("5 mm", "4 mm"), 6, "units are 'distances in pixels of 4 mm"),
     "columns": (
         WHOLE.replace("arms_height,", "arms,"),
@@ -80,39 +71,17 @@ BAD: dict[str, tuple[str | bytes, int, str]] = {
         "columns are 'object_presence,robot_home_distance,foo",
     ),
     "header cut": (HEADER[:100], 6, "ends in the header; allowed: 7 lines before the rows"),
-    "header cut in its first line": (HEADER[:38], 1, "ends in the header"),
     "five columns": (
         row("0,52,UNKNOWN,215,28"),
         9,
         "'0,52,UNKNOWN,215,28' has 5 columns; allowed: 6, object_p",
     ),
-    "seven columns": (row(GRASPED.strip() + ","), 9, "has 7 columns; allowed: 6, "),
     "blank line": (row(""), 9, "'' has 1 columns; allowed: 6, "),
     "food type": (row("1,48,EDIBLE,215,14,GO_HOME"), 9, f"food_type is 'EDIBLE'; allowed: {FOOD_TYPES}"),
-    "food type as number": (row("1,48,1,215,14,GO_HOME"), 9, f"food_type is '1'; allowed: {FOOD_TYPES}"),
     "behaviour": (row("1,48,PICKABLE,215,14,GO_AWAY"), 9, f"behaviour is 'GO_AWAY'; allowed: {BEHAVIOURS}"),
-    "behaviour in small": (
-        row("0,4,UNKNOWN,215,1,go_home"),
-        9,
-        f"behaviour is 'go_home'; allowed: {BEHAVIOURS}",
-    ),
     "silence": (row("0,48,UNKNOWN,215,14,WAIT"), 9, f"behaviour is 'WAIT'; allowed: {BEHAVIOURS}"),
     "fraction": (row("0,4.5,UNKNOWN,215,14,GO_HOME"), 9, "robot_home_distance is '4.5'; allowed: an integer"),
-    "space": (row("0, 48,UNKNOWN,215,14,GO_HOME"), 9, "robot_home_distance is ' 48'; allowed: an integer"),
-    "word": (row("no,48,UNKNOWN,215,14,GO_HOME"), 9, "object_presence is 'no'; allowed: an integer"),
     "endless number": (row("0," + "9" * 5000 + ",UNKNOWN,215,14,GO_HOME"), 9, "robot_home_distance is '999"),
-    "presence": (row("2,48,UNKNOWN,215,14,GO_HOME"), 9, "object_presence is 2; allowed: 0 or 1"),
-    "distance": (
-        row("0,48,UNKNOWN,215,-1,GO_HOME"),
-        9,
-        "robot_food_distance is -1; allowed: 0 to 2147483647",
-    ),
-    "arm": (row("0,48,UNKNOWN,200,14,GO_HOME"), 9, "arms_height is 200; allowed: 215 to 255"),
-    "food without object": (
-        row("0,48,PUSHABLE,215,14,GO_HOME"),
-        9,
-        "food_type is PUSHABLE without an object",
-    ),
     "not UTF-8": (
         row("0,48,UNKNOWN,215,14,GO_HOME").encode() + b"\xff\n",
         11,
@@ -123,7 +92,6 @@ BAD: dict[str, tuple[str | bytes, int, str]] = {
         10,
         "'# complete: 3 vectors' after 2 rows; allowed: the nu",
     ),
-    "leading zero": (WHOLE.replace("2 vectors", "02 vectors"), 10, "'# complete: 02 vectors' after 2 rows"),
     "comment": (
         row("# odd one"),
         9,
@@ -134,20 +102,18 @@ BAD: dict[str, tuple[str | bytes, int, str]] = {
         11,
         "'0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD' follows the closing line",
     ),
-    "cut row after the end": (WHOLE + "0,5", 11, "'0,5' follows the closing line; allowed: nothing"),
-    "blank line after the end": (WHOLE + "\n", 11, "'' follows the closing line; allowed: nothing"),
 }
 
 
-@pytest.mark.parametrize("recover", [False, True])
 @pytest.mark.parametrize("kind", BAD)
-def test_invalid_file_is_an_error_with_line_and_reason(kind: str, recover: bool, tmp_path: Path) -> None:
+def test_invalid_file_is_an_error_with_line_and_reason(kind: str, tmp_path: Path) -> None:
     content, line, message = BAD[kind]
     path = write(tmp_path, content)
-    with pytest.raises(ExperienceError, match=re.escape(f"{path}, line {line}: ")) as caught:
-        Experience.load(path, recover=recover)
-    assert message in str(caught.value)
-    assert len(str(caught.value)) < len(str(path)) + 400
+    for recover in (False, True):
+        with pytest.raises(ExperienceError, match=re.escape(f"{path}, line {line}: ")) as caught:
+            Experience.load(path, recover=recover)
+        assert message in str(caught.value)
+        assert len(str(caught.value)) < len(str(path)) + 400
 
 
 INCOMPLETE = {

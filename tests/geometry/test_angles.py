@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.geometry.plane import arcsine, bearing_of, cosine_sine, heading_of, length, sine, turn_to
+from khepera_forage.geometry.plane import bearing_of, cosine_sine, length, turn_to
 from tests.geometry.shapes import PROPERTY
 
 DEGREES = st.floats(-720, 720)
@@ -26,14 +26,3 @@ def test_bearing_and_length_are_the_polar_coordinates_of_a_vector(degrees: float
     cosine, sine_ = cosine_sine(math.radians(degrees))
     assert bearing_of(distance * cosine, distance * sine_) == pytest.approx(degrees, abs=1e-9)
     assert length(distance * cosine, distance * sine_) == pytest.approx(distance)
-
-
-@given(st.floats(-90, 90))
-@PROPERTY
-def test_arcsine_inverts_sine(degrees: float) -> None:
-    assert arcsine(sine(degrees)) == pytest.approx(degrees, abs=1e-5)
-
-
-def test_heading_of_whole_degrees_is_their_cosine_and_sine() -> None:
-    for degrees in range(360):
-        assert heading_of(degrees) == cosine_sine(math.radians(degrees))

@@ -23,17 +23,6 @@ def test_distance_is_that_to_the_nearest_of_many_points(segment: Segment, point:
     assert nearest - spacing <= polygon.distance(*point, segment) <= nearest + 1e-9
 
 
-@given(segments, places)
-@PROPERTY
-def test_line_is_never_further_than_its_segment(segment: Segment, point: Place) -> None:
-    normal_x, normal_y, offset = polygon.line_of(segment)
-    assert math.hypot(normal_x, normal_y) == pytest.approx(1)
-    for x, y in (segment[:2], segment[2:]):
-        assert normal_x * x + normal_y * y == pytest.approx(offset, abs=1e-6)
-    off = abs(normal_x * point[0] + normal_y * point[1] - offset)
-    assert off <= polygon.distance(*point, segment) + 1e-6
-
-
 @given(radii_lists)
 @PROPERTY
 def test_area_is_twice_the_area_and_positive_counter_clockwise(radii: list[float]) -> None:
@@ -42,19 +31,6 @@ def test_area_is_twice_the_area_and_positive_counter_clockwise(radii: list[float
     twice = sum(a * b * math.sin(turn) for a, b in zip(radii, (*radii[1:], radii[0]), strict=True))
     assert polygon.area(corners) == pytest.approx(twice)
     assert polygon.area(corners[::-1]) == pytest.approx(-twice)
-
-
-@given(radii_lists)
-@PROPERTY
-def test_edges_close_the_polygon_and_bounds_hold_all_corners(radii: list[float]) -> None:
-    corners = star(radii)
-    sides = polygon.edges(corners)
-    assert len(sides) == len(corners)
-    assert all(a[2:] == b[:2] for a, b in zip(sides, (*sides[1:], sides[0]), strict=True))
-    x1, y1, x2, y2 = polygon.bounds(corners)
-    assert {x1, x2} <= {c[0] for c in corners}
-    assert {y1, y2} <= {c[1] for c in corners}
-    assert all(x1 <= x <= x2 and y1 <= y <= y2 for x, y in corners)
 
 
 @given(radii_lists, st.integers(0, 8), st.booleans())

@@ -4,13 +4,12 @@ import math
 
 import pytest
 import shapely
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import given
 
 from khepera_forage.geometry import polygon
 from khepera_forage.geometry.plane import Wall, clearance, to_wall, wall_of, walls_of
 from khepera_forage.geometry.polygon import Segment
-from tests.geometry.shapes import PROPERTY, Enclosure, Place, enclosures, places, segments, star
+from tests.geometry.shapes import PROPERTY, Enclosure, Place, enclosures, places, segments
 
 SQUARE = ((0.0, 0.0), (400.0, 0.0), (400.0, 400.0), (0.0, 400.0))
 THROUGH_THE_WALL = ((300.0, 150.0), (600.0, 150.0), (600.0, 250.0), (300.0, 250.0))
@@ -44,27 +43,6 @@ def test_clearance_is_the_distance_to_the_nearest_side_and_negative_off_the_free
     enclosure: Enclosure, place: Place
 ) -> None:
     check_clearance(enclosure, *place)
-
-
-@given(enclosures, st.floats(-600, 600), st.data())
-@PROPERTY
-def test_clearance_is_right_beside_a_corner(enclosure: Enclosure, x: float, data: st.DataObject) -> None:
-    """A ray along the x axis then passes exactly through the corner, where one wall ends and another starts."""
-    corners = [corner for corners in enclosure.polygons for corner in corners]
-    check_clearance(enclosure, x, data.draw(st.sampled_from(corners))[1])
-
-
-@given(st.lists(st.floats(20, 500), min_size=3, max_size=9), st.data())
-@PROPERTY
-def test_clearance_changes_its_sign_across_a_wall(radii: list[float], data: st.DataObject) -> None:
-    corners = star(radii)
-    walls = walls_of((corners,))
-    wall = data.draw(st.sampled_from(walls))
-    x, y = wall.x1 + wall.ex / 2, wall.y1 + wall.ey / 2
-    step = 0.01
-    assume(all(w is wall or math.hypot(*to_wall(x, y, *w[:5])) > 10 * step for w in walls))
-    sides = [clearance(x + side * wall.normal_x, y + side * wall.normal_y, walls) for side in (-step, step)]
-    assert sorted(sides) == pytest.approx([-step, step], abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -102,23 +80,3 @@ def test_to_wall_points_to_the_nearest_point_of_the_wall(segment: Segment, place
     assert math.hypot(dx, dy) == pytest.approx(polygon.distance(*place, segment), abs=1e-6)
     reached = place[0] + dx, place[1] + dy
     assert polygon.distance(*reached, segment) == pytest.approx(0.0, abs=1e-6)
-
-
-@given(segments)
-@PROPERTY
-def test_wall_of_keeps_both_ends_length_and_line(segment: Segment) -> None:
-    wall = wall_of(segment, polygon=2)
-    x1, y1, x2, y2 = segment
-    assert (wall.x1, wall.y1, wall.polygon) == (x1, y1, 2)
-    assert (wall.x1 + wall.ex, wall.y1 + wall.ey) == pytest.approx((x2, y2))
-    assert wall.share * math.dist((x1, y1), (x2, y2)) ** 2 == pytest.approx(1.0)
-    assert (wall.normal_x, wall.normal_y, wall.offset) == polygon.line_of(segment)
-
-
-@given(enclosures)
-@PROPERTY
-def test_walls_of_numbers_the_polygons_in_order(enclosure: Enclosure) -> None:
-    walls = walls_in(enclosure)
-    expected = [k for k, corners in enumerate(enclosure.polygons) for _ in corners]
-    assert [wall.polygon for wall in walls] == expected
-    assert [(wall.x1, wall.y1) for wall in walls] == [c for corners in enclosure.polygons for c in corners]

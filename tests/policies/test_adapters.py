@@ -1,12 +1,10 @@
 """Learners of all kinds become policies in one line."""
 
-import pickle
 from typing import Any
 
 import numpy as np
 import pytest
 from sklearn.naive_bayes import GaussianNB
-from sklearn.neural_network import MLPClassifier
 from sklearn.svm import LinearSVC
 
 from khepera_forage.policies import (
@@ -18,7 +16,6 @@ from khepera_forage.policies import (
     Teacher,
     as_policy,
 )
-from khepera_forage.policies.model_policy import Model
 from khepera_forage.task.states import Behaviour
 
 X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1, 48, 1, 215, 14]] * 3)
@@ -48,13 +45,6 @@ def test_learners_become_the_policy_of_their_kind() -> None:
     assert type(as_policy(GaussianNB().fit(X, Y))) is ClassifierPolicy
     assert type(as_policy(Trained())) is ModelPolicy
     assert type(as_policy(Agent())) is AgentPolicy
-
-
-def test_policies_of_learners_act() -> None:
-    rng = np.random.default_rng(0)
-    assert as_policy(Agent()).act(X[2], rng) is Behaviour.GO_HOME
-    assert as_policy(Trained()).act(X[2], rng) is Behaviour.PICK_UP_FOOD
-    assert as_policy(GaussianNB().fit(X, Y)).act(X[2], rng) is Behaviour.EXPLORE_FOOD
 
 
 @pytest.mark.parametrize(
@@ -116,13 +106,6 @@ def test_numbers_that_are_no_probabilities_are_refused(levels: tuple[float, ...]
         policy.act(X[0], np.random.default_rng(0))
 
 
-@pytest.mark.filterwarnings("ignore::sklearn.exceptions.ConvergenceWarning")  # of a network in one iteration
-@pytest.mark.parametrize("sample", [True, False])
-def test_network_that_was_shown_one_behaviour_executes_it(sample: bool) -> None:
-    network = MLPClassifier((4,), max_iter=1, random_state=0).fit(X, np.full(len(X), Behaviour.GO_HOME))
-    assert ClassifierPolicy(network, sample).act(X[0], np.random.default_rng(0)) is Behaviour.GO_HOME
-
-
 def test_classifier_without_classes_or_with_other_columns_is_refused() -> None:
     with pytest.raises(ValueError, match="GaussianNB has no classes_; allowed: a fitted classifier"):
         as_policy(GaussianNB())
@@ -150,36 +133,3 @@ def test_labels_with_gaps_are_learned_by_classifiers_that_know_none() -> None:
     assert [as_policy(wrapped).act(row, rng) for row in X] == [as_policy(plain).act(row, other) for row in X]
     with pytest.raises(ValueError, match="ContiguousLabels was fitted on 4 columns"):
         as_policy(ContiguousLabels(OnlyContiguous()).fit(X[:, :4], Y))
-
-
-class Counting(GaussianNB):  # type: ignore[misc]  # scikit-learn is untyped
-    """Counts its predictions."""
-
-    predictions = 0
-
-    def predict_proba(self, rows: Any) -> Any:
-        self.predictions += 1
-        return super().predict_proba(rows)
-
-
-def test_cached_probabilities_equal_predicted_ones() -> None:
-    classifier = Counting().fit(X, Y)
-    plain, cached = ClassifierPolicy(classifier), ClassifierPolicy(classifier, remember=True)
-    rng, other = np.random.default_rng(1), np.random.default_rng(1)
-    assert [plain.act(row, rng) for row in X] == [cached.act(row, other) for row in X]
-    assert classifier.predictions == len(X) + 4
-    twin = pickle.loads(pickle.dumps(cached))
-    assert twin.act(X[0], np.random.default_rng(0)) == cached.act(X[0], np.random.default_rng(0))
-
-
-def test_full_cache_is_emptied(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("khepera_forage.policies.adapters.CACHE_SIZE", 2)
-    policy = ClassifierPolicy(GaussianNB().fit(X, Y), remember=True)
-    decisions = [policy.act(row, np.random.default_rng(0)) for row in X]
-    assert decisions[:4] == decisions[4:8]
-    assert len(policy._cache) <= 2
-
-
-def test_model_protocol_is_satisfied() -> None:
-    model: Model = Trained()
-    assert ModelPolicy(model).act(X[0]) is Behaviour.PICK_UP_FOOD

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.policies import NearestNeighbourImitator, WeightedImitator, distance
-from khepera_forage.task.states import StateVector
+from khepera_forage.policies import NearestNeighbourImitator, WeightedImitator
 
 Data = tuple[NDArray[np.int64], NDArray[np.int64]]
 
@@ -70,15 +69,6 @@ def test_equal_weights_equal_the_imitator() -> None:
     assert not hasattr(same, "error_")
 
 
-def test_weights_change_the_nearest_vector() -> None:
-    rows = [StateVector(0, 50, 0, 215, 20), StateVector(0, 60, 0, 215, 17)]
-    query = StateVector(0, 60, 0, 215, 20)
-    assert distance(rows[1], query, 138) < distance(rows[0], query, 138)
-    assert WeightedImitator(weights=(1, 1, 1, 1, 1)).fit(rows, [0, 1]).predict([query]) == [1]
-    assert WeightedImitator(weights=(1, 1, 1, 1, 4)).fit(rows, [0, 1]).predict([query]) == [0]
-    assert WeightedImitator(weights=(1, 0, 1, 1, 1)).fit(rows, [0, 1]).predict([query]) == [0]
-
-
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
@@ -92,13 +82,3 @@ def test_weights_change_the_nearest_vector() -> None:
 def test_parameters_out_of_range_are_refused(parameters: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         WeightedImitator(**parameters).fit(*misleading(0))
-
-
-def test_groups_of_another_length_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"groups have shape \(3,\); allowed: \(200,\)"):
-        WeightedImitator().fit(*misleading(0), groups=[1, 2, 3])
-
-
-def test_single_episode_keeps_equal_weights() -> None:
-    learned = WeightedImitator().fit(*misleading(0), groups=np.zeros(200))
-    assert learned.weights_ == (1,) * 5

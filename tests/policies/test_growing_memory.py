@@ -21,12 +21,6 @@ def test_node_grows_at_a_new_stimulus() -> None:
     assert len(GrowingMemory(reach=0.01).fit([HERE, [0, 91, 0, 215, 61]], [0, 0]).nodes_) == 2
 
 
-def test_nodes_of_other_categories_stay_separate() -> None:
-    """Another presence or food type is 1 further away, beyond any sensible reach."""
-    memory = GrowingMemory(reach=0.5).fit([HERE, [1, *HERE[1:]], [1, 90, 1, 215, 60]], [0, 3, 4])
-    assert memory.nodes_.tolist() == [HERE, [1, *HERE[1:]], [1, 90, 1, 215, 60]]
-
-
 def test_habituation_falls_with_perception_and_recovers_without() -> None:
     memory = GrowingMemory(habituation=0.3, recovery=0.01).fit([HERE], [0])
     assert memory.habituation_.tolist() == pytest.approx([0.7])
@@ -51,18 +45,6 @@ def test_rare_node_is_forgotten_in_time_and_frequent_node_later() -> None:
     assert frequent.predict([HERE]).tolist() == [0]
 
 
-def test_without_recovery_nothing_is_forgotten() -> None:
-    memory = GrowingMemory(recovery=0.0).fit([HERE] + [THERE] * 5_000, [0] + [2] * 5_000)
-    assert memory.predict([HERE]).tolist() == [0]
-
-
-def test_node_moves_less_with_more_perceptions() -> None:
-    near = [0, 92, 0, 215, 60]
-    fresh = GrowingMemory(moving=0.5).fit([HERE, near], [0, 0])
-    known = GrowingMemory(moving=0.5).fit([HERE] * 10 + [near], [0] * 11)
-    assert 90 < known.nodes_[0, 1] < fresh.nodes_[0, 1] < 92
-
-
 def test_partial_fit_equals_fit() -> None:
     rng = np.random.default_rng(0)
     rows = np.column_stack(
@@ -76,14 +58,6 @@ def test_partial_fit_equals_fit() -> None:
     np.testing.assert_array_equal(whole.nodes_, parts.nodes_)
     np.testing.assert_array_equal(whole.predict_proba(rows), parts.predict_proba(rows))
     assert len(whole.nodes_) < 40
-
-
-def test_new_classes_are_added() -> None:
-    memory = GrowingMemory().partial_fit([HERE], [5]).partial_fit([THERE], [1])
-    assert memory.classes_.tolist() == [1, 5]
-    assert memory.predict([HERE, THERE]).tolist() == [5, 1]
-    with pytest.raises(ValueError, match=r"labels are \[3\]; allowed: those among classes, \[1, 2\]"):
-        memory.partial_fit([HERE], [3], classes=[1, 2])
 
 
 @pytest.mark.parametrize(

@@ -1,72 +1,60 @@
-"""The votes of the imitator, against section 4.6.1 in fractions, on experience of every shape."""
+"""Votes of the imitator and of its variants, against section 4.6.1 in fractions, on experience of every shape."""
 
 from collections import Counter
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from khepera_forage.policies import NearestNeighbourImitator, Neighbours, distance
+from khepera_forage.policies import KNearestImitator, NearestNeighbourImitator, Neighbours, distance
+from khepera_forage.policies.features import encoded
+from khepera_forage.policies.memories import BEHAVIOURS, memories_of
+from khepera_forage.policies.votes import draw_label, nearest_votes
 from khepera_forage.task.states import Behaviour, StateVector
 
+Experienced = list[tuple[StateVector, int]]
 CORRIDOR, RECTANGLE = 138, 177
-RAISED = [215, 216, 219, 235, 255]
-
-# Few and close values, so that ties, duplicates and conflicts abound; and now and then any values at all.
-CLOSE = st.builds(
-    StateVector,
-    st.integers(0, 1),
-    st.integers(0, 6),
-    st.integers(0, 3),
-    st.sampled_from(RAISED),
-    st.integers(0, 6),
-)
-ANY = st.builds(
-    StateVector,
-    st.integers(0, 1),
-    st.integers(0, 177),
-    st.integers(0, 3),
-    st.integers(215, 255),
-    st.integers(0, 177),
-)
-VECTORS = st.one_of(CLOSE, CLOSE, ANY)
-BEHAVIOURS = st.integers(0, 9)
-EXPERIENCE = st.lists(st.tuples(VECTORS, BEHAVIOURS), min_size=1, max_size=40)
+PIXELS = st.integers(0, 6) | st.integers(0, 177)
+ARMS = st.sampled_from([215, 216, 219, 235, 255]) | st.integers(215, 255)
+# Mostly few and close values, so that ties, duplicates and conflicts abound.
+VECTORS = st.builds(StateVector, st.integers(0, 1), PIXELS, st.integers(0, 3), ARMS, PIXELS)
+EXPERIENCE = st.lists(st.tuples(VECTORS, st.integers(0, 9)), min_size=1, max_size=40)
+QUERIES = st.lists(VECTORS, min_size=1, max_size=5)
 DIAGONALS = st.sampled_from([1, 5, CORRIDOR, RECTANGLE, 10**12])
 THRESHOLDS = st.sampled_from([0.0, 0.001, 0.1, 0.3, 1 / 3, 1.0, 5.0, 1e300])
 
 
+def apart(one: Any, other: Any, diagonal: int) -> Fraction:
+    """Section 4.6.1."""
+    away = Fraction(int(one[0] != other[0]) + int(one[2] != other[2]))
+    away += Fraction(abs(int(one[3]) - int(other[3])), 55)
+    return away + Fraction(abs(int(one[1]) - int(other[1])) + abs(int(one[4]) - int(other[4])), diagonal)
+
+
 def expected_neighbours(
-    experience: list[tuple[StateVector, int]], query: StateVector, diagonal: int, threshold: float = 0.0
+    experience: Experienced, query: StateVector, diagonal: int, threshold: float = 0.0
 ) -> Neighbours:
-    """Section 4.6.1 in fractions, one vector at a time."""
-    away = []
-    for vector, behaviour in experience:
-        apart = Fraction(0)
-        apart += vector[0] != query[0]
-        apart += vector[2] != query[2]
-        apart += abs(Fraction(vector[3] - query[3], 55))
-        apart += abs(Fraction(vector[1] - query[1], diagonal))
-        apart += abs(Fraction(vector[4] - query[4], diagonal))
-        away.append((apart, behaviour))
-    least = min(apart for apart, _ in away)
+    """One vector at a time."""
+    away = [(apart(vector, query, diagonal), behaviour) for vector, behaviour in experience]
+    least = min(away)[0]
     reach = least + Fraction(repr(threshold))
-    chosen = Counter(Behaviour(behaviour) for apart, behaviour in away if apart <= reach)
+    chosen = Counter(Behaviour(behaviour) for far, behaviour in away if far <= reach)
     behaviours, counts = zip(*sorted(chosen.items()), strict=True)
     return Neighbours(behaviours, counts, chosen.total(), float(least))
 
 
 def imitator_of(
-    experience: list[tuple[StateVector, int]], diagonal: int = CORRIDOR, threshold: float = 0.0
+    experience: Experienced, diagonal: int = CORRIDOR, threshold: float = 0.0
 ) -> NearestNeighbourImitator:
     vectors, behaviours = zip(*experience, strict=True)
     return NearestNeighbourImitator(diagonal, threshold, "exact").fit(np.array(vectors), np.array(behaviours))
 
 
-@settings(max_examples=300, deadline=None)
-@given(EXPERIENCE, st.lists(VECTORS, min_size=1, max_size=5), DIAGONALS, THRESHOLDS)
+@settings(max_examples=200, deadline=None)
+@given(EXPERIENCE, QUERIES, DIAGONALS, THRESHOLDS)
 @example(
     # 11 positions of the arm are as far as a fifth of the diagonal: equal in fractions, not in floats.
     [(StateVector(0, 30, 0, 226, 40), 1), (StateVector(0, 31, 0, 215, 40), 2)],
@@ -76,14 +64,14 @@ def imitator_of(
 )
 @example([(StateVector(0, 0, 0, 215, d), d) for d in range(5)], [StateVector(0, 0, 0, 215, 0)], 10, 0.3)
 def test_neighbours_equal_section_4_6_1(
-    experience: list[tuple[StateVector, int]], queries: list[StateVector], diagonal: int, threshold: float
+    experience: Experienced, queries: list[StateVector], diagonal: int, threshold: float
 ) -> None:
     imitator = imitator_of(experience, diagonal, threshold)
     levels = imitator.predict_proba(queries)
+    np.testing.assert_array_equal(imitator.predict_proba(np.array(queries, float)), levels)
     for query, level, label in zip(queries, levels, imitator.predict(queries), strict=True):
         expected = expected_neighbours(experience, query, diagonal, threshold)
-        assert imitator.neighbours(query) == expected
-        assert imitator.neighbours(query) == expected  # from the cache
+        assert imitator.neighbours(query) == imitator.neighbours(query) == expected  # also from the cache
         shares = {behaviour: count / expected.tied for behaviour, count in expected.votes}
         assert imitator.confidence_levels(query) == shares
         assert dict(zip(imitator.classes_[level > 0], level[level > 0], strict=True)) == shares
@@ -93,104 +81,222 @@ def test_neighbours_equal_section_4_6_1(
 
 
 @settings(deadline=None)
-@given(EXPERIENCE, st.lists(VECTORS, min_size=1, max_size=5), THRESHOLDS)
-def test_diagonal_and_threshold_can_change_after_fit(
-    experience: list[tuple[StateVector, int]], queries: list[StateVector], threshold: float
+@given(EXPERIENCE, EXPERIENCE, QUERIES, st.sets(st.integers(1, 39), max_size=3), THRESHOLDS)
+def test_learning_on_fitting_again_and_other_parameters_change_the_votes(
+    earlier: Experienced, experience: Experienced, queries: list[StateVector], cuts: set[int], limit: float
 ) -> None:
-    imitator = imitator_of(experience)
-    for diagonal, limit in [(CORRIDOR, 0.0), (RECTANGLE, 0.0), (RECTANGLE, threshold), (CORRIDOR, threshold)]:
-        imitator.set_params(diagonal=diagonal, threshold=limit)
+    imitator = imitator_of(earlier)
+    ends = [*sorted(cut for cut in cuts if cut < len(experience)), len(experience)]
+    for start, stop in zip([0, *ends], ends, strict=False):
+        vectors, behaviours = zip(*experience[start:stop], strict=True)
+        (imitator.partial_fit if start else imitator.fit)(np.array(vectors), np.array(behaviours))
+        for query in queries:  # what is learned empties the cache
+            assert imitator.neighbours(query) == expected_neighbours(experience[:stop], query, CORRIDOR)
+    for diagonal, threshold in [(RECTANGLE, 0.0), (RECTANGLE, limit), (CORRIDOR, limit)]:
+        imitator.set_params(diagonal=diagonal, threshold=threshold)
         for query in queries:
-            assert imitator.neighbours(query) == expected_neighbours(experience, query, diagonal, limit)
+            assert imitator.neighbours(query) == expected_neighbours(experience, query, diagonal, threshold)
 
 
-@settings(deadline=None)
-@given(EXPERIENCE, st.lists(VECTORS, min_size=1, max_size=5), st.data())
-def test_partial_fit_equals_fit_on_all_of_it(
-    experience: list[tuple[StateVector, int]], queries: list[StateVector], data: st.DataObject
+@settings(max_examples=30, deadline=None)
+@given(
+    seed=st.integers(0, 2**32),
+    count=st.integers(1, 3_000),
+    spread=st.sampled_from([5, 30, 139, 2_000]),
+    arms=st.sampled_from([[215], [215, 255], [215, 219, 223, 240, 255], list(range(215, 256))]),
+    diagonal=st.sampled_from([1, 11, 55, CORRIDOR, RECTANGLE]),
+    threshold=st.sampled_from(["0", "0.01", "0.3"]),
+)
+def test_neighbours_among_thousands_equal_brute_force(
+    seed: int, count: int, spread: int, arms: list[int], diagonal: int, threshold: str
 ) -> None:
-    shuffled = data.draw(st.permutations(experience))
-    cuts = sorted(data.draw(st.sets(st.integers(1, len(shuffled)), max_size=4)) | {len(shuffled)})
-    imitator = NearestNeighbourImitator(arithmetic="exact")
-    for start, stop in zip([0, *cuts], cuts, strict=False):
-        vectors, behaviours = zip(*shuffled[start:stop], strict=True)
-        imitator.partial_fit(np.array(vectors), np.array(behaviours))
-        for query in queries:  # the cache must be emptied by what is learned
-            assert imitator.neighbours(query) == expected_neighbours(shuffled[:stop], query, CORRIDOR)
-    once = imitator_of(experience)
-    np.testing.assert_array_equal(imitator.classes_, once.classes_)
-    np.testing.assert_array_equal(imitator.predict_proba(queries), once.predict_proba(queries))
+    """In whole units of 1 / (55 * diagonal)."""
+    rng = np.random.default_rng(seed)
 
+    def vectors(count: int) -> Any:
+        rows = [rng.integers(0, 2, count), rng.integers(0, spread, count), rng.integers(0, 4, count)]
+        return np.column_stack([*rows, rng.choice(arms, count), rng.integers(0, spread, count)])
 
-@settings(deadline=None)
-@given(EXPERIENCE, st.lists(VECTORS, min_size=1, max_size=5))
-def test_fit_forgets_earlier_experience(
-    experience: list[tuple[StateVector, int]], queries: list[StateVector]
-) -> None:
-    imitator = imitator_of([(query, 9) for query in queries])
-    for query in queries:
-        imitator.neighbours(query)
-    vectors, behaviours = zip(*experience, strict=True)
-    imitator.fit(vectors, behaviours)
-    for query in queries:
-        assert imitator.neighbours(query) == expected_neighbours(experience, query, CORRIDOR)
-
-
-@settings(deadline=None)
-@given(EXPERIENCE, st.lists(VECTORS, min_size=1, max_size=5))
-def test_whole_floats_count_as_whole_numbers(
-    experience: list[tuple[StateVector, int]], queries: list[StateVector]
-) -> None:
-    whole = imitator_of(experience)
-    vectors, behaviours = zip(*experience, strict=True)
-    floats = NearestNeighbourImitator(arithmetic="exact").fit(np.array(vectors, float), behaviours)
-    expected = whole.predict_proba(queries)
-    np.testing.assert_array_equal(floats.predict_proba(queries), expected)
-    np.testing.assert_array_equal(floats.predict_proba(np.array(queries, float)), expected)
+    rows, heard, unit = vectors(count), rng.integers(0, 10, count), 55 * diagonal
+    imitator = NearestNeighbourImitator(diagonal, float(threshold), "exact").fit(rows[:300], heard[:300])
+    if count > 300:
+        imitator.partial_fit(rows[300:], heard[300:])
+    for query in np.concatenate((vectors(15), rows[:5])):
+        differs, away = rows != query, np.abs(rows - query)
+        far = (
+            unit * (differs[:, 0] * 1 + differs[:, 2])
+            + diagonal * away[:, 3]
+            + 55 * (away[:, 1] + away[:, 4])
+        )
+        votes = Counter(heard[far <= far.min() + int(Fraction(threshold) * unit)].tolist())
+        found = imitator.neighbours(query)
+        assert dict(found.votes) == {Behaviour(label): votes[label] for label in votes}
+        assert (found.tied, found.distance) == (votes.total(), far.min() / unit)
 
 
 def test_halves_of_pixels_are_compared_in_floats() -> None:
     rows = np.array([[0, 30, 0, 215, 40], [0, 33, 0, 215, 40], [1, 30, 0, 215, 40]])
     imitator = NearestNeighbourImitator(arithmetic="exact").fit(rows, [0, 1, 3])
     assert imitator.predict(rows + np.array([0, 0.5, 0, 0, 0])).tolist() == [0, 1, 3]
-    assert imitator.predict(rows + np.array([0, 2.5, 0, 0, 0])).tolist() == [1, 1, 3]
     assert imitator.predict_proba([[0, 31.5, 0, 215, 40]]).tolist() == [[0.5, 0.5, 0]]
-    imitator.partial_fit([[0, 33, 0, 215, 40], [0, 33, 0, 215, 40]], [0, 0])
-    assert imitator.predict_proba([[0, 31.5, 0, 215, 40]]).tolist() == [[0.75, 0.25, 0]]
     imitator.partial_fit([[0, 31.5, 0, 215, 40]], [5])
-    assert imitator.predict(rows).tolist() == [0, 0, 3]
+    assert imitator.predict(rows).tolist() == [0, 1, 3]
     assert imitator.predict([[0, 31.5, 0, 215, 40]]).tolist() == [5]
-    imitator.partial_fit([[0, 31.5, 0, 215, 40]], [7])
-    assert imitator.confidence_levels((0, 30, 0, 215, 40)) == {0: 1.0}
-    assert imitator.predict_proba([[0, 31.5, 0, 215, 40]]).tolist() == [[0, 0, 0, 0.5, 0.5]]
 
 
 @pytest.mark.parametrize("far", [2**40, 2**45])
 def test_numbers_far_beyond_any_arena_are_compared(far: int) -> None:
-    imitator = NearestNeighbourImitator(arithmetic="exact").fit(
-        [[0, 30, 0, 215, 40], [0, 60, 0, 215, 40]], [0, 1]
-    )
+    rows = [[0, 30, 0, 215, 40], [0, 60, 0, 215, 40]]
+    imitator = NearestNeighbourImitator(arithmetic="exact").fit(rows, [0, 1])
     assert imitator.neighbours((0, 60, 0, 215, far)).votes == ((1, 1),)
     assert imitator.neighbours((0, 60, 0, 215, far)).distance == pytest.approx(far / CORRIDOR)
     imitator.partial_fit([[0, 30, 0, 215, far]], [7])
-    assert imitator.predict([[0, 30, 0, 215, far], [0, 31, 0, 215, 41], [0, 59, 0, 215, 41]]).tolist() == [
-        7,
-        0,
-        1,
-    ]
-
-
-@settings(deadline=None)
-@given(VECTORS, VECTORS, VECTORS, st.integers(1, 300))
-def test_distance_is_a_metric(a: StateVector, b: StateVector, c: StateVector, diagonal: int) -> None:
-    assert distance(a, b, diagonal) == distance(b, a, diagonal)
-    assert (distance(a, b, diagonal) == 0) == (a == b)
-    assert distance(a, c, diagonal) <= distance(a, b, diagonal) + distance(b, c, diagonal)
+    assert imitator.predict([[0, 30, 0, 215, far], [0, 31, 0, 215, 41]]).tolist() == [7, 0]
 
 
 def test_distance_equals_section_4_6_1() -> None:
-    near = StateVector(0, 100, 0, 255, 20)
-    far = StateVector(1, 31, 1, 215, 89)
+    near, far = StateVector(0, 100, 0, 255, 20), StateVector(1, 31, 1, 215, 89)
     assert distance(near, far, CORRIDOR) == 2 + Fraction(40, 55) + Fraction(69, 138) + Fraction(69, 138)
     # Less than 5 however far apart, "due to the ArmsHeight difference".
     assert distance(StateVector(0, 0, 0, 215, 0), StateVector(1, 138, 3, 255, 138), CORRIDOR) < 5
+
+
+# ---------------------------------------------------------------- arithmetic of the thesis's time
+
+
+@pytest.mark.parametrize(
+    ("arithmetic", "kind"), [("32-bit floats", np.float32), ("64-bit floats", np.float64)]
+)
+@settings(max_examples=60, deadline=None)
+@given(experience=EXPERIENCE, queries=QUERIES, diagonal=st.sampled_from((CORRIDOR, RECTANGLE, 7)))
+def test_votes_in_floats_are_those_of_the_least_sum(
+    arithmetic: str, kind: Any, experience: Experienced, queries: list[StateVector], diagonal: int
+) -> None:
+    vectors, heard = zip(*experience, strict=True)
+    imitator = NearestNeighbourImitator(diagonal, arithmetic=arithmetic).fit(vectors, heard)
+    for query in queries:
+        sums = []
+        for vector in vectors:  # term by term
+            total = kind(query[0] != vector[0]) + kind(query[2] != vector[2])
+            total += kind(abs(query[3] - vector[3])) / kind(55)
+            total += kind(abs(query[4] - vector[4])) / kind(diagonal)
+            sums.append(total + kind(abs(query[1] - vector[1])) / kind(diagonal))
+        expected = Counter(label for label, total in zip(heard, sums, strict=True) if total == min(sums))
+        assert dict(imitator.neighbours(query).votes) == dict(expected)
+
+
+def test_floats_split_exact_ties() -> None:
+    """Equal exact distances, from terms in another order of size."""
+    query, vectors = StateVector(0, 60, 0, 215, 60), [(0, 60, 0, 215, 67), (0, 63, 0, 215, 64)]
+    votes = []
+    for arithmetic in ("exact", "32-bit floats", "64-bit floats"):
+        imitator = NearestNeighbourImitator(138, arithmetic=arithmetic).fit(vectors, [0, 1])
+        votes.append(imitator.neighbours(query).tied)
+    assert votes[0] == 2
+    assert min(votes[1:]) == 1
+
+
+def test_wrong_arithmetic_is_an_error() -> None:
+    with pytest.raises(
+        ValueError, match=r"arithmetic is '16-bit'; allowed: 'exact', '32-bit floats', '64-bit"
+    ):
+        NearestNeighbourImitator(arithmetic="16-bit").fit([(0, 1, 0, 215, 2)], [0])
+    with pytest.raises(ValueError, match=r"threshold is 0\.1 with 32-bit floats; allowed: 0, or exact"):
+        NearestNeighbourImitator(threshold=0.1, arithmetic="32-bit floats").fit([(0, 1, 0, 215, 2)], [0])
+
+
+# ---------------------------------------------------------------- memories in arrays, for kernels
+
+
+class FixedGenerator:
+    """A generator that gives always the same number."""
+
+    def __init__(self, chance: float) -> None:
+        self.chance = chance
+
+    def random(self) -> float:
+        return self.chance
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(EXPERIENCE, min_size=1, max_size=3),
+    QUERIES,
+    st.sampled_from((CORRIDOR, RECTANGLE, 1, 7)),
+    st.floats(0, 1, exclude_max=True),
+)
+def test_memories_in_arrays_have_the_votes_and_draws_of_the_imitators(
+    experiences: list[Experienced], queries: list[StateVector], diagonal: int, chance: float
+) -> None:
+    memories = memories_of([tuple(map(list, zip(*part, strict=True))) for part in experiences])  # type: ignore[misc]
+    votes, rng = np.zeros(BEHAVIOURS, np.int64), FixedGenerator(chance)
+    for number, part in enumerate(experiences):
+        imitator = imitator_of(part, diagonal)
+        for query in [*queries, part[0][0]]:
+            neighbours = imitator.neighbours(query)
+            votes[:] = 0
+            nearest, total = nearest_votes(memories, number, query, diagonal, votes)
+            assert nearest / (55 * diagonal) == neighbours.distance
+            assert total == neighbours.tied == votes.sum()
+            assert {b: n for b, n in enumerate(votes.tolist()) if n} == dict(neighbours.votes)
+            assert draw_label(votes, total, chance) == neighbours.draw(rng)  # type: ignore[arg-type]
+
+
+VECTOR = (0, 1, 0, 215, 1)
+
+
+@pytest.mark.parametrize(
+    ("experiences", "message"),
+    [
+        ([], "0 experiences; allowed: 1 to"),
+        ([([], [])], r"experience 0 has vectors of shape \(0,\)"),
+        ([([VECTOR], [0]), ([VECTOR[:4]], [0])], r"experience 1 has vectors of shape \(1, 4\)"),
+        ([([VECTOR], [0, 1])], r"behaviours of shape \(2,\)"),
+        ([([(0, 1, 0, 215, 1.5)], [0])], "experience is of type float64"),
+        ([([(0, 1, 0, 215, 8192)], [0])], "robot_food_distance is 8192; allowed: 0 to 8191"),
+        ([([(0, 1, 4, 215, 1)], [0])], "food_type is 4"),
+        ([([VECTOR], [10])], "behaviour is 10; allowed: 0 to 9"),
+    ],
+)
+def test_bad_experience_is_refused_with_its_value(experiences: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        memories_of(experiences)
+
+
+# ---------------------------------------------------------------- k vectors vote
+
+
+@given(EXPERIENCE, VECTORS, st.integers(1, 12), DIAGONALS, st.sampled_from(["uniform", "distance"]))
+def test_confidence_levels_of_k_vectors_equal_shares_in_fractions(
+    experience: Experienced, query: StateVector, k: int, diagonal: int, weighting: str
+) -> None:
+    rows, heard = zip(*experience, strict=True)
+    learner = KNearestImitator(k, weighting, diagonal).fit(rows, heard)
+    levels = learner.predict_proba([query])[0]
+    away = sorted((apart(vector, query, diagonal), label) for vector, label in experience)
+    votes: dict[int, Fraction] = {}
+    for far, label in away:
+        if far <= away[min(k, len(away)) - 1][0]:
+            nearest = away[0][0] == 0
+            weight = Fraction(1) if weighting == "uniform" else Fraction(far == 0) if nearest else 1 / far
+            votes[label] = votes.get(label, Fraction(0)) + weight
+    for label, level in zip(learner.classes_.tolist(), levels, strict=True):
+        expected = votes.get(label, Fraction(0)) / sum(votes.values())
+        assert level == pytest.approx(float(expected), abs=1e-12)
+    if k == 1 and weighting == "uniform":
+        np.testing.assert_array_equal(levels, imitator_of(experience, diagonal).predict_proba([query])[0])
+    first, second = encoded([query, rows[0]], diagonal)
+    assert np.abs(first - second).sum() == pytest.approx(float(distance(query, rows[0], diagonal)), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        *(({"k": k}, f"k is {k!r}; allowed: an integer, at least 1") for k in (0, 2.0, True, None)),
+        ({"weighting": "votes"}, "weighting is 'votes'; allowed: uniform, distance"),
+        ({"diagonal": 0}, "diagonal is 0; allowed: an integer above 0"),
+    ],
+)
+def test_parameters_of_k_nearest_out_of_range_are_refused(parameters: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        KNearestImitator(**parameters).fit([VECTOR], [0])

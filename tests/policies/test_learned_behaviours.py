@@ -1,7 +1,6 @@
 """Behaviours learned from the motors behind them (action level, 4.8)."""
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import gymnasium as gym
@@ -12,12 +11,11 @@ from hypothesis import strategies as st
 
 import khepera_forage  # noqa: F401 - registers the environments
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.policies.learned_behaviours import RELATIONS, LearnedBehaviours, relations
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
-from khepera_forage.task.behaviours import command, wait
+from khepera_forage.policies.learned_behaviours import LearnedBehaviours, relations
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_CLOSED, Motors
+from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.perception import RawData
-from khepera_forage.task.states import Behaviour
 
 SIGHT: dict[str, Any] = {
     "proximity": (0, 10, 20, 30, 40, 50),
@@ -90,14 +88,6 @@ def test_relations_do_not_depend_on_the_place(x: float, y: float, degrees: int) 
     assert relations(moved(RAW, x, y, degrees)) == pytest.approx(relations(RAW), abs=1e-6)
 
 
-def test_relations_equal_values_by_hand() -> None:
-    assert len(relations(RAW)) == RELATIONS
-    assert relations(RAW) == (0, 10, 20, 30, 40, 50, 215, 200, 0, True, 20.0, 0.0, 70.0, 0.0, 15.0, 90.0, 0)
-    left = relations(RAW._replace(food_x=40.0, food_y=50.0, food_seen=True))
-    assert left[10:12] == (30.0, 90.0)
-    assert relations(RAW._replace(food_seen=False))[9:12] == (False, 0.0, 0.0)
-
-
 def test_examples_are_reproduced(steps: Steps, learned: LearnedBehaviours) -> None:
     """Trees without bootstrap reproduce their examples, except equal rows with different commands."""
     commands: dict[tuple[int, tuple[float, ...]], set[Motors]] = {}
@@ -132,49 +122,10 @@ def test_learned_behaviours_forage_at_new_places(learned: LearnedBehaviours) -> 
     assert sum(delivered) >= 1, "a robot that stands still, or drives at random, delivers nothing"
 
 
-def test_behaviour_without_examples_stands_still(learned: LearnedBehaviours) -> None:
-    assert Behaviour.PUSH_FOOD not in learned.known
-    assert learned.known >= {Behaviour.SEARCH_FOR_FOOD, Behaviour.GO_HOME, Behaviour.RELEASE_FOOD}
-    assert learned.command(Behaviour.PUSH_FOOD, RAW) == wait(RAW)
-    assert LearnedBehaviours().command(Behaviour.GO_HOME, RAW) == wait(RAW)
-
-
-def test_commands_are_within_the_robots_range(steps: Steps, learned: LearnedBehaviours) -> None:
-    for raw, behaviour in list(zip(steps[0], steps[1], strict=True))[::7]:
-        for other in learned.known:
-            left, right, arm, jaw = learned.command(other, raw)
-            assert max(abs(left), abs(right)) <= 20
-            assert arm in (ARM_DOWN, ARM_RAISED)
-            assert jaw in (JAW_OPEN, JAW_CLOSED)
-        assert behaviour in learned.known
-
-
-def test_seed_decides_the_behaviours(steps: Steps, learned: LearnedBehaviours) -> None:
-    def all_predicted(behaviours: LearnedBehaviours) -> Iterator[Motors]:
-        unseen = moved(RAW, 3.0, 4.0, 5)._replace(food_y=31.0, wall_distance=11.0)
-        return (behaviours.command(behaviour, unseen) for behaviour in sorted(behaviours.known))
-
-    again = LearnedBehaviours().fit(*steps)
-    assert list(all_predicted(again)) == list(all_predicted(learned))
-    assert list(all_predicted(LearnedBehaviours(random_state=1).fit(*steps))) != list(all_predicted(learned))
-
-
-def test_fit_forgets_earlier_examples(steps: Steps) -> None:
-    behaviours = LearnedBehaviours(trees=1).fit(*steps)
-    behaviours.fit([RAW], [Behaviour.GO_HOME], [Motors(3, 4, ARM_RAISED, JAW_CLOSED)])
-    assert behaviours.known == {Behaviour.GO_HOME}
-    assert behaviours.command(Behaviour.GO_HOME, RAW) == Motors(3, 4, ARM_RAISED, JAW_CLOSED)
-
-
 @pytest.mark.parametrize("trees", [0, -1, 2.5, True])
 def test_number_of_trees_out_of_range_is_refused(trees: int) -> None:
     with pytest.raises(ValueError, match=f"trees is {trees}; allowed: an integer, at least 1"):
         LearnedBehaviours(trees)
-
-
-def test_different_lengths_are_refused() -> None:
-    with pytest.raises(ValueError, match="1 raw data, 2 behaviours, 0 motors; allowed: as many of each"):
-        LearnedBehaviours().fit([RAW], [1, 2], [])
 
 
 def test_numbers_that_are_not_finite_are_refused() -> None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
 from khepera_forage.policies import GrowingMemory, KNearestImitator, Policy, WeightedImitator, state_vector_of
-from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors, Needs
+from khepera_forage.policies.learners import LEARNERS, FromVectors
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import behaviour_for, classify
 from tests.contracts.suites import PolicyContract, observations
@@ -60,22 +60,6 @@ def test_learner_agrees_with_the_teacher(name: str) -> None:
     agreed = np.mean([policy.act(row, rng) == word for row, word in zip(rows, said, strict=True)])
     assert np.bincount(said).max() / 200 < 0.5
     assert agreed > 0.65
-
-
-@pytest.mark.parametrize("name", IMITATING)
-def test_global_random_state_is_not_used(name: str) -> None:
-    before = str(np.random.get_state(legacy=False))  # noqa: NPY002 - it must not move
-    IMITATING[name].learn(*experience(0)).act(experience(1)[0][0], np.random.default_rng(0))
-    assert str(np.random.get_state(legacy=False)) == before  # noqa: NPY002
-
-
-def test_learners_are_of_all_kinds_with_different_titles() -> None:
-    assert {learner.needs for learner in LEARNERS.values()} == set(Needs)
-    assert len({learner.title for learner in LEARNERS.values()}) == len(LEARNERS)
-    trial = {
-        (learner.algorithm, learner.wheels) for learner in LEARNERS.values() if isinstance(learner, FromSteps)
-    }
-    assert trial == {("PPO", False), ("DQN", False), ("PPO", True), ("SAC", True)}
 
 
 @parametrize_with_checks(  # type: ignore[untyped-decorator]

@@ -41,12 +41,6 @@ def test_flattened_observations_are_those_of_gymnasium(name: str) -> None:
         shown, expected = env.step(action)[0], other.step(action)[0]
 
 
-def test_a_state_vector_is_flattened_as_its_observation() -> None:
-    shown, _ = gym.make("khepera_forage/Corridor-v1").reset(seed=3)
-    vector = [int(np.ravel(value)[0]) for value in shown.values()]
-    np.testing.assert_array_equal(flattened(vector), flattened(shown))
-
-
 @pytest.mark.filterwarnings("ignore:.*Box (low|high)'s precision lowered")
 @pytest.mark.parametrize("name", NAMES)
 def test_model_is_shown_the_observations_that_its_space_has(name: str) -> None:

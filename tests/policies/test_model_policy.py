@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 
 from khepera_forage.policies import ModelPolicy
-from khepera_forage.policies.features import observation_features
-from khepera_forage.task.states import Behaviour
 
 OBSERVATION = (0, 60, 0, 215, 40)
 
@@ -24,46 +22,12 @@ class Counter:
         return np.array([len(self.shown) % 10]), None
 
 
-class Motors:
-    """Returns motors, for a batch of one."""
-
-    def predict(self, observation: Any, *, deterministic: bool) -> tuple[Any, None]:
-        return np.array([[0.5, -0.5, 1.0, -1.0]]), None
-
-
-def test_features_are_shown_to_the_model() -> None:
-    model = Counter()
-    ModelPolicy(model).act(OBSERVATION)
-    ModelPolicy(model, observation_features).act(OBSERVATION)
-    assert model.shown[0] is OBSERVATION
-    np.testing.assert_array_equal(model.shown[1], observation_features(OBSERVATION))
-
-
 def test_action_holds_for_its_rounds_and_its_generator() -> None:
     policy = ModelPolicy(Counter(), hold=3)
     first, second = np.random.default_rng(0), np.random.default_rng(0)
     assert [int(policy.act(OBSERVATION, first)) for _ in range(5)] == [1, 1, 1, 2, 2]
     assert [int(policy.act(OBSERVATION, second)) for _ in range(2)] == [3, 3]
     assert int(policy.act(OBSERVATION, first)) == 4, "another generator means another episode"
-
-
-def test_motors_are_fresh_arrays() -> None:
-    policy = ModelPolicy(Motors(), hold=2)
-    motors = policy.act(OBSERVATION)
-    assert motors.dtype == np.float32
-    assert motors.tolist() == [0.5, -0.5, 1.0, -1.0]
-    motors[:] = 0.0
-    assert policy.act(OBSERVATION).tolist() == [0.5, -0.5, 1.0, -1.0]
-
-
-def test_pickled_policy_holds_no_action() -> None:
-    policy = ModelPolicy(Counter(), hold=3)
-    rng = np.random.default_rng(0)
-    assert policy.act(OBSERVATION, rng) is Behaviour(1)
-    copied = pickle.loads(pickle.dumps(policy))
-    assert (copied.hold, copied.model.shown) == (3, [OBSERVATION])
-    assert copied.act(OBSERVATION, rng) is Behaviour(2)
-    assert policy.act(OBSERVATION, rng) is Behaviour(1)
 
 
 def test_sampling_without_a_generator_is_refused() -> None:

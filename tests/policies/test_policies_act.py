@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from sklearn.naive_bayes import GaussianNB
-from sklearn.neighbors import KNeighborsClassifier
 from sklearn.tree import DecisionTreeClassifier
 
 from khepera_forage.policies import (
@@ -21,7 +20,6 @@ from khepera_forage.policies import (
     Teacher,
     UniformPolicy,
 )
-from khepera_forage.policies import imitator as imitator_module
 from khepera_forage.task.states import Behaviour, StateVector
 
 QUERY = StateVector(0, 50, 0, 215, 18)
@@ -65,15 +63,6 @@ def test_same_generator_gives_the_same_decisions(name: str) -> None:
     assert decisions == [twin.act(observation, third) for _ in range(20)]
 
 
-@pytest.mark.parametrize("name", POLICIES)
-def test_global_random_state_is_not_used(name: str) -> None:
-    observation: NDArray[np.int32] = np.array([*QUERY, Behaviour.GO_HOME, 0], np.int32)
-    state = np.random.get_state(legacy=False)  # noqa: NPY002 - it must not move
-    POLICIES[name].act(observation, np.random.default_rng(5))
-    after = np.random.get_state(legacy=False)  # noqa: NPY002
-    assert str(state) == str(after)
-
-
 @pytest.mark.parametrize("name", ["imitator", "classifier", "uniform"])
 @pytest.mark.parametrize("rng", [None, 7, np.random.RandomState(7)])
 def test_drawing_without_a_generator_is_refused(name: str, rng: Any) -> None:
@@ -95,52 +84,3 @@ def test_behaviours_are_drawn_with_their_confidence_levels() -> None:
     rng = np.random.default_rng(11)
     counts = Counter(int(imitator.act(QUERY, rng)) for _ in range(20_000))
     check_frequencies(counts, imitator.confidence_levels(QUERY), 20_000)
-
-
-def test_many_behaviours_in_conflict_are_all_drawn() -> None:
-    votes = {behaviour: int(behaviour) + 1 for behaviour in Behaviour if behaviour != Behaviour.WAIT}
-    behaviours = [behaviour for behaviour, count in votes.items() for _ in range(count)]
-    imitator = NearestNeighbourImitator().fit([QUERY] * len(behaviours), behaviours)
-    rng = np.random.default_rng(12)
-    counts = Counter(int(imitator.act(QUERY, rng)) for _ in range(20_000))
-    check_frequencies(counts, {b: n / len(behaviours) for b, n in votes.items()}, 20_000)
-
-
-def test_behaviours_are_drawn_with_the_probabilities_of_a_classifier() -> None:
-    policy = ClassifierPolicy(KNeighborsClassifier(n_neighbors=5).fit(X, Y))
-    rng = np.random.default_rng(13)
-    counts = Counter(int(policy.act(QUERY, rng)) for _ in range(2_000))
-    levels = policy.classifier.predict_proba(np.array([QUERY]))[0]
-    expected = {
-        Behaviour(int(label)): float(level)
-        for label, level in zip(policy.classifier.classes_, levels, strict=True)
-        if level
-    }
-    assert len(expected) > 1
-    check_frequencies(counts, expected, 2_000)
-
-
-def test_act_draws_one_number_with_and_without_a_conflict() -> None:
-    imitator = NearestNeighbourImitator().fit(X, Y)
-    alone = StateVector(0, 90, 0, 215, 60)
-    assert imitator.neighbours(QUERY).conflict
-    assert not imitator.neighbours(alone).tie
-    for query in (QUERY, alone):
-        rng, other = np.random.default_rng(3), np.random.default_rng(3)
-        imitator.act(query, rng)
-        other.random()
-        assert rng.bit_generator.state == other.bit_generator.state
-
-
-def test_full_cache_is_emptied(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(imitator_module, "CACHE_SIZE", 3)
-    imitator = NearestNeighbourImitator().fit(X, Y)
-    first = [imitator.neighbours((0, 50, 0, 215, food)) for food in range(20)]
-    assert first == [imitator.neighbours((0, 50, 0, 215, food)) for food in range(20)]
-    assert imitator._cache is not None
-    assert len(imitator._cache.found) <= 3
-
-
-def test_deterministic_is_passed_to_the_model() -> None:
-    assert ModelPolicy(Constant()).act(QUERY) is Behaviour.GO_HOME
-    assert ModelPolicy(Constant(), deterministic=False).act(QUERY) is Behaviour.AVOID_HOME

@@ -46,14 +46,10 @@ BAD: list[tuple[Any, str]] = [
         "observation lacks 'arms_height', it has .*'robot_food_distance'.*; needed: object_presence, ",
     ),
     ([1, 52, 2], "observation has 3 values; allowed: at least 5"),
-    (np.array([1, 52]), "observation has 2 values; allowed: at least 5"),
     (np.array([VECTOR]), r"observation has shape \(1, 5\); allowed: one dimension"),
     ([1, 52.5, 2, 215, 28], r"observation has the values \(1, 52.5, .*; allowed: one integer each"),
-    (np.array(VECTOR, float), r"observation has the values \(1.0, .*; allowed: one integer each"),
     ({**VECTOR._asdict(), "food_type": "PUSHABLE"}, "'PUSHABLE'.*; allowed: one integer each"),
     ({**VECTOR._asdict(), "arms_height": np.array([215, 216])}, "215, 216.*; allowed: one integer each"),
-    ({**VECTOR._asdict(), "arms_height": np.array([215.0])}, r"215\..*; allowed: one integer each"),
-    ("abcdefg", "'a', 'b'.*; allowed: one integer each"),
     (52, "observation is 52; allowed: a mapping, a sequence or an array"),
 ]
 

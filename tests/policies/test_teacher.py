@@ -53,13 +53,6 @@ def test_teacher_of_no_environment_decides_nothing() -> None:
         Teacher().act((0, 90, 0, 215, 60))
 
 
-def test_teacher_draws_no_number() -> None:
-    rng = np.random.default_rng(1)
-    before = rng.bit_generator.state
-    Teacher(18).act((0, 90, 0, 215, 60), rng)
-    assert rng.bit_generator.state == before
-
-
 @pytest.mark.parametrize("radius", [0, -3, float("nan")])
 def test_home_radius_not_above_0_is_refused(radius: int) -> None:
     with pytest.raises(ValueError, match=f"home_radius is {radius} pixels; allowed: above 0"):

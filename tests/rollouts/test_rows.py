@@ -93,43 +93,6 @@ def test_written_rows_are_read_equal(tmp_path: Path) -> None:
     assert read_rows(tmp_path / "trainings.csv", TrainingRow) == tries
 
 
-def test_numpy_numbers_are_written_as_numbers(tmp_path: Path) -> None:
-    row = recall(
-        score=np.float64(80.0),
-        penalty=20.0 - 20.0,
-        food_x=(np.float32(-36.0),),
-        food_delivered=(np.True_,),
-        seed=np.int64(7),
-    )
-    write_rows(tmp_path / "rows.csv", RecallRow, [row])
-    (back,) = read_rows(tmp_path / "rows.csv", RecallRow)
-    assert back == recall(seed=7)
-    assert type(back.penalty) is int
-
-
-def test_text_with_commas_and_quotes_is_read_equal(tmp_path: Path) -> None:
-    row = training(reason='separated, "for good"')
-    write_rows(tmp_path / "rows.csv", TrainingRow, [row])
-    assert read_rows(tmp_path / "rows.csv", TrainingRow) == [row]
-    with (
-        RowWriter(tmp_path / "rows.csv", TrainingRow) as writer,
-        pytest.raises(ValueError, match="text of one line"),
-    ):
-        writer.write(training(reason="two\nlines"))
-
-
-def test_decisions_are_written_and_read_equal(tmp_path: Path) -> None:
-    rows = [
-        training(decisions="next_to_food=17;patience=50"),
-        training(decisions="v0.1"),
-        training(decisions="v1;next_to_food=17;patience=50"),
-        training(decisions="equal_distance=farther state"),
-    ]
-    write_rows(tmp_path / "rows.csv", TrainingRow, rows)
-    assert read_rows(tmp_path / "rows.csv", TrainingRow) == rows
-    assert (tmp_path / "rows.csv").read_text().endswith(",equal_distance=farther state\n")
-
-
 def _write_endlessly(path: Path) -> None:
     with RowWriter(path, RecallRow) as writer:
         for number in range(10**9):
@@ -150,24 +113,6 @@ def test_killed_process_loses_at_most_the_last_row(tmp_path: Path) -> None:
     with RowWriter(path, RecallRow, resume=True) as writer:
         writer.write(recall(recall=len(rows)))
     assert len(read_rows(path, RecallRow)) == len(rows) + 1
-
-
-def test_incomplete_line_is_ignored_and_removed_on_resuming(tmp_path: Path) -> None:
-    path = tmp_path / "rows.csv"
-    write_rows(path, RecallRow, [recall(), recall(recall=1)])
-    os.truncate(path, path.stat().st_size - 20)
-    assert read_rows(path, RecallRow) == [recall()]
-    with RowWriter(path, RecallRow, resume=True) as writer:
-        writer.write(recall(recall=2))
-    assert read_rows(path, RecallRow) == [recall(), recall(recall=2)]
-
-
-def test_incomplete_header_is_replaced_on_resuming(tmp_path: Path) -> None:
-    path = tmp_path / "rows.csv"
-    path.write_text("replication,fi")
-    with RowWriter(path, TrainingRow, resume=True) as writer:
-        writer.write(training())
-    assert read_rows(path, TrainingRow) == [training()]
 
 
 def test_resuming_with_other_columns_is_an_error(tmp_path: Path) -> None:
@@ -221,10 +166,11 @@ def test_damaged_file_is_an_error(tmp_path: Path, damage: Callable[[str], str], 
         read_rows(path, TrainingRow)
 
 
-@pytest.mark.parametrize("text", ["nan", "inf", "x", ""])
-def test_float_that_is_not_finite_is_an_error(tmp_path: Path, text: str) -> None:
+def test_incomplete_line_is_ignored_and_removed_on_resuming(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
-    write_rows(path, RecallRow, [recall()])
-    path.write_text(path.read_text().replace(",80.0,", f",{text},"))
-    with pytest.raises(ValueError, match=rf"rows.csv:2: score is '{text}'; allowed: a finite number"):
-        read_rows(path, RecallRow)
+    write_rows(path, RecallRow, [recall(), recall(recall=1)])
+    os.truncate(path, path.stat().st_size - 20)
+    assert read_rows(path, RecallRow) == [recall()]
+    with RowWriter(path, RecallRow, resume=True) as writer:
+        writer.write(recall(recall=2))
+    assert read_rows(path, RecallRow) == [recall(), recall(recall=2)]

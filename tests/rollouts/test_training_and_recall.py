@@ -8,11 +8,10 @@ import pytest
 
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience, ExperienceError
-from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Teacher
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import TEACHER, TrainingRow
-from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, attempt, train
+from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, train
 from khepera_forage.task.decisions import Decisions, decisions_text
 
 
@@ -53,14 +52,6 @@ def test_attempt_whose_file_cannot_be_discarded_does_not_look_complete(tmp_path:
         Experience.load(away / "g1.csv")
 
 
-def test_arrays_of_several_files_are_those_of_their_sum() -> None:
-    env = TrainingEnv()
-    files = [train(env, seed)[0] for seed in np.random.SeedSequence(1).spawn(2)]
-    vectors, behaviours = arrays(files)
-    assert len(vectors) == len(behaviours) == sum(map(len, files))
-    assert (files[0] + files[1]).arrays()[0].tolist() == vectors.tolist()
-
-
 def test_recall_counts_ties_of_an_imitator_and_none_of_a_teacher() -> None:
     env = recall_env("corridor")
     files = [train(TrainingEnv(), seed)[0] for seed in np.random.SeedSequence(2).spawn(3)]
@@ -84,25 +75,3 @@ def test_rows_and_files_have_the_decisions_of_their_environment(tmp_path: Path) 
     assert recall(env, Teacher.of(env), 1, learner=TEACHER).decisions == text
     row = recall(recall_env("corridor"), Teacher(), 1, learner=TEACHER)
     assert row.decisions == decisions_text(Decisions())
-
-
-def test_teacher_of_an_attempt_has_the_thresholds_of_its_environment() -> None:
-    """Every behaviour of the default teacher is the correct one."""
-    env = TrainingEnv(noise=Noise.none(), decisions=Decisions(next_to_food=12, close_to_food=45))
-    attempt(env, 1, lambda vector, behaviour: None)
-    info = env.infos[env.possible_agents[0]]
-    assert info["correct"] == info["steps"]
-
-
-def test_arrays_of_files_of_different_decisions_are_refused() -> None:
-    files = [
-        Experience([(0, 52, 0, 215, 28)], [0], decisions=d) for d in (Decisions(), Decisions(separation=20))
-    ]
-    with pytest.raises(ExperienceError, match="recorded under other decisions: separation is 20, not 14"):
-        arrays(files)
-
-
-def test_recall_row_names_its_noise_condition() -> None:
-    env = recall_env("rectangle", Noise.none())
-    assert recall(env, Teacher(), 1, learner=TEACHER, noise="none").noise == "none"
-    assert env.limit == 700

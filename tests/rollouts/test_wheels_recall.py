@@ -24,14 +24,6 @@ class TeachersMotors:
         return np.array((motors.left / MAX_SPEED, motors.right / MAX_SPEED, (235 - motors.arm) / 20, jaw))
 
 
-class RandomMotors:
-    """Commands random motor values."""
-
-    def act(self, observation: dict[str, Any], rng: np.random.Generator | None = None) -> NDArray[Any]:
-        assert rng is not None
-        return rng.uniform(-1.0, 1.0, 4)
-
-
 @pytest.mark.parametrize(("arena", "foods"), [("corridor", 1), ("rectangle", 2)])
 def test_recall_with_the_teachers_motors_delivers_all_food(arena: str, foods: int) -> None:
     env = recall_wheels_env(arena)

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.arenas.named import box, named_arena
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
@@ -31,40 +30,7 @@ def test_arenas_have_the_sizes_of_section_3_1() -> None:
     assert THESIS_ARENAS == (CORRIDOR.name, RECTANGLE.name) == ("corridor", "rectangle")
 
 
-@pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE])
-def test_food_lies_between_robot_and_home_and_nearer_home(arena: Arena) -> None:
-    for food in arena.foods:
-        assert arena.start.x < food.x < arena.home.x
-        assert math.dist(food, arena.home) < math.dist(food, arena.start[:2])
-        assert math.dist(food, arena.home) > arena.home_radius
-    assert math.dist(arena.start[:2], arena.home) > arena.home_radius + RADIUS
-
-
-@pytest.mark.parametrize("arena", ALL)
-def test_walls_enclose_the_floor(arena: Arena) -> None:
-    ends = {s[:2] for s in arena.segments}
-    assert ends == {s[2:] for s in arena.segments}
-    assert ends == {tuple(c) for corners in (arena.walls, *arena.obstacles) for c in corners}
-
-
 # ---------------------------------------------------------------- clearance
-
-
-@given(st.floats(-100, 800), st.floats(-100, 800))
-@PROPERTY
-def test_clearance_in_a_rectangle_is_the_least_of_four_distances(x: float, y: float) -> None:
-    if 0 < x < 650 and 0 < y < 600:
-        assert RECTANGLE.clearance(Point(x, y)) == pytest.approx(min(x, 650 - x, y, 600 - y))
-    else:
-        outside = math.hypot(max(-x, 0, x - 650), max(-y, 0, y - 600))
-        assert RECTANGLE.clearance(Point(x, y)) == pytest.approx(-outside)
-
-
-def test_clearance_is_negative_in_an_obstacle_and_beyond_a_corner() -> None:
-    assert ELL.clearance(Point(180, 120)) == pytest.approx(-30)
-    assert ELL.clearance(Point(240, 120)) == pytest.approx(30)
-    assert ELL.clearance(Point(400, 350)) == pytest.approx(-50)
-    assert ELL.clearance(Point(320, 270)) == pytest.approx(math.hypot(30, 30))
 
 
 # ---------------------------------------------------------------- copies
@@ -88,29 +54,6 @@ def test_copy_differs_in_its_place_only(arena: Arena, dx: float, dy: float, x: f
     )
     for there, here in pairs:
         assert (there[0] - dx, there[1] - dy) == pytest.approx(here[:2], abs=1e-6)
-
-
-@given(st.sampled_from(ALL[:3]), st.integers(1, 9), st.floats(0, 300))
-@PROPERTY
-def test_copies_stand_apart_by_the_gap(arena: Arena, count: int, gap: float) -> None:
-    group = copies(arena, count, gap)
-    assert len(group) == count
-    assert group[0] == arena
-    for i, a in enumerate(group):
-        moved = a.start.x - arena.start.x, a.start.y - arena.start.y
-        for here, there in zip((*arena.walls, *arena.foods), (*a.walls, *a.foods), strict=True):
-            assert (there.x - moved[0], there.y - moved[1]) == pytest.approx(here, abs=1e-6)
-        between = []
-        for b in group[:i]:
-            (ax1, ay1, ax2, ay2), (bx1, by1, bx2, by2) = a.bounds, b.bounds
-            between.append(max(ax1 - bx2, bx1 - ax2, ay1 - by2, by1 - ay2))
-        assert i == 0 or min(between) == pytest.approx(gap, abs=1e-6)
-
-
-def test_pair_of_corridors_lies_side_by_side() -> None:
-    _, other = copies(CORRIDOR, 2)
-    assert other.bounds == (0, 300, 650, 530)
-    assert copies(replace(CORRIDOR, walls=RECTANGLE.walls), 2)[1].bounds == (0, 670, 650, 1270)
 
 
 @pytest.mark.parametrize(("count", "gap"), [(0, 70.0), (-1, 70.0), (2, -1.0), (2, math.nan)])
@@ -168,15 +111,6 @@ def test_impossible_arena_is_refused_with_its_name(change: dict[str, Any], compl
 def test_arena_without_a_name_is_refused(name: Any) -> None:
     with pytest.raises(ValueError, match=f"name of an arena is {name!r}; allowed: a text that is not empty"):
         replace(CORRIDOR, name=name)
-
-
-@pytest.mark.parametrize("offset", [0.0, 0.1, 1398.9128980311582])
-def test_food_and_robot_just_fit_at_their_radius_from_a_wall(offset: float) -> None:
-    """At an offset, too, where their distance to the wall is rounded."""
-    replace(CORRIDOR, foods=(Point(370, FOOD_RADIUS),)).shifted(offset, offset)
-    replace(CORRIDOR, start=Pose(RADIUS, 115, 0)).shifted(offset, offset)
-    assert CORRIDOR.home_radius == CORRIDOR.clearance(CORRIDOR.home)
-    CORRIDOR.shifted(offset, offset)
 
 
 def test_named_arena_refuses_an_unknown_name_and_a_set_up_that_does_not_fit() -> None:

@@ -48,7 +48,6 @@ def test_written_arena_reads_as_the_same(arena: Arena, tmp_path: Path) -> None:
     assert same(read_back(arena, tmp_path / "arena.toml"), arena)
 
 
-finite = st.floats(-1e8, 1e8)
 inside = st.floats(0.1, 0.9)
 
 
@@ -97,12 +96,6 @@ def test_text_has_the_keys_of_an_arena_and_short_numbers() -> None:
     assert arena.foods == (Point(350, 200), Point(350, 300.25))
     assert arena.start == (100, 250, math.pi / 2)
     assert arena_text(arena) == DEN
-
-
-def test_obstacles_may_be_left_out_or_empty() -> None:
-    bare = DEN[: DEN.index("obstacles")]
-    assert read_text(bare).obstacles == read_text(bare + "obstacles = []").obstacles == ()
-    assert "obstacles" not in arena_text(read_text(bare))
 
 
 @pytest.mark.parametrize(

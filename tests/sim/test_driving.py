@@ -16,16 +16,12 @@ from khepera_forage.robots.khepera import (
     CONTROL_PERIOD,
     MAX_SPEED,
     PULSE,
-    RADIUS,
     SPEED_UNIT,
     WHEEL_BASE,
-    Motors,
 )
-from khepera_forage.sim.arena import Point, Pose
+from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import Layout
-from tests.sim.worlds import FIELD, NONE, apart, make_world, run
-from tests.version_0_1 import TIMING
+from tests.sim.worlds import NONE, apart, make_world, run
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 CENTRE = Pose(1000, 1000, 0)
@@ -64,36 +60,6 @@ def test_motion_follows_the_equations_of_a_differential_drive(left: int, right: 
     assert reached.heading == pytest.approx(expected.heading, abs=1e-6)
 
 
-@pytest.mark.parametrize("speed", [-20, -7, 1, 10, 20])
-def test_equal_wheels_drive_straight_from_rest(speed: int) -> None:
-    world = make_world(CENTRE, OUT_OF_THE_WAY)
-    run(world, 40, speed, speed)
-    x, y, heading = world.poses()[0]
-    expected = 1000 + speed * SPEED_UNIT * 4
-    assert x == pytest.approx(expected, abs=0.1 + abs(speed) * SPEED_UNIT * LAG)
-    assert (y, heading) == pytest.approx((1000, 0), abs=1e-6)
-
-
-@pytest.mark.parametrize("speed", [-20, 5, 10])
-def test_opposite_wheels_turn_on_the_spot_from_rest(speed: int) -> None:
-    world = make_world(CENTRE, OUT_OF_THE_WAY)
-    run(world, 20, -speed, speed)
-    expected = arc(CENTRE, -speed, speed, 20)
-    assert apart(world.poses()[0], CENTRE) < 0.01
-    assert world.poses()[0].heading == pytest.approx(
-        expected.heading, abs=0.01 + abs(speed) * SPEED_UNIT * 2 / WHEEL_BASE * LAG
-    )
-
-
-def test_wheels_stop_on_command() -> None:
-    world = make_world(CENTRE, OUT_OF_THE_WAY)
-    run(world, 5, 20, 20)
-    run(world, 1)
-    still = world.poses()[0]
-    run(world, 5)
-    assert world.poses()[0] == pytest.approx(still, abs=1e-6)
-
-
 @given(st.lists(st.tuples(speeds, speeds, st.integers(1, 5)), min_size=1, max_size=6))
 @PROPERTY
 def test_encoders_count_the_commanded_travel(legs: list[tuple[int, int, int]]) -> None:
@@ -104,15 +70,6 @@ def test_encoders_count_the_commanded_travel(legs: list[tuple[int, int, int]]) -
     travelled = [sum(leg[i] * leg[2] for leg in legs) * SPEED_UNIT * CONTROL_PERIOD for i in (0, 1)]
     assert senses.left_pulses == pytest.approx(travelled[0] / PULSE, abs=1)
     assert senses.right_pulses == pytest.approx(travelled[1] / PULSE, abs=1)
-
-
-def test_robot_against_a_wall_spins_its_wheels_and_stays() -> None:
-    world = make_world(Pose(1900, 1000, 0), OUT_OF_THE_WAY)
-    run(world, 10, 20, 20)
-    before = world.poses()[0]
-    pulses = run(world, 10, 20, 20).left_pulses
-    assert apart(world.poses()[0], before) < 0.5
-    assert pulses == 20 * 200
 
 
 # ---------------------------------------------------------------- noise
@@ -163,37 +120,6 @@ def test_wheel_bias_is_constant_until_the_next_reset() -> None:
     assert abs(np.corrcoef(left, right)[0, 1]) < 0.25
 
 
-def test_wheel_slip_is_proportional_to_the_travel() -> None:
-    noise = replace(NONE, wheel_slip=0.05)
-    world = make_world(CENTRE, OUT_OF_THE_WAY, noise=noise)
-    run(world, 50)
-    assert world.poses()[0] == pytest.approx(CENTRE, abs=1e-9)
-    slow, fast = (
-        np.std(shares(make_world(CENTRE, OUT_OF_THE_WAY, noise=noise), 60, speed)) for speed in (2, 16)
-    )
-    assert slow == pytest.approx(float(fast), rel=0.1)
-
-
 def test_encoders_do_not_include_slip() -> None:
     world = make_world(CENTRE, OUT_OF_THE_WAY, noise=replace(NONE, wheel_slip=0.2, wheel_bias=0.1))
     assert run(world, 10, 10, -10)[1:3] == (1000, -1000)
-
-
-def test_command_is_rounded_to_whole_speed_units() -> None:
-    world = make_world(CENTRE, OUT_OF_THE_WAY)
-    applied = world.robots[0].drive(Motors(9.6, -50, 255, 200))
-    assert applied == Motors(10, -20, 255, 200)
-    world.advance()
-    assert world.robots[0].sense()[1:3] == (100, -200)
-
-
-def test_robot_is_stopped_by_another_robot() -> None:
-    world = PymunkWorld([FIELD], (1, 2), NONE, timing=TIMING)
-    layout = Layout((CENTRE, Pose(1200, 1000, 0)), (Point(*OUT_OF_THE_WAY),))
-    world.reset(np.random.default_rng(0), layout)
-    for _ in range(40):
-        run(world, 1, 10, 10)
-        first, second = world.poses()
-        assert apart(first, second) > 2 * RADIUS - 1
-    # The first robot was stopped by the other or pushed it along; either way it is behind it.
-    assert first.x < second.x < 1000 + 40 * 8 + 75 + RADIUS

@@ -1,26 +1,16 @@
 """Food on the floor: pushed by contact, slowed by friction, and sensed by a robot."""
 
-import math
-from collections.abc import Iterator
-from itertools import product
-
 import pytest
 
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import ARM_DOWN, BARRIER, FOOD_RADIUS, JAW_CLOSED, RADIUS
+from khepera_forage.robots.khepera import ARM_DOWN, BARRIER, FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
-from tests.sim.worlds import apart, box, holding, make_robots, make_world, narrow, run
+from tests.sim.worlds import apart, box, holding, make_world, narrow, run
 
 CENTRE = Pose(1000, 1000, 0)
 CLOSED = narrow(650)
 
 # ---------------------------------------------------------------- pushing
-
-
-def test_untouched_food_stays_in_place() -> None:
-    world = make_world(CENTRE, (1100, 1200), (1200, 1000))
-    run(world, 50, 9, 11)
-    assert [f[:2] for f in world.food_places()] == [(1100, 1200), (1200, 1000)]
 
 
 @pytest.mark.parametrize("speed", [5, 10, 20])
@@ -39,15 +29,6 @@ def test_pushed_food_stays_ahead_and_stops_soon_after(speed: int) -> None:
     assert apart(rest, world.food_places()[0]) < 1e-3
 
 
-def test_row_of_food_is_pushed_along_without_overlapping() -> None:
-    world = make_world(CENTRE, (1080, 1000), (1116, 1000), (1152, 1000))
-    run(world, 25, 12, 12)
-    places = [food.x for food in world.food_places()]
-    assert places[0] > 1080 + 100
-    assert places[1] - places[0] >= 2 * FOOD_RADIUS - 1
-    assert places[2] - places[1] >= 2 * FOOD_RADIUS - 1
-
-
 @pytest.mark.parametrize("speed", [5, 12, 20])
 @pytest.mark.parametrize("arm", [215, 255])
 def test_row_of_food_pushed_against_a_wall_stays_inside(speed: int, arm: int) -> None:
@@ -60,48 +41,6 @@ def test_row_of_food_pushed_against_a_wall_stays_inside(speed: int, arm: int) ->
         first, second, third = world.food_places()
         assert min(apart(first, second), apart(second, third)) >= 2 * FOOD_RADIUS - 1.5
         assert CLOSED.clearance(world.poses()[0]) >= RADIUS - 1
-
-
-def sweeps() -> Iterator[tuple[Pose, tuple[float, float], int]]:
-    """Starts from which a turn on the spot sweeps food, 45 or 80 mm from the wall, past or towards it."""
-    for degrees, turn, room in product(range(0, 360, 15), (1, -1), (45, 80)):
-        heading = math.radians(degrees)
-        food = 300.0, 230.0 - room
-        place = heading + 0.9 * turn
-        start = Pose(food[0] - 75 * math.cos(place), food[1] - 75 * math.sin(place), heading)
-        tips = [
-            Point(
-                start.x + 75 * math.cos(heading) - side * math.sin(heading),
-                start.y + 75 * math.sin(heading) + side * math.cos(heading),
-            )
-            for side in (-32, 32)
-        ]
-        if CLOSED.clearance(start) > RADIUS and min(map(CLOSED.clearance, tips)) > 0:
-            yield start, food, turn
-
-
-def test_food_swept_by_swinging_fingers_stays_inside() -> None:
-    cases = list(sweeps())
-    assert len(cases) > 40
-    moved = 0
-    for start, food, turn in cases:
-        world = make_world(start, food, arena=CLOSED)
-        run(world, 11, arm=ARM_DOWN)
-        for _ in range(12):
-            run(world, 1, -20 * turn, 20 * turn, arm=ARM_DOWN)
-            swept = world.food_places()[0]
-            assert CLOSED.clearance(Point(swept.x, swept.y)) >= FOOD_RADIUS - 1, start
-        moved += apart(swept, Point(*food)) > 20
-    assert moved > len(cases) / 2
-
-
-def test_robot_pushed_against_a_wall_stays_inside() -> None:
-    world = make_robots(CLOSED, Pose(450, 115, 0), Pose(560, 116, 1))
-    for _ in range(50):
-        run(world, 1, 20, 20)
-        for pose in world.poses():
-            assert CLOSED.clearance(pose) >= RADIUS - 1
-        assert apart(*world.poses()) >= 2 * RADIUS - 1.5
 
 
 # ---------------------------------------------------------------- the optical barrier
@@ -130,14 +69,6 @@ def test_barrier_is_interrupted_by_food_between_the_fingers(
     assert run(world, 12).object_presence == 0
 
 
-def test_barrier_of_a_closed_jaw_is_not_interrupted() -> None:
-    world = make_world(CENTRE, (1100, 1000))
-    run(world, 8, jaw=JAW_CLOSED)
-    run(world, 12, arm=ARM_DOWN, jaw=JAW_CLOSED)
-    assert run(world, 10, 4, 4, arm=ARM_DOWN, jaw=JAW_CLOSED).object_presence == 0
-    assert apart(world.food_places()[0], CENTRE) > 1
-
-
 # ---------------------------------------------------------------- infra-reds
 
 
@@ -151,14 +82,6 @@ def test_lowered_arm_hides_the_front_infra_reds_but_not_the_back(noise: Noise) -
     assert max(up[1:5]) < 500
     assert min(up[6:]) > 300
     assert all(0.75 < b / a < 1.35 for a, b in zip(up[6:], down[6:], strict=True))
-
-
-def test_front_infra_reds_are_free_once_the_arm_is_off_the_floor() -> None:
-    world = make_world(CENTRE, (100, 100))
-    readings = [run(world, 1, arm=ARM_DOWN) for _ in range(10)]
-    assert [s.proximity[2] > 0 for s in readings] == [s.arm >= 235 for s in readings]
-    readings = [run(world, 1) for _ in range(10)]
-    assert [s.proximity[2] > 0 for s in readings] == [s.arm >= 235 for s in readings]
 
 
 def test_infra_reds_see_food_ahead_but_not_lifted_food() -> None:

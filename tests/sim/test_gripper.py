@@ -1,7 +1,6 @@
-"""Food between the fingers, and fingers that meet a wall."""
+"""Arm and jaw: how fast they move, food between the fingers and below the arm, and fingers that meet a wall."""
 
 import math
-from dataclasses import replace
 
 import pytest
 
@@ -14,15 +13,50 @@ from khepera_forage.robots.khepera import (
     JAW_CLOSED,
     JAW_ON_FOOD,
     JAW_OPEN,
-    Motors,
 )
 from khepera_forage.sim.arena import Point, Pose
-from tests.sim.worlds import FIELD, apart, holding, make_world, narrow, run
+from tests.sim.worlds import apart, holding, make_world, narrow, run
 
 CENTRE = Pose(1000, 1000, 0)
 FAR = (100.0, 100.0)
-JAW_STEP = 34
-"""Positions that the jaw can move in a round: 200 in 0.6 s."""
+
+
+def test_arm_travels_in_one_second() -> None:
+    world = make_world(CENTRE, FAR)
+    assert [run(world, 1, arm=ARM_DOWN).arm for _ in range(11)] == [*range(219, 256, 4), 255]
+    assert [run(world, 1, arm=ARM_RAISED).arm for _ in range(11)] == [*range(251, 214, -4), 215]
+
+
+def test_jaw_travels_in_six_tenths_of_a_second() -> None:
+    world = make_world(CENTRE, FAR)
+    closing = [run(world, 1, jaw=JAW_CLOSED).jaw for _ in range(7)]
+    assert closing == pytest.approx([200 - 33.3 * i for i in range(1, 7)] + [0], abs=1)
+    opening = [run(world, 1, jaw=JAW_OPEN).jaw for _ in range(7)]
+    assert opening == pytest.approx([33.3 * i for i in range(1, 7)] + [200], abs=1)
+
+
+# ---------------------------------------------------------------- the arm and what is below it
+
+
+@pytest.mark.parametrize("below", [(57, 29), (57, -20), (70, 25), (45, 24)])
+def test_arm_stops_above_food(below: tuple[float, float]) -> None:
+    world = make_world(CENTRE, (1000 + below[0], 1000 + below[1]))
+    food = world.food_places()[0]
+    assert run(world, 20, arm=ARM_DOWN).arm == ARM_ON_FLOOR - 1
+    assert apart(world.food_places()[0], food) < 0.01
+    run(world, 12, -8, -8, arm=ARM_DOWN)
+    assert run(world, 10, arm=ARM_DOWN).arm == ARM_DOWN
+    assert apart(world.food_places()[0], food) < 0.01
+
+
+@pytest.mark.parametrize("beside", [(0, 36), (10, -35), (-8, 36), (-15, 34), (-15, -34)])
+def test_arm_with_food_stops_above_other_food(beside: tuple[float, float]) -> None:
+    """The fingers are 4 mm thick, and the palm is wider than the food."""
+    world = holding(CENTRE, (1500, 1500))
+    world.place(0, Pose(1500 - 57 - beside[0], 1500 - beside[1], 0))
+    run(world, 20, arm=ARM_DOWN, jaw=JAW_CLOSED)
+    assert apart(world.food_places()[1], Point(1500, 1500)) < 0.01
+
 
 # ---------------------------------------------------------------- gripping
 
@@ -38,13 +72,6 @@ def test_jaw_that_closes_on_food_stops_and_holds_it() -> None:
     assert not food.lifted
     run(world, 10, -8, -8, arm=ARM_DOWN, jaw=JAW_CLOSED)
     assert apart(world.poses()[0], world.food_places()[0]) == pytest.approx(57, abs=1)
-
-
-def test_jaw_without_food_closes_completely() -> None:
-    world = make_world(CENTRE, FAR)
-    run(world, 12, arm=ARM_DOWN)
-    senses = run(world, 8, arm=ARM_DOWN, jaw=JAW_CLOSED)
-    assert (senses.jaw, senses.object_presence) == (0, 0)
 
 
 @pytest.mark.parametrize("aside", [-9.0, -3.0, 2.0, 9.0])
@@ -110,27 +137,6 @@ def test_lifted_food_passes_above_other_food_and_is_not_set_down_on_it() -> None
     assert apart(first, second) >= 2 * FOOD_RADIUS - 0.1
 
 
-@pytest.mark.parametrize("between", [34.0, 20.0, -20.0, -34.0])
-def test_lifted_food_is_not_set_down_half_on_other_food(between: float) -> None:
-    world = holding(CENTRE, (1150, 1000))
-    while world.food_places()[0].x < 1150 - between - 0.5:
-        run(world, 1, 1, 1, jaw=JAW_CLOSED)
-    assert run(world, 10, jaw=JAW_OPEN).jaw == round(JAW_ON_FOOD)
-    assert run(world, 15, arm=ARM_DOWN, jaw=JAW_CLOSED).arm < ARM_ON_FLOOR
-    assert world.food_places()[0].lifted
-
-
-def test_lifted_food_stops_at_a_post_that_fits_between_the_fingers() -> None:
-    post = (Point(600, 95), Point(640, 95), Point(640, 105), Point(600, 105))
-    arena = replace(narrow(900), obstacles=(post,), home=Point(790, 115), foods=(Point(300, 60),))
-    world = holding(Pose(300, 100, 0), arena=arena)
-    for _ in range(50):
-        run(world, 1, 8, 8, jaw=JAW_CLOSED)
-        food = world.food_places()[0]
-        assert arena.clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
-    assert world.food_places()[0].x > 560
-
-
 def test_lifted_food_does_not_pass_through_a_wall() -> None:
     world = holding(Pose(300, 100, 0.4), arena=narrow(650))
     for _ in range(60):
@@ -146,22 +152,8 @@ def test_lifted_food_does_not_pass_through_a_wall() -> None:
 # ---------------------------------------------------------------- no sudden motion
 
 
-@pytest.mark.parametrize("side", [1, -1])
-def test_food_beside_a_closing_finger_is_not_taken_for_food_between_them(side: int) -> None:
-    world = make_world(CENTRE, (1057, 1000 + side * 27.2), FAR)
-    run(world, 8, jaw=JAW_CLOSED)
-    run(world, 12, arm=ARM_DOWN, jaw=JAW_CLOSED)
-    before = run(world, 1, arm=ARM_DOWN, jaw=JAW_OPEN).jaw
-    food = world.food_places()[0]
-    for _ in range(5):
-        jaw = run(world, 1, arm=ARM_DOWN, jaw=JAW_CLOSED).jaw
-        assert before - JAW_STEP <= jaw <= before
-        before = jaw
-    assert apart(world.food_places()[0], food) < 1
-
-
-@pytest.mark.parametrize("degrees", range(10, 90, 10))
-@pytest.mark.parametrize("wheels", [(-20, 10), (-10, 10), (-5, 10), (0, 10), (5, 10), (10, 10)])
+@pytest.mark.parametrize("degrees", range(10, 90, 20))
+@pytest.mark.parametrize("wheels", [(-20, 10), (-5, 10), (0, 10), (10, 10)])
 @pytest.mark.parametrize("closing", [3, 5])
 def test_finger_pressed_against_a_wall_does_not_throw_the_robot(
     degrees: int, wheels: tuple[int, int], closing: int
@@ -180,27 +172,3 @@ def test_finger_pressed_against_a_wall_does_not_throw_the_robot(
         assert apart(pose, after) < 16.5
         assert abs(after.heading - pose.heading) < 0.65  # 2 x 160 mm/s over 53 mm, for 0.1 s, and little more
         pose = after
-
-
-def test_food_released_and_gripped_again_at_once_stays_in_place() -> None:
-    world = holding()
-    run(world, 12, arm=ARM_DOWN, jaw=JAW_CLOSED)
-    food = world.food_places()[0]
-    for _ in range(5):
-        run(world, 1, arm=ARM_DOWN, jaw=JAW_OPEN)
-        run(world, 3, arm=ARM_DOWN, jaw=JAW_CLOSED)
-    assert apart(world.food_places()[0], food) < 2
-    run(world, 12, arm=ARM_RAISED, jaw=JAW_CLOSED)
-    assert world.food_places()[0].lifted
-
-
-def test_stopped_robot_keeps_its_grip() -> None:
-    world = holding()
-    world.robots[0].drive(Motors(10, 10, ARM_RAISED, JAW_CLOSED))
-    world.advance()
-    world.robots[0].stop()
-    for _ in range(10):
-        world.advance()
-    senses = world.robots[0].sense()
-    assert (senses.arm, senses.jaw, senses.object_presence) == (ARM_RAISED, round(JAW_ON_FOOD), 255)
-    assert FIELD.clearance(world.poses()[0]) > 0

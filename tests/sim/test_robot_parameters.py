@@ -86,24 +86,6 @@ def test_short_fingers_miss_food_at_the_edge_of_the_optical_barrier(
     assert (world.held() >= 0) is grips
 
 
-def test_default_parameters_equal_no_parameters() -> None:
-    layout = Layout(
-        tuple(arena.start for arena in copies(CORRIDOR, 2)), tuple(a.foods[0] for a in copies(CORRIDOR, 2))
-    )
-    histories = []
-    for robot_parameters in (None, (RobotParameters(), RobotParameters())):
-        world = PymunkWorld(copies(CORRIDOR, 2), (1, 2), robot_parameters=robot_parameters, timing=TIMING)
-        world.reset(np.random.default_rng(3), layout)
-        history = []
-        for turn in range(40):
-            for robot in world.robots:
-                robot.drive(Motors(12, 12 - turn % 5, ARM_DOWN if turn > 20 else ARM_RAISED, JAW_OPEN))
-            world.advance()
-            history.append((world.poses(), [robot.sense() for robot in world.robots]))
-        histories.append(history)
-    assert histories[0] == histories[1]
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -61,13 +61,6 @@ def make_world(
     return world
 
 
-def make_robots(arena: Arena, *starts: Pose) -> PymunkWorld:
-    """Several robots in one arena, without food."""
-    world = PymunkWorld([arena], [1 + i % 2 for i in range(len(starts))], NONE, timing=TIMING)
-    world.reset(np.random.default_rng(0), Layout(starts, ()))
-    return world
-
-
 def run(
     world: PymunkWorld,
     rounds: int,

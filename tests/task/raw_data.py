@@ -7,6 +7,11 @@ from hypothesis import strategies as st
 from khepera_forage.geometry.plane import bearing_of, length, turn_to
 from khepera_forage.task.perception import RawData
 
+_FOLLOWING = (
+    *("home_distance", "home_bearing", "home_path"),
+    *("food_distance", "food_bearing", "food_path", "food_way_x", "food_way_y"),
+)
+"""What `placed` finds."""
 _places = st.floats(0.0, 130.0) | st.just(50.0)
 raw_data = st.builds(
     RawData,
@@ -28,14 +33,7 @@ raw_data = st.builds(
     home_opening=st.floats(-180.0, 180.0),
     wall_distance=st.floats(0.0, 60.0),
     wall_bearing=st.floats(-180.0, 180.0),
-    home_distance=st.just(0.0),
-    home_bearing=st.just(0.0),
-    home_path=st.just(0.0),
-    food_distance=st.just(0.0),
-    food_bearing=st.just(0.0),
-    food_path=st.just(0.0),
-    food_way_x=st.just(0.0),
-    food_way_y=st.just(0.0),
+    **{name: st.just(0.0) for name in _FOLLOWING},
 ).map(lambda raw: placed(raw))
 
 
@@ -76,14 +74,7 @@ OPEN_FLOOR = placed(
         home_opening=180.0,
         wall_distance=23.0,
         wall_bearing=90.0,
-        home_distance=0.0,
-        home_bearing=0.0,
-        home_path=0.0,
-        food_distance=0.0,
-        food_bearing=0.0,
-        food_path=0.0,
-        food_way_x=0.0,
-        food_way_y=0.0,
+        **dict.fromkeys(_FOLLOWING, 0.0),
     )
 )
 """A robot with its arm up looks along the corridor, at food 40 pixels ahead and the home behind the food."""

@@ -1,22 +1,29 @@
-"""What each behaviour commands, for any raw data."""
+"""What each behaviour commands, for any raw data, and what each decision changes in it.
+
+Decisions about worlds: `tests/envs/test_decisions.py`.
+"""
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from khepera_forage.geometry.plane import heading_of, turn_to
-from khepera_forage.robots.khepera import MAX_SPEED, Motors
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, MAX_SPEED, Motors
 from khepera_forage.task.arena_map import EVERY_SIDE
-from khepera_forage.task.behaviours import command, detour, is_home_across
-from khepera_forage.task.decisions import DEFAULT_VALUES, DecisionValues
+from khepera_forage.task.behaviours import command, decode_motors, detour, is_home_across
+from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions, DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
 from tests.task.raw_data import OPEN_FLOOR, placed, raw_data
-from tests.version_0_1 import VALUES
+from tests.version_0_1 import V0_1, VALUES
 
 B = Behaviour
+LOWERED = OPEN_FLOOR._replace(arm=255)
+UNIT = st.floats(-1, 1)
 
 
 def motors_for(behaviour: Behaviour, raw: RawData, decisions: DecisionValues = DEFAULT_VALUES) -> Motors:
@@ -24,90 +31,68 @@ def motors_for(behaviour: Behaviour, raw: RawData, decisions: DecisionValues = D
     return command(behaviour, raw, decisions)
 
 
-def motors_in_0_1(behaviour: Behaviour, raw: RawData) -> Motors:
-    """What a behaviour commands under the decisions of version 0.1."""
-    return motors_for(behaviour, raw, VALUES)
+def changed_to(**changes: Any) -> DecisionValues:
+    """Version 0.1 with some changes: what the others decide matters, too."""
+    return Decisions.from_changes(changes, V0_1).values()
 
 
-@pytest.mark.parametrize("decisions", [VALUES, DEFAULT_VALUES], ids=["v0.1", "default"])
-@given(raw=raw_data, behaviour=st.sampled_from(list(Behaviour)))
-def test_every_command_is_executable_and_repeatable(
-    decisions: DecisionValues, raw: RawData, behaviour: Behaviour
-) -> None:
-    motors = motors_for(behaviour, raw, decisions)
-    assert all(math.isfinite(value) for value in motors)
-    assert 215 <= motors.arm <= 255
-    assert motors.jaw in (0, 200)
-    assert motors_for(behaviour, raw, decisions) == motors
+def food_at(distance: float, degrees: float = 0.0, **changes: Any) -> RawData:
+    """Raw data with food at a distance and bearing, on an open floor."""
+    x = OPEN_FLOOR.x + distance * math.cos(math.radians(degrees))
+    y = OPEN_FLOOR.y + distance * math.sin(math.radians(degrees))
+    return placed(OPEN_FLOOR, food_x=x, food_y=y, **changes)
+
+
+# ---------------------------------------------------------------- for any raw data
 
 
 @given(raw=raw_data, behaviour=st.sampled_from(list(Behaviour)))
-def test_commands_of_version_0_1_are_within_the_limit_of_the_wheels(
-    raw: RawData, behaviour: Behaviour
-) -> None:
-    """Robots limit the speeds of other versions, whose curves may ask for more."""
-    motors = motors_in_0_1(behaviour, raw)
-    assert max(abs(motors.left), abs(motors.right)) <= MAX_SPEED
-
-
-@given(raw_data)
-def test_explore_stands_still_with_arm_down_and_jaw_open(raw: RawData) -> None:
-    assert motors_for(B.EXPLORE_FOOD, raw) == Motors(0, 0, 255, 200)
+def test_every_command_is_executable(raw: RawData, behaviour: Behaviour) -> None:
+    """Robots limit the speeds of the default decisions, whose curves may ask for more."""
+    for decisions in (VALUES, DEFAULT_VALUES):
+        motors = motors_for(behaviour, raw, decisions)
+        assert all(math.isfinite(value) for value in motors)
+        assert 215 <= motors.arm <= 255
+        assert motors.jaw in (0, 200)
+        assert decisions is DEFAULT_VALUES or max(abs(motors.left), abs(motors.right)) <= MAX_SPEED
 
 
 @given(raw_data)
 def test_arm_and_jaw_are_where_each_behaviour_needs_them(raw: RawData) -> None:
     for behaviour in (B.SEARCH_FOR_FOOD, B.MOVE_SLOWLY, B.AVOID_HOME):
         assert motors_for(behaviour, raw)[2:] == (215, 200)
-    carrying = raw._replace(jaw=126)
-    assert motors_for(B.GO_HOME, carrying)[2:] == (215, 0)
+    assert motors_for(B.EXPLORE_FOOD, raw) == Motors(0, 0, 255, 200)
+    assert motors_for(B.GO_HOME, raw._replace(jaw=126))[2:] == (215, 0)
     assert motors_for(B.PUSH_FOOD, raw)[2:] == (255, 0)
     assert motors_for(B.AVOID_FOOD, raw)[2:] == (255, 200)
     assert motors_for(B.RELEASE_FOOD, raw).arm == 255
-
-
-@given(raw_data)
-def test_wait_stands_still_and_keeps_arm_and_jaw(raw: RawData) -> None:
-    motors = motors_for(B.WAIT, raw)
-    assert motors[:3] == (0, 0, raw.arm)
-    assert motors_for(B.WAIT, raw._replace(jaw=126)).jaw == 0
-    assert motors_for(B.WAIT, raw._replace(jaw=200)).jaw == 200
-
-
-@given(raw_data)
-def test_pick_up_closes_the_jaw_before_it_raises_the_arm(raw: RawData) -> None:
+    for jaw, kept in ((126, 0), (200, 200)):
+        assert motors_for(B.WAIT, raw._replace(jaw=jaw)) == Motors(0, 0, raw.arm, kept)
     held = raw._replace(object_presence=255)
-    assert motors_for(B.PICK_UP_FOOD, held._replace(jaw=200)) == Motors(0, 0, 255, 0)
+    assert motors_for(B.PICK_UP_FOOD, held._replace(jaw=200)) == Motors(0, 0, 255, 0), "closes first"
     assert motors_for(B.PICK_UP_FOOD, held._replace(jaw=126)) == Motors(0, 0, 215, 0)
+    creeping = motors_for(B.PICK_UP_FOOD, raw._replace(object_presence=0, jaw=200))
+    assert creeping == Motors(2, 2, 255, 200)
 
 
-@given(raw_data)
-def test_pick_up_without_an_object_creeps_ahead_with_an_open_jaw(raw: RawData) -> None:
-    assert motors_for(B.PICK_UP_FOOD, raw._replace(object_presence=0, jaw=200)) == Motors(2, 2, 255, 200)
+@given(left=UNIT, right=UNIT, arm=UNIT, jaw=UNIT)
+def test_actions_of_wheels_environments_reach_the_limits(
+    left: float, right: float, arm: float, jaw: float
+) -> None:
+    motors = decode_motors(left, right, arm, jaw)
+    assert (motors.left, motors.right) == (left * MAX_SPEED, right * MAX_SPEED)
+    assert ARM_RAISED <= motors.arm <= ARM_DOWN
+    assert abs(motors.arm - (235 - 20 * arm)) <= 0.5
+    assert motors.jaw == (JAW_CLOSED if jaw > 0 else JAW_OPEN)
 
 
-def test_search_drives_straight_to_food_ahead_faster_than_move_slowly() -> None:
-    assert motors_in_0_1(B.SEARCH_FOR_FOOD, OPEN_FLOOR)[:2] == (12.0, 12.0)
-    assert motors_in_0_1(B.MOVE_SLOWLY, OPEN_FLOOR)[:2] == (8.0, 8.0)
+# ---------------------------------------------------------------- in one situation
 
 
 @pytest.mark.parametrize(("orientation", "sign"), [(30, -1), (330, 1), (120, -1), (240, 1)])
 def test_search_turns_towards_the_food(orientation: int, sign: int) -> None:
     left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, placed(OPEN_FLOOR, orientation=orientation))
     assert (right - left) * sign > 0
-
-
-def test_search_without_food_drives_a_small_circle() -> None:
-    left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, placed(OPEN_FLOOR, food_seen=False))
-    assert left < 0 < right
-    assert 0 < left + right < 0.4 * (right - left), "a small circle, so that the robot also leaves its place"
-
-
-def test_search_drives_around_the_home_to_food_behind_it() -> None:
-    """The way to food behind the home does not lead across it."""
-    raw = placed(OPEN_FLOOR, home_x=80.0, food_x=120.0)
-    left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, raw)
-    assert left != right
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -141,17 +126,8 @@ def test_search_keeps_its_side_of_the_home_on_the_way_to_food_behind_it(start: i
     around, steps = start, 0
     while True:
         x, y = 200.0 + 17.0 * heading_of(around % 360)[0], 200.0 + 17.0 * heading_of(around % 360)[1]
-        raw = placed(
-            OPEN_FLOOR,
-            x=x,
-            y=y,
-            home_x=200.0,
-            home_y=200.0,
-            home_radius=16,
-            home_opening=0.0,
-            food_x=food_x,
-            food_y=food_y,
-        )
+        home: dict[str, Any] = {"home_x": 200.0, "home_y": 200.0, "home_radius": 16, "home_opening": 0.0}
+        raw = placed(OPEN_FLOOR, x=x, y=y, food_x=food_x, food_y=food_y, **home)
         if not is_home_across(raw) or detour(raw) == 0.0:
             break
         # Which way round the home the robot drives: counter-clockwise if it has the home on its left.
@@ -164,25 +140,11 @@ def test_search_keeps_its_side_of_the_home_on_the_way_to_food_behind_it(start: i
 @pytest.mark.parametrize("around", range(0, 360, 30))
 def test_avoid_home_leaves_a_free_home_by_the_shortest_way(around: int) -> None:
     """A robot at the rim that faces out drives straight on."""
-    raw = placed(
-        OPEN_FLOOR,
-        x=200.0 + 15.0 * heading_of(around)[0],
-        y=200.0 + 15.0 * heading_of(around)[1],
-        orientation=around,
-        home_x=200.0,
-        home_y=200.0,
-        home_radius=16,
-        home_opening=EVERY_SIDE,
-    )
-    left, right, _, _ = motors_for(B.AVOID_HOME, raw)
+    x, y = 200.0 + 15.0 * heading_of(around)[0], 200.0 + 15.0 * heading_of(around)[1]
+    home: dict[str, Any] = {"home_x": 200.0, "home_y": 200.0, "home_radius": 16, "home_opening": EVERY_SIDE}
+    left, right, _, _ = motors_for(B.AVOID_HOME, placed(OPEN_FLOOR, x=x, y=y, orientation=around, **home))
     assert left == pytest.approx(right)
     assert left > 0
-
-
-def test_search_backs_off_food_that_is_too_near() -> None:
-    left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, placed(OPEN_FLOOR, food_x=60.0))
-    assert left < 0
-    assert right < 0
 
 
 def test_search_turns_away_from_obstacles_and_backs_off_when_blocked() -> None:
@@ -194,24 +156,21 @@ def test_search_turns_away_from_obstacles_and_backs_off_when_blocked() -> None:
 
 
 def test_orient_lowers_the_arm_aims_and_creeps_until_the_barrier_is_interrupted() -> None:
+    def orient(raw: RawData) -> Motors:
+        return motors_for(B.ORIENT_WITH_FOOD, raw, VALUES)
+
     next_to = placed(OPEN_FLOOR, food_x=69.5)
-    lowering = motors_in_0_1(B.ORIENT_WITH_FOOD, next_to)
-    assert lowering == Motors(0.0, 0.0, 255, 200)
+    assert orient(next_to) == Motors(0.0, 0.0, 255, 200)
     down = placed(next_to, arm=255)
-    creeping = motors_in_0_1(B.ORIENT_WITH_FOOD, down)
-    assert creeping[:2] == (4.0, 4.0)
-    askew = motors_in_0_1(B.ORIENT_WITH_FOOD, placed(down, orientation=350))
+    assert orient(down)[:2] == (4.0, 4.0)
+    askew = orient(placed(down, orientation=350))
     assert askew.left == -askew.right < 0, "the food is on the left"
-    assert motors_in_0_1(B.ORIENT_WITH_FOOD, placed(down, object_presence=255)) == Motors(0, 0, 255, 200)
-
-
-def test_orient_backs_off_after_a_missed_try() -> None:
+    assert orient(placed(down, object_presence=255)) == Motors(0, 0, 255, 200)
     missed = placed(OPEN_FLOOR, food_x=59.0, arm=255)
-    backing = motors_in_0_1(B.ORIENT_WITH_FOOD, missed)
+    backing = orient(missed)
     assert backing.left == backing.right < 0
     assert backing.jaw == 0
-    still = motors_in_0_1(B.ORIENT_WITH_FOOD, placed(missed, food_x=65.0, jaw=100))
-    assert still.left < 0, "a closed jaw marks the missed try"
+    assert orient(placed(missed, food_x=65.0, jaw=100)).left < 0, "a closed jaw marks the missed try"
 
 
 def test_release_drives_in_then_opens_then_backs_off() -> None:
@@ -226,10 +185,136 @@ def test_release_drives_in_then_opens_then_backs_off() -> None:
 
 def test_turn_on_the_spot_keeps_the_gripper_off_a_wall() -> None:
     """Home behind, a wall close on the left: left is the shorter turn, but the robot turns right."""
-    raw = placed(
-        OPEN_FLOOR, home_x=10.0, home_y=30.0, orientation=0, wall_distance=10.0, wall_bearing=90.0, jaw=126
-    )
+    wall: dict[str, Any] = {"wall_distance": 10.0, "wall_bearing": 90.0}
+    raw = placed(OPEN_FLOOR, home_x=10.0, home_y=30.0, orientation=0, jaw=126, **wall)
     left, right, _, _ = motors_for(B.GO_HOME, raw)
     assert left > right
     left, right, _, _ = motors_for(B.GO_HOME, raw._replace(wall_distance=60.0))
     assert left < right
+
+
+# ---------------------------------------------------------------- decisions: speeds
+
+SPEEDS = [
+    ("search_speed", B.SEARCH_FOR_FOOD, OPEN_FLOOR, 1, 1),
+    ("home_speed", B.GO_HOME, OPEN_FLOOR._replace(jaw=126), 1, 1),
+    ("push_speed", B.PUSH_FOOD, LOWERED._replace(jaw=126), 1, 1),
+    ("orient_speed", B.ORIENT_WITH_FOOD, food_at(19, arm=255), 1, 1),
+    ("turn_speed", B.SEARCH_FOR_FOOD, food_at(40, degrees=60), -1, 1),
+    ("quick_turn_speed", B.SEARCH_FOR_FOOD, food_at(40, degrees=80), -1, 1),
+    ("slow_speed", B.MOVE_SLOWLY, OPEN_FLOOR, 1, 1),
+    ("slow_speed", B.AVOID_FOOD, OPEN_FLOOR, -1, -1),
+    ("slow_speed", B.AVOID_HOME, placed(OPEN_FLOOR, orientation=180), 1, 1),
+    ("slow_speed", B.RELEASE_FOOD, placed(LOWERED, jaw=126, x=91.0), 1, 1),
+    ("retreat_speed", B.SEARCH_FOR_FOOD, LOWERED, -1, -1),
+    ("retreat_speed", B.MOVE_SLOWLY, food_at(5), -1, -1),
+    ("retreat_speed", B.ORIENT_WITH_FOOD, food_at(5, arm=255), -1, -1),
+    ("retreat_speed", B.AVOID_HOME, OPEN_FLOOR, -1, -1),
+    ("retreat_speed", B.RELEASE_FOOD, placed(LOWERED, x=100.0), -1, -1),
+]
+"""Decision, behaviour, raw data, and the sign of the speed on the left and right wheel."""
+
+
+@pytest.mark.parametrize(("name", "behaviour", "raw", "left", "right"), SPEEDS)
+def test_speed_is_what_the_behaviour_commands(
+    name: str, behaviour: Behaviour, raw: RawData, left: int, right: int
+) -> None:
+    for speed in (4.0, 9.5, 12.0):
+        motors = command(behaviour, raw, changed_to(**{name: speed}))
+        assert motors[:2] == pytest.approx((left * speed, right * speed))
+
+
+def test_circle_speed_is_the_mean_speed_of_search_without_food() -> None:
+    for speed in (0.0, 3.0, 5.0):
+        unseen = placed(OPEN_FLOOR, food_seen=False)
+        assert command(B.SEARCH_FOR_FOOD, unseen, changed_to(circle_speed=speed))[:2] == (
+            speed - 5,
+            speed + 5,
+        )
+
+
+# ---------------------------------------------------------------- decisions: distances and angles
+
+Rule = Callable[[float, DecisionValues], Any]
+
+
+def _release(depth: float, decisions: DecisionValues) -> int:
+    x = OPEN_FLOOR.home_x - OPEN_FLOOR.home_radius + depth
+    return command(B.RELEASE_FOOD, placed(LOWERED, jaw=126, x=x), decisions).jaw
+
+
+def _orient(distance: float, degrees: float, decisions: DecisionValues) -> Motors:
+    return command(B.ORIENT_WITH_FOOD, food_at(distance, degrees, arm=255), decisions)
+
+
+BOUNDARIES: list[tuple[str, tuple[float, ...], Rule]] = [
+    ("back_off_distance", (5, 13, 20), lambda at, d: command(B.SEARCH_FOR_FOOD, food_at(at), d).left < 0),
+    ("back_off_distance", (5, 13, 20), lambda at, d: command(B.MOVE_SLOWLY, food_at(at), d).left < 0),
+    ("aimed", (1, 5, 15), lambda degrees, d: _orient(19, degrees, d).left < 0),
+    ("astray", (10, 20, 90), lambda degrees, d: _orient(19, degrees, d).arm),
+    ("missed_distance", (5, 10, 15), lambda at, d: _orient(at, 0, d).jaw),
+    ("release_depth", (0, 7, 15), _release),
+]
+
+
+@pytest.mark.parametrize(("name", "values", "rule"), BOUNDARIES)
+def test_decision_moves_the_boundary_of_its_rule(name: str, values: tuple[float, ...], rule: Rule) -> None:
+    """One result below the decision's value and another above, wherever the value is."""
+    results = set()
+    for value in values:
+        decisions = changed_to(**{name: value})
+        results.add((rule(value - 0.01, decisions), rule(value + 0.01, decisions)))
+    ((below, above),) = results
+    assert below != above
+
+
+# ---------------------------------------------------------------- decisions: alternatives
+
+
+def test_search_without_food_may_wander() -> None:
+    unseen, wander = placed(OPEN_FLOOR, food_seen=False), changed_to(search_without_food="wander")
+    assert command(B.SEARCH_FOR_FOOD, unseen, wander) == Motors(12, 12, 215, 200)
+    turn = Motors(-5, 5, 215, 200)
+    for sensor in range(1, 5):
+        proximity = tuple(200 if k == sensor else 0 for k in range(6))
+        assert command(B.SEARCH_FOR_FOOD, unseen._replace(proximity=proximity), wander) == turn  # type: ignore[arg-type]
+    ahead = unseen._replace(wall_distance=20.0, wall_bearing=-50.0)
+    assert command(B.SEARCH_FOR_FOOD, ahead, wander) == turn
+    against = unseen._replace(wall_distance=15.0, wall_bearing=10.0)
+    assert command(B.SEARCH_FOR_FOOD, against, wander) == Motors(-8, -8, 215, 200)
+
+
+@pytest.mark.parametrize("behaviour", [B.SEARCH_FOR_FOOD, B.MOVE_SLOWLY])
+def test_robot_beside_food_backs_off_or_turns_away_or_drives_on(behaviour: Behaviour) -> None:
+    beside = food_at(11, proximity=(0, 0, 300, 200, 0, 0))
+    back, away, on = (
+        command(behaviour, beside, changed_to(beside_food=alternative))
+        for alternative in ("back off", "turn away", "drive on")
+    )
+    assert back[:2] == (-5, -5)
+    assert away.left > away.right, "the obstacle is further left"
+    assert on.left == on.right > 0
+
+
+def test_orienting_may_lower_the_arm_over_the_food() -> None:
+    over = changed_to(orienting="lowered over food")
+
+    def motors(distance: float, degrees: float = 0.0, **changes: Any) -> Motors:
+        return command(B.ORIENT_WITH_FOOD, food_at(distance, degrees, **changes), over)
+
+    assert motors(19) == motors(12) == Motors(0, 0, 255, 200), "down around the food"
+    assert motors(15, 40) == Motors(-5, 5, 215, 200), "turns with the arm raised"
+    assert motors(15, -10) == Motors(1, -1, 215, 200)
+    assert motors(15, arm=255) == Motors(4, 4, 255, 200)
+    assert motors(15, -10, arm=255) == Motors(1, -1, 255, 200)
+    assert motors(15, 40, arm=255) == Motors(0, 0, 215, 200), "up before it turns that far"
+    assert motors(11.5, arm=255, object_presence=255) == Motors(0, 0, 255, 200)
+    assert motors(9) == Motors(-5, -5, 215, 200), "too near"
+
+
+def test_move_slowly_may_leave_the_arm_as_orient_left_it() -> None:
+    raw, as_it_is = food_at(25, arm=255), changed_to(arm_after_orienting="as it is")
+    assert command(B.MOVE_SLOWLY, raw, changed_to()) == Motors(-5, -5, 215, 200)
+    assert command(B.MOVE_SLOWLY, raw, as_it_is) == Motors(8, 8, 255, 200)
+    assert command(B.MOVE_SLOWLY, raw._replace(arm=215), as_it_is).arm == 215
+    assert command(B.SEARCH_FOR_FOOD, raw, as_it_is).arm == 215

@@ -1,132 +1,92 @@
-"""`Decisions`: every field with its range and reason, and clear errors for what is not allowed."""
+"""`Decisions`: every field with its range and reason, their text, and clear errors for what is not allowed."""
 
 import dataclasses
 import math
 import pickle
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from khepera_forage.task.decision_versions import V0_1
-from khepera_forage.task.decisions import DEFAULT_VALUES, FARTHER_STATE, FIELDS, Decisions
+from khepera_forage.task import decisions as decisions_module
+from khepera_forage.task.decision_versions import V0_1 as FIELDS_OF_V0_1
+from khepera_forage.task.decisions import (
+    DEFAULT_VALUES,
+    FARTHER_STATE,
+    FIELDS,
+    Decisions,
+    Field,
+    decisions_from_text,
+    decisions_from_words,
+    decisions_text,
+    differences,
+)
 
-NUMBERS = [name for name, field in FIELDS.items() if not field.choices]
-COUNTS = [name for name in NUMBERS if FIELDS[name].kind is int]
-CHOICES = [name for name, field in FIELDS.items() if field.choices]
+V0_1 = Decisions.v0_1()
+OTHER_DEFAULTS = replace(V0_1, next_to_food=17, patience=7, orienting="lowered over food")
+every_field = pytest.mark.parametrize("field", FIELDS.values(), ids=lambda field: field.name)
 
 
-def made(name: str, value: Any) -> Decisions:
-    return Decisions(**{name: value})
-
-
-def check_refused(name: str, value: Any) -> None:
-    """A value is refused with one error that quotes it and everything that is allowed."""
-    with pytest.raises(ValueError, match="allowed") as error:
-        made(name, value)
-    assert str(error.value) == f"decision {name} is {value!r}; allowed: {FIELDS[name].allowed}"
+@pytest.fixture
+def other_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The defaults are other ones than those of version 0.1."""
+    monkeypatch.setitem(decisions_module.VERSIONS, "v1", OTHER_DEFAULTS)
 
 
 # ---------------------------------------------------------------- fields
 
 
-@pytest.mark.parametrize("name", FIELDS)
-def test_field_has_section_reason_and_unit(name: str) -> None:
-    field = FIELDS[name]
+@every_field
+def test_field_has_section_reason_unit_and_an_allowed_default(field: Field) -> None:
+    default: Any = getattr(Decisions(), field.name)
     assert field.section[0] in "345"
     assert field.reason.endswith(".")
     assert bool(field.unit) != bool(field.choices)
-
-
-@pytest.mark.parametrize("name", NUMBERS)
-def test_default_number_is_in_its_range(name: str) -> None:
-    field = FIELDS[name]
-    default = getattr(Decisions(), name)
-    assert field.least <= default <= field.most
+    assert default in field.choices if field.choices else field.least <= default <= field.most
     assert type(default) is field.kind
 
 
-@pytest.mark.parametrize("name", CHOICES)
-def test_default_choice_is_allowed(name: str) -> None:
-    assert getattr(Decisions(), name) in FIELDS[name].choices
+@every_field
+def test_every_choice_and_both_ends_of_a_range_are_accepted_and_read_back(field: Field) -> None:
+    for value in field.choices or (field.kind(field.least), field.kind(field.most)):
+        try:
+            decisions = Decisions.from_changes({field.name: value})
+        except ValueError as error:  # a radius beyond `home_to_wall`
+            assert "home_radius" in str(error)  # noqa: PT017
+            continue
+        assert getattr(decisions, field.name) == value
+        assert Decisions.from_changes(decisions.changed()) == decisions
+        assert decisions_from_text(decisions_text(decisions)) == decisions
 
 
-@pytest.mark.parametrize("name", CHOICES)
-def test_every_choice_is_accepted(name: str) -> None:
-    for choice in FIELDS[name].choices:
-        assert getattr(made(name, choice), name) == choice
-
-
-# A radius beyond `home_to_wall`, and thresholds in the wrong order, have tests of their own.
-@pytest.mark.parametrize("name", [n for n in NUMBERS if n not in ("home_radius", "home_to_wall")])
-@pytest.mark.parametrize("end", ["least", "most"])
-def test_ends_of_the_range_are_accepted(name: str, end: str) -> None:
-    value = FIELDS[name].kind(getattr(FIELDS[name], end))
-    assert getattr(made(name, value), name) == value
-
-
-# ---------------------------------------------------------------- refused values
-
-
-@pytest.mark.parametrize("name", NUMBERS)
-def test_number_out_of_range_is_refused(name: str) -> None:
-    field = FIELDS[name]
-    step = 1 if field.kind is int else 1e-6
-    for value in (field.kind(field.least) - step, field.kind(field.most) + step, 10**400):
-        check_refused(name, value)
-
-
-@pytest.mark.parametrize("name", NUMBERS)
-def test_number_of_the_wrong_type_is_refused(name: str) -> None:
-    values: list[Any] = [math.nan, math.inf, -math.inf, "20", None, True, [20.0], 1j, np.array([20.0, 21.0])]
-    for value in values:
-        check_refused(name, value)
-
-
-@pytest.mark.parametrize("name", COUNTS)
-@pytest.mark.parametrize("value", [1.5, 1.0])
-def test_count_that_is_not_a_whole_number_is_refused(name: str, value: float) -> None:
-    check_refused(name, value)
-
-
-@pytest.mark.parametrize("name", CHOICES)
-def test_unknown_choice_is_refused(name: str) -> None:
-    values: list[Any] = ["", "something else", 0, None, True, ["raised"], np.array(["raised", "lowered"])]
-    for value in values:
-        check_refused(name, value)
+@every_field
+def test_other_value_is_refused_with_everything_that_is_allowed(field: Field) -> None:
+    wrong: list[Any] = ["", "something else", None, True, ["raised"], np.array([20.0, 21.0]), 1j, math.nan]
+    if not field.choices:
+        step = 1 if field.kind is int else 1e-6
+        wrong += [field.kind(field.least) - step, field.kind(field.most) + step, 10**400, math.inf, "20"]
+    if field.kind is int:
+        wrong += [1.5, 1.0]
+    for value in wrong:
+        with pytest.raises(ValueError, match="allowed") as error:
+            Decisions(**{field.name: value})
+        assert str(error.value) == f"decision {field.name} is {value!r}; allowed: {field.allowed}"
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        (
-            {"next_to_food": 25.0, "close_to_food": 24.0},
-            "decision close_to_food is 24.0; allowed: at least next_to_food, 25.0",
-        ),
-        (
-            {"home_radius": 101.0, "home_to_wall": 100.0},
-            "decision home_radius is 101.0; allowed: at most home_to_wall, 100.0",
-        ),
-        (
-            {"home_radius": 100.0, "home_to_wall": 99.0},
-            "decision home_radius is 100.0; allowed: at most home_to_wall, 99.0",
-        ),
+        ({"next_to_food": 25.0, "close_to_food": 24.0}, "close_to_food is 24.0; allowed: at least next_to_food, 25.0"),
+        ({"home_radius": 101.0, "home_to_wall": 100.0}, "home_radius is 101.0; allowed: at most home_to_wall, 100.0"),
+        ({"home_radius": 100.0, "home_to_wall": 99.0}, "home_radius is 100.0; allowed: at most home_to_wall, 99.0"),
     ],
-)
+)  # fmt: skip
 def test_numbers_that_contradict_each_other_are_refused(changes: dict[str, float], message: str) -> None:
     with pytest.raises(ValueError, match="allowed") as error:
         Decisions(**changes)  # type: ignore[arg-type]
-    assert str(error.value) == message
-
-
-def test_thresholds_may_be_equal() -> None:
-    assert Decisions(next_to_food=25.0, close_to_food=25.0).changed() == {
-        "next_to_food": 25.0,
-        "close_to_food": 25.0,
-    }
-
-
-# ---------------------------------------------------------------- sets of decisions
+    assert str(error.value) == f"decision {message}"
+    Decisions(next_to_food=25.0, close_to_food=25.0)
 
 
 @pytest.mark.parametrize(
@@ -139,7 +99,7 @@ def test_thresholds_may_be_equal() -> None:
     ],
 )
 def test_value_is_stored_as_a_plain_number_or_text(name: str, value: Any, plain: Any) -> None:
-    stored = getattr(made(name, value), name)
+    stored = getattr(Decisions(**{name: value}), name)
     assert stored == plain
     assert type(stored) is FIELDS[name].kind
 
@@ -148,7 +108,6 @@ def test_decisions_are_immutable_hashable_and_picklable() -> None:
     decisions = Decisions(next_to_food=17.0)
     with pytest.raises(dataclasses.FrozenInstanceError):
         decisions.next_to_food = 18.0  # type: ignore[misc]
-    assert decisions == Decisions(next_to_food=17.0) != Decisions()
     assert len({decisions, Decisions(next_to_food=17.0), Decisions()}) == 2
     assert pickle.loads(pickle.dumps(decisions)) == decisions
 
@@ -160,101 +119,124 @@ def test_values_are_numbers_in_the_order_of_the_fields() -> None:
     assert values.has_gripper is True
     assert all(type(value) is float for value in values[:-1])  # type: ignore[index]
     assert (values.patience, values.next_to_food, values.equal_distance) == (7.0, 17.0, FARTHER_STATE)
-    for name in NUMBERS:
-        assert getattr(values, name) == getattr(decisions, name)
-    for name in CHOICES:
-        assert FIELDS[name].choices[int(getattr(values, name))] == getattr(decisions, name)
+    for name, field in FIELDS.items():
+        value = getattr(values, name)
+        assert (field.choices[int(value)] if field.choices else value) == getattr(decisions, name)
     assert Decisions().values() == DEFAULT_VALUES
 
 
-def test_changed_contains_only_what_differs_from_the_defaults() -> None:
-    assert Decisions().changed() == {}
-    changes = {"next_to_food": 17.0, "held_food": "no candidate", "patience": 7}
-    assert Decisions.from_changes(changes).changed() == changes
-    assert Decisions(next_to_food=Decisions().next_to_food).changed() == {}
-
-
-@pytest.mark.parametrize("name", FIELDS)
-def test_from_changes_is_the_inverse_of_changed(name: str) -> None:
-    field = FIELDS[name]
-    for value in field.choices or (getattr(Decisions(), name),):
-        decisions = made(name, value)
-        assert Decisions.from_changes(decisions.changed()) == decisions
-
-
-def test_from_changes_refuses_an_unknown_name_and_lists_the_known_ones() -> None:
-    with pytest.raises(ValueError, match="decision 'next_to_foot' is unknown; allowed: aimed, ") as error:
-        Decisions.from_changes({"next_to_food": 17.0, "next_to_foot": 17.0})
-    assert all(name in str(error.value) for name in FIELDS)
-
-
-def test_from_changes_checks_the_values() -> None:
-    with pytest.raises(
-        ValueError, match="decision next_to_food is 5; allowed: a number from 10 to 30 pixels"
-    ):
-        Decisions.from_changes({"next_to_food": 5})
-
-
-def test_version_0_1_names_every_field_and_no_other() -> None:
-    assert list(V0_1) == list(FIELDS)
-    assert dataclasses.asdict(Decisions.v0_1()) == dict(V0_1)
-    for name, value in V0_1.items():
-        assert type(value) is FIELDS[name].kind, name
-
-
-def test_version_0_1_does_not_follow_the_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
-    before = Decisions.v0_1()
+def test_version_0_1_names_every_field_and_does_not_follow_the_defaults(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert list(FIELDS_OF_V0_1) == list(FIELDS)
     *others, _ = (field.default for field in dataclasses.fields(Decisions))
     monkeypatch.setattr(Decisions.__init__, "__defaults__", (*others, 1))
     assert Decisions().recall_marker == 1
-    assert Decisions.v0_1() == before
+    assert dataclasses.asdict(Decisions.v0_1()) == dict(FIELDS_OF_V0_1)
 
 
-def test_changes_are_relative_to_a_base() -> None:
+def test_changes_are_relative_to_a_base_and_differences_give_both_values() -> None:
     base = Decisions(next_to_food=17.0, patience=7)
-    assert Decisions.from_changes({"patience": 8}, base) == Decisions(next_to_food=17.0, patience=8)
-    assert Decisions.parse(["patience=8"], base) == Decisions(next_to_food=17.0, patience=8)
+    assert base.changed() == {"next_to_food": 17.0, "patience": 7}
+    assert Decisions.from_changes({"patience": 8}, base) == Decisions.parse(["patience=8"], base)
     assert Decisions.parse([], base) == base
-
-
-def test_differing_gives_both_values_of_each_field_that_differs() -> None:
-    v0_1 = Decisions.v0_1()
-    one, other = (
-        dataclasses.replace(v0_1, next_to_food=17.0, patience=7),
-        dataclasses.replace(v0_1, patience=8),
+    one, other = replace(V0_1, next_to_food=17, equal_distance="farther state"), replace(V0_1, separation=20)
+    assert one.differing(other) == {
+        "next_to_food": (17.0, 20.0),
+        "equal_distance": ("farther state", "nearer state"),
+        "separation": (14.0, 20.0),
+    }
+    assert differences(one, other) == (
+        "next_to_food is 17, not 20; equal_distance is farther state, not nearer state; separation is 14, not 20"
     )
-    assert one.differing(other) == {"next_to_food": (17.0, 20.0), "patience": (7, 8)}
-    assert other.differing(one) == {"next_to_food": (20.0, 17.0), "patience": (8, 7)}
-    assert one.differing(one) == {}
+    assert differences(one, one) == ""
 
 
-# ---------------------------------------------------------------- the command line
+# ---------------------------------------------------------------- as text, in files and on the command line
 
 
-def test_parse_reads_assignments() -> None:
-    parsed = Decisions.parse(["next_to_food=17", "patience=7", "held_food=no candidate"])
-    assert parsed.changed() == {"next_to_food": 17.0, "patience": 7, "held_food": "no candidate"}
-    assert type(parsed.next_to_food) is float
-    assert type(parsed.patience) is int
-    assert Decisions.parse([]) == Decisions()
+@pytest.mark.usefixtures("other_defaults")
+@pytest.mark.parametrize(
+    ("decisions", "text"),
+    [
+        (V0_1, "v0.1"),
+        (replace(V0_1, next_to_food=17, round_duration=0.2), "v0.1;round_duration=0.2;next_to_food=17"),
+        (replace(V0_1, equal_distance="farther state"), "v0.1;equal_distance=farther state"),
+        (replace(V0_1, following_gain=1 / 3), "v0.1;following_gain=0.3333333333333333"),
+        (replace(V0_1, next_to_food=17, patience=50), "v0.1;next_to_food=17;patience=50"),  # the older of two
+        (OTHER_DEFAULTS, "v1"),
+        (replace(OTHER_DEFAULTS, next_to_food=22), "v1;next_to_food=22"),
+    ],
+)
+def test_text_names_version_and_changes_and_is_read_back(decisions: Decisions, text: str) -> None:
+    assert decisions_text(decisions) == text
+    assert decisions_from_text(text) == decisions
+
+
+@pytest.mark.usefixtures("other_defaults")
+@pytest.mark.parametrize(
+    ("text", "decisions"),
+    [
+        ("", V0_1),
+        ("separation=20", replace(V0_1, separation=20)),
+        ("next_to_food=20", V0_1),  # a default may be named: a later version may have another
+    ],
+)
+def test_text_without_a_version_is_of_version_0_1(text: str, decisions: Decisions) -> None:
+    assert decisions_from_text(text) == decisions
+
+
+@pytest.mark.usefixtures("other_defaults")
+@pytest.mark.parametrize(
+    ("words", "decisions"),
+    [
+        ([], OTHER_DEFAULTS),
+        (["next_to_food=22"], replace(OTHER_DEFAULTS, next_to_food=22)),
+        (["v1", "next_to_food=22"], replace(OTHER_DEFAULTS, next_to_food=22)),
+        (["v0.1", "patience=7", "next_to_food=22"], replace(V0_1, patience=7, next_to_food=22)),
+    ],
+)
+def test_first_word_may_name_the_version_that_the_others_change(
+    words: list[str], decisions: Decisions
+) -> None:
+    assert decisions_from_words(words) == decisions
+
+
+WRONG_ASSIGNMENTS = [
+    ("next_to_foot=17", "decision 'next_to_foot' is unknown; allowed: aimed, "),
+    ("next_to_food", "decision 'next_to_food'; allowed: NAME=VALUE, such as next_to_food=22"),
+    ("=17", "decision '' is unknown"),
+    ("next_to_food=", "decision next_to_food is ''; allowed: a number"),
+    ("next_to_food=nan", "decision next_to_food is nan; allowed: a number"),
+    ("next_to_food=31", "decision next_to_food is 31.0; allowed: a number from 10 to 30 pixels"),
+    ("next_to_food=many", "decision next_to_food is 'many'; allowed: a number from 10 to 30"),
+    ("patience=1.5", "decision patience is '1.5'; allowed: a whole number from 1 to 10000 rounds"),
+    ("equal_distance=nearest", "decision equal_distance is 'nearest'; allowed: 'nearer state', 'farther state'"),
+    ("patience=5;patience=5", "decision patience is set twice; allowed: once"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "message"), WRONG_ASSIGNMENTS)
+def test_wrong_assignment_is_refused_in_a_file_and_on_the_command_line(text: str, message: str) -> None:
+    for read in (decisions_from_text, lambda text: Decisions.parse(text.split(";"))):
+        with pytest.raises(ValueError, match="allowed") as error:
+            read(text)
+        assert str(error.value).startswith(message)
 
 
 @pytest.mark.parametrize(
-    ("assignment", "message"),
+    ("text", "message"),
     [
-        ("next_to_food", "decision 'next_to_food'; allowed: NAME=VALUE, such as next_to_food=22"),
-        ("", "decision ''; allowed: NAME=VALUE"),
-        ("next_to_foot=17", "decision 'next_to_foot' is unknown; allowed: aimed, "),
-        ("=17", "decision '' is unknown"),
-        ("next_to_food=near", "decision next_to_food is 'near'; allowed: a number from 10 to 30 pixels"),
-        ("next_to_food=", "decision next_to_food is ''; allowed: a number"),
-        ("next_to_food=nan", "decision next_to_food is nan; allowed: a number"),
-        ("next_to_food=99", "decision next_to_food is 99.0; allowed: a number from 10 to 30 pixels"),
-        ("patience=7.5", "decision patience is '7.5'; allowed: a whole number from 1 to 10000 rounds"),
-        ("equal_distance=nearest", "decision equal_distance is 'nearest'; allowed: 'nearer state', 'farther state'"),
+        ("next_to_food=17;", "decision ''; allowed: NAME=VALUE"),
+        ("next_to_food=17.0", "decision 'next_to_food=17.0'; allowed: 'next_to_food=17'"),
+        ("next_to_food= 17", "decision 'next_to_food= 17'; allowed: 'next_to_food=17'"),
+        ("next_to_food=17; separation=20", "decision ' separation' is unknown"),
+        ("v2;next_to_food=17", "version 'v2' of the decisions is unknown; allowed: 'v0.1', 'v1'"),
+        ("v0.1 ;next_to_food=17", "version 'v0.1 ' of the decisions is unknown; allowed: "),
+        ("v1;v1", "decision 'v1'; allowed: NAME=VALUE"),
     ],
-)  # fmt: skip
-def test_parse_refuses_what_it_cannot_read(assignment: str, message: str) -> None:
+)
+def test_damaged_text_is_refused(text: str, message: str) -> None:
     with pytest.raises(ValueError, match="allowed") as error:
-        Decisions.parse([assignment])
+        decisions_from_text(text)
     assert str(error.value).startswith(message)

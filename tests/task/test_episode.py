@@ -1,10 +1,8 @@
-"""The account of an episode: steps, reward, end, and decisions by state (5.3, 5.4)."""
+"""The account of an episode: reward, end, mistakes by state, and the score of a recall (5.3, 5.4)."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from khepera_forage.task.decisions import DEFAULT_VALUES
+from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
 from khepera_forage.task.episode import (
     DecisionCounts,
     Episode,
@@ -12,146 +10,102 @@ from khepera_forage.task.episode import (
     count_decision,
     end_step,
     has_done_its_part,
+    penalty,
+    score,
 )
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker
 from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
+from khepera_forage.thesis import appendix_a
 
 LIMIT = 50
 HOME_RADIUS = 20
-CLOSE_TO_FOOD = DEFAULT_VALUES.close_to_food
 OUTSIDE_HOME = StateVector(0, HOME_RADIUS + 1, 0, 215, 60)
 
 
-def begun(deliverable: int = 2) -> tuple[Episode, FoodTracker]:
-    """An episode and its food tracker after the first perception."""
-    episode, tracker = Episode(), FoodTracker(deliverable=deliverable)
-    begin_episode(episode, tracker)
-    return episode, tracker
-
-
-def step(episode: Episode, tracker: FoodTracker, correct: bool = True, **changes: int) -> None:
-    """A step that changes the counts of the food tracker."""
-    for name, value in changes.items():
-        setattr(tracker, name, value)
-    end_step(episode, tracker, correct, LIMIT)
-
-
-def test_new_episode_has_no_steps() -> None:
-    episode = Episode(7, 6, 1.0, True, True, 3)
-    begin_episode(episode, FoodTracker(deliverable=2, delivered=1))
-    assert (episode.steps, episode.correct, episode.reward, episode.value) == (0, 0, 0.0, 1)
-    assert (episode.terminated, episode.truncated) == (False, False)
-
-
 @pytest.mark.parametrize(
-    ("changes", "reward"),
+    ("changes", "reward", "terminated"),
     [
-        ({}, 0.0),
-        ({"delivered": 1}, 1.0),
-        ({"delivered": 2}, 2.0),
-        ({"poison_home": 1, "deliverable": 1}, -1.0),
-        ({"delivered": 1, "poison_home": 1, "deliverable": 1}, 0.0),
-        ({"deliverable": 1}, 0.0),
+        ({}, 0.0, False),
+        ({"delivered": 1}, 1.0, False),
+        ({"delivered": 2}, 2.0, True),
+        ({"poison_home": 1, "deliverable": 1}, -1.0, False),
+        ({"delivered": 1, "poison_home": 1, "deliverable": 1}, 0.0, True),
     ],
 )
-def test_reward_is_food_delivered_less_poison_brought_home_and_the_step(
-    changes: dict[str, int], reward: float
+def test_reward_and_end_of_an_episode_follow_from_what_was_brought_home(
+    changes: dict[str, int], reward: float, terminated: bool
 ) -> None:
-    episode, tracker = begun()
-    step(episode, tracker, True, **changes)
-    assert episode.reward == pytest.approx(reward - 1 / LIMIT)
-    step(episode, tracker)
-    assert episode.reward == pytest.approx(-1 / LIMIT), "each delivery counts once"
-
-
-def test_episode_is_terminated_once_all_deliverable_food_is_delivered() -> None:
-    episode, tracker = begun()
-    step(episode, tracker, delivered=1)
-    assert not episode.terminated
-    step(episode, tracker, deliverable=1)
-    assert episode.terminated, "the other food is known to be poisonous"
-    assert not episode.truncated
-
-
-def test_episode_is_truncated_at_the_limit_unless_it_is_terminated() -> None:
-    for delivered, expected in ((1, (False, True)), (2, (True, False))):
-        episode, tracker = begun()
-        for _ in range(LIMIT - 1):
-            step(episode, tracker)
+    for steps in (1, LIMIT):
+        episode, tracker = Episode(), FoodTracker(deliverable=2)
+        begin_episode(episode, tracker)
+        for _ in range(steps - 1):
+            end_step(episode, tracker, True, LIMIT)
             assert (episode.terminated, episode.truncated) == (False, False)
-        step(episode, tracker, delivered=delivered)
-        assert (episode.terminated, episode.truncated) == expected
+            assert episode.reward == pytest.approx(-1 / LIMIT)
+        for name, value in changes.items():
+            setattr(tracker, name, value)
+        end_step(episode, tracker, True, LIMIT)
+        assert episode.reward == pytest.approx(reward - 1 / LIMIT)
+        assert (episode.terminated, episode.truncated) == (terminated, steps == LIMIT and not terminated)
+        end_step(episode, tracker, True, LIMIT)
+        assert episode.reward == pytest.approx(-1 / LIMIT), "each delivery counts once"
 
 
-@given(st.lists(st.booleans(), min_size=1, max_size=LIMIT))
-def test_steps_and_correct_ones_are_counted(correct: list[bool]) -> None:
-    episode, tracker = begun()
-    for choice in correct:
-        step(episode, tracker, choice)
-    assert (episode.steps, episode.correct) == (len(correct), sum(correct))
-
-
-# ---------------------------------------------------------------- training episodes
-
-
-def done(vector: StateVector, *types: FoodType, delivered: int = 0) -> bool:
-    """Whether a robot has done its part, with food of these known types."""
-    foods = [FoodObject(0, 0, known=food_type) for food_type in types]
-    deliverable = sum(food_type != FoodType.POISONOUS for food_type in types)
-    tracker = FoodTracker(delivered=delivered, deliverable=deliverable, foods=foods)
-    return has_done_its_part(tracker, foods, vector, HOME_RADIUS, DEFAULT_VALUES)
-
-
-def test_part_is_done_with_all_food_delivered_and_outside_home() -> None:
-    assert done(OUTSIDE_HOME, FoodType.PICKABLE, delivered=1)
-    assert not done(OUTSIDE_HOME, FoodType.PICKABLE, delivered=0)
-    assert not done(OUTSIDE_HOME, FoodType.PICKABLE, FoodType.UNKNOWN, delivered=1)
-    at_home = OUTSIDE_HOME._replace(robot_home_distance=HOME_RADIUS)
-    assert not done(at_home, FoodType.PICKABLE, delivered=1)
-    lowered = OUTSIDE_HOME._replace(arms_height=255)
-    assert done(lowered, FoodType.PICKABLE, delivered=1), "the arm matters with poison only"
-
-
-def test_part_with_poison_is_done_once_the_poison_is_left_with_the_arm_raised() -> None:
-    assert done(OUTSIDE_HOME, FoodType.POISONOUS)
-    assert done(OUTSIDE_HOME._replace(arms_height=225), FoodType.POISONOUS)
-    assert not done(OUTSIDE_HOME._replace(arms_height=226), FoodType.POISONOUS)
-    assert not done(OUTSIDE_HOME._replace(object_presence=1), FoodType.POISONOUS)
-    assert not done(
-        OUTSIDE_HOME._replace(arms_height=255), FoodType.POISONOUS, FoodType.PICKABLE, delivered=1
-    )
-    assert not done(OUTSIDE_HOME, FoodType.POISONOUS, FoodType.PICKABLE, delivered=0)
-
-
-# ---------------------------------------------------------------- decisions by state
-
-
-def test_count_decision_counts_steps_and_mistakes_by_state() -> None:
-    counts = DecisionCounts()
-    for state, behaviour in (
-        (State.SEARCH, Behaviour.SEARCH_FOR_FOOD),
-        (State.SEARCH, Behaviour.GO_HOME),
-        (State.NEXT_TO_FOOD, Behaviour.ORIENT_WITH_FOOD),
-        (State.AT_HOME_WITH_FOOD, Behaviour.AVOID_HOME),
-    ):
-        count_decision(counts, state, behaviour, 100.0, DEFAULT_VALUES)
-    assert counts.by_state == [2, 0, 1, 0, 0, 0, 0, 0, 0, 1]
-    assert counts.wrong_by_state == [1, 0, 0, 0, 0, 0, 0, 0, 0, 1]
-    assert counts.orient_without_food == 0
+P, X, U = FoodType.PICKABLE, FoodType.POISONOUS, FoodType.UNKNOWN
 
 
 @pytest.mark.parametrize(
-    ("state", "behaviour", "distance", "expected"),
+    ("changes", "types", "delivered", "done"),
     [
-        (State.SEARCH, Behaviour.ORIENT_WITH_FOOD, CLOSE_TO_FOOD + 1, 1),
-        (State.CLOSE_TO_FOOD, Behaviour.ORIENT_WITH_FOOD, CLOSE_TO_FOOD, 0),
-        (State.NEXT_TO_FOOD, Behaviour.ORIENT_WITH_FOOD, CLOSE_TO_FOOD + 1, 0),
-        (State.SEARCH, Behaviour.MOVE_SLOWLY, CLOSE_TO_FOOD + 1, 0),
+        ({}, [P], 1, True),
+        ({}, [P], 0, False),
+        ({}, [P, U], 1, False),
+        ({"robot_home_distance": HOME_RADIUS}, [P], 1, False),
+        ({"arms_height": 255}, [P], 1, True),  # the arm matters with poison only
+        ({}, [X], 0, True),
+        ({"arms_height": 225}, [X], 0, True),
+        ({"arms_height": 226}, [X], 0, False),
+        ({"object_presence": 1}, [X], 0, False),
+        ({"arms_height": 255}, [X, P], 1, False),
+        ({}, [X, P], 0, False),
     ],
 )
-def test_orienting_without_food_is_a_mistake_beyond_the_close_threshold(
-    state: State, behaviour: Behaviour, distance: float, expected: int
+def test_part_is_done_outside_home_with_food_delivered_and_poison_left_with_the_arm_raised(
+    changes: dict[str, int], types: list[FoodType], delivered: int, done: bool
 ) -> None:
-    counts = DecisionCounts()
-    count_decision(counts, state, behaviour, distance, DEFAULT_VALUES)
-    assert counts.orient_without_food == expected
+    foods = [FoodObject(0, 0, known=food_type) for food_type in types]
+    tracker = FoodTracker(delivered=delivered, deliverable=len(types) - types.count(X), foods=foods)
+    vector = OUTSIDE_HOME._replace(**changes)
+    assert has_done_its_part(tracker, foods, vector, HOME_RADIUS, DEFAULT_VALUES) is done
+
+
+def test_decisions_are_counted_by_state_and_orienting_without_food_beyond_the_close_threshold() -> None:
+    counts, values = DecisionCounts(), Decisions(close_to_food=40).values()
+    for state, behaviour, distance in (
+        (State.SEARCH, Behaviour.SEARCH_FOR_FOOD, 100.0),
+        (State.SEARCH, Behaviour.GO_HOME, 100.0),
+        (State.NEXT_TO_FOOD, Behaviour.ORIENT_WITH_FOOD, 41.0),
+        (State.AT_HOME_WITH_FOOD, Behaviour.AVOID_HOME, 100.0),
+        (State.CLOSE_TO_FOOD, Behaviour.ORIENT_WITH_FOOD, 40.0),
+        (State.SEARCH, Behaviour.MOVE_SLOWLY, 41.0),
+    ):
+        count_decision(counts, state, behaviour, distance, values)
+    assert counts.by_state == [3, 1, 1, 0, 0, 0, 0, 0, 0, 1]
+    assert counts.wrong_by_state == [2, 1, 0, 0, 0, 0, 0, 0, 0, 1]
+    assert counts.orient_without_food == 0
+    count_decision(counts, State.SEARCH, Behaviour.ORIENT_WITH_FOOD, 41.0, values)
+    assert counts.orient_without_food == 1
+
+
+def test_score_is_equation_5_1_and_agrees_with_appendix_a() -> None:
+    assert (penalty(0, 2), penalty(1, 2), penalty(2, 2)) == (20.0, 5.0, 0.0)
+    assert penalty(0, 0) == 0.0, "poison never counts as uncollected"
+    agreeing = 0
+    for row in appendix_a.recalls():
+        share = 100 * row.correct / row.total
+        if int(share) == row.percent and row.score == row.percent - row.points:  # a row without an error
+            foods = 1 if row.arena == "corridor" else 2
+            found = score(row.correct, row.total, penalty(row.delivered(foods), foods))
+            assert int(found + 1e-9) == row.score
+            agreeing += 1
+    assert agreeing > 80

@@ -20,7 +20,7 @@ from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from tests.task.food_trackers import delivered, known_types, labels_of_no_candidates, linked_food
-from tests.version_0_1 import CORRIDOR, RECTANGLE, V0_1
+from tests.version_0_1 import CORRIDOR, V0_1
 
 ODDS = {
     FoodType.PICKABLE: (1.0, 0.0),
@@ -112,28 +112,6 @@ def deliveries_are_right(forage: Forage) -> None:
 # ---------------------------------------------------------------- types
 
 
-@pytest.mark.parametrize("kind", [FoodType.PICKABLE, FoodType.PUSHABLE])
-def test_type_is_known_from_exploring_until_delivery(kind: FoodType) -> None:
-    forage = Forage(CORRIDOR, ODDS[kind])
-    forage.until(lambda f: f.held is not None)
-    assert known_types(forage.tracker) == [FoodType.UNKNOWN]
-    assert forage.robot.raw.food_type == FoodType.UNKNOWN
-    forage.until(lambda f: f.tracker.foods[0].known != FoodType.UNKNOWN, limit=20)
-    assert forage.robot.raw.food_type == kind
-    moved = 0.0
-
-    def check(forage: Forage) -> None:
-        nonlocal moved
-        assert known_types(forage.tracker) == [kind]
-        links_are_right(forage)
-        deliveries_are_right(forage)
-        moved = max(moved, math.dist(forage.world.food_places()[0][:2], CORRIDOR.foods[0]))
-
-    forage.until(lambda f: is_finished(f.tracker), check=check)
-    assert moved > 80
-    assert (forage.tracker.delivered, forage.tracker.poison_home) == (1, 0)
-
-
 @pytest.mark.parametrize("decisions", [V0_1, Decisions()], ids=["v0.1", "default"])
 @pytest.mark.parametrize("seed", range(12))
 def test_two_food_objects_keep_their_types_under_laboratory_noise(seed: int, decisions: Decisions) -> None:
@@ -173,36 +151,7 @@ def test_food_is_delivered_once_it_is_set_down_at_home_and_the_robot_is_clear() 
     assert forage.robot.vector.robot_food_distance == arena_map_of(CORRIDOR).diagonal
 
 
-def test_food_set_down_outside_home_is_delivered_later() -> None:
-    forage = Forage(CORRIDOR, ODDS[FoodType.PICKABLE])
-    forage.until(lambda f: f.world.food_places()[0].lifted)
-    for _ in range(30):
-        forage.step(B.RELEASE_FOOD if forage.robot.raw.jaw > 130 else B.SEARCH_FOR_FOOD)
-    forage.until(lambda f: is_finished(f.tracker))
-    assert forage.tracker.delivered == 1
-
-
 # ---------------------------------------------------------------- poison
-
-
-def test_known_poison_is_no_candidate() -> None:
-    forage = Forage(RECTANGLE, ODDS[FoodType.POISONOUS])
-    forage.until(lambda f: FoodType.POISONOUS in known_types(f.tracker))
-    first = known_types(forage.tracker).index(FoodType.POISONOUS)
-    assert forage.tracker.deliverable == 1
-    assert not is_finished(forage.tracker)
-
-    def check(forage: Forage) -> None:
-        links_are_right(forage)
-        tracker = forage.tracker
-        if tracker.food_seen and forage.held is None:
-            nearest = (tracker.food_x, tracker.food_y)
-            labels = [r.label for r in forage.world.camera.look().regions if (r.x, r.y) == nearest]
-            assert [linked_food(tracker, label) == first for label in labels] == [False]
-
-    forage.until(lambda f: is_finished(f.tracker), check=check)
-    tracker = forage.tracker
-    assert (tracker.deliverable, tracker.delivered, tracker.poison_home) == (0, 0, 0)
 
 
 def test_poison_brought_home_is_counted_separately() -> None:

@@ -12,7 +12,6 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import (
     FoodObject,
     explored,
-    is_collected,
     is_finished,
     share_identified,
     update_food,
@@ -110,16 +109,6 @@ def test_nearest_food_may_be_a_lost_region_or_one_that_shows_no_food_object() ->
     assert nearest_of(story) == (42.0, 52.0)
 
 
-def test_food_that_the_camera_sees_is_not_in_the_gripper() -> None:
-    """Not even if a reversed heading puts the gripper beside it."""
-    story = Story()
-    story.round((74, 69), PRESENT, region(1, FIRST), region(2, SECOND, found=False), orientation=270)
-    assert story.tracker.held == 1
-    story.round((74, 69), EMPTY, region(1, FIRST), region(2, SECOND))
-    story.round((74, 69), PRESENT, region(1, FIRST), region(2, SECOND), orientation=270)
-    assert story.tracker.held == 0
-
-
 def test_what_turns_up_beside_the_gripper_is_not_the_food_in_it() -> None:
     """A robot shoves food out of its track: what it holds is nearer to the new one, but is hidden by the marker."""
     story = Story()
@@ -135,16 +124,6 @@ def test_what_turns_up_beside_the_gripper_is_not_the_food_in_it() -> None:
 
 LOST = region(1, FIRST, found=False)
 RAISED = EMPTY._replace(arm=215)
-
-
-def test_lost_food_may_be_unseen_at_once() -> None:
-    story = Story(food_beside_robot="unseen")
-    story.round((40, 50), RAISED, LOST, region(2, SECOND))
-    assert nearest_of(story) == SECOND
-    story.round((40, 50), EMPTY, LOST, region(2, SECOND))
-    assert nearest_of(story) == SECOND, "whatever the arm"
-    story.round((40, 50), RAISED, region(1, FIRST), region(2, SECOND))
-    assert nearest_of(story) == FIRST
 
 
 def test_lost_food_may_be_seen_while_the_arm_is_down() -> None:
@@ -215,29 +194,6 @@ def test_identified_types_are_shared_with_the_corresponding_food() -> None:
     assert [food.known for food in foods] == [FoodType.PUSHABLE, FoodType.UNKNOWN]
 
 
-@pytest.mark.parametrize(
-    ("known", "is_delivered", "collected"),
-    [
-        (FoodType.PICKABLE, True, True),
-        (FoodType.PICKABLE, False, False),
-        (FoodType.POISONOUS, True, False),
-        (FoodType.UNKNOWN, False, False),
-    ],
-)
-def test_is_collected_holds_for_delivered_food_but_not_for_poison(
-    known: FoodType, is_delivered: bool, collected: bool
-) -> None:
-    assert is_collected(FoodObject(0, 0, known=known, delivered=is_delivered)) is collected
-
-
-def test_held_food_is_where_the_gripper_is() -> None:
-    story = Story()
-    story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND))
-    held = story.tracker.foods[story.tracker.held]
-    assert math.dist((held.x, held.y), (63, 40)) * MM_PER_PIXEL == pytest.approx(58.0)
-    assert held.y == 40.0
-
-
 def test_food_in_the_gripper_is_the_object_that_lay_there() -> None:
     story = Story(FoodType.PUSHABLE)
     story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND))
@@ -250,11 +206,25 @@ def test_food_in_the_gripper_is_the_object_that_lay_there() -> None:
     assert types == [FoodType.UNKNOWN, FoodType.PUSHABLE, FoodType.UNKNOWN], "not before a whole round"
 
 
-@pytest.mark.parametrize("motors", [STILL._replace(left=1), STILL._replace(right=-1)])
-def test_moving_robot_identifies_nothing(motors: Motors) -> None:
+@pytest.mark.parametrize(
+    ("before", "after", "motors"),
+    [
+        (PRESENT, PRESENT, STILL._replace(left=1)),
+        (PRESENT, PRESENT, STILL._replace(right=-1)),
+        (EMPTY, PRESENT, STILL),
+        (PRESENT, EMPTY, STILL),
+        (PRESENT._replace(arm=215), PRESENT, STILL),
+        (PRESENT, PRESENT._replace(arm=215), STILL),
+        (PRESENT._replace(jaw=126), PRESENT, STILL),
+        (PRESENT, PRESENT._replace(jaw=126), STILL),
+    ],
+)
+def test_food_is_identified_only_in_a_still_round_with_arm_down_and_jaw_open(
+    before: Senses, after: Senses, motors: Motors
+) -> None:
     story = Story()
-    for _ in range(5):
-        story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND), motors=motors)
+    for senses in (before, after):
+        story.round((63, 40), senses, region(1, FIRST, found=False), region(2, SECOND), motors=motors)
     assert known_types(story.tracker) == [FoodType.UNKNOWN] * 2
 
 
@@ -268,12 +238,6 @@ def test_gripped_food_that_is_seen_at_home_is_not_delivered() -> None:
     assert delivered(story.tracker) == [True, False]
     assert labels_of_no_candidates(story.tracker) == {1}
     assert not is_finished(story.tracker)
-
-
-def test_lost_region_at_home_delivers_nothing() -> None:
-    story = Story()
-    story.round((20, 60), EMPTY, region(1, HOME, found=False), region(2, SECOND))
-    assert delivered(story.tracker) == [False, False]
 
 
 def test_carried_food_is_recognised_while_its_old_track_remains() -> None:
@@ -317,19 +281,3 @@ def test_poison_in_the_gripper_stays_the_nearest_food() -> None:
     assert labels_of_no_candidates(story.tracker) == set()
     assert story.tracker.type_in_gripper == FoodType.POISONOUS
     assert nearest_of(story) == FIRST
-
-
-def test_food_of_the_next_arena_is_linked_to_nothing() -> None:
-    story = Story()
-    beyond = (HOME[0], ARENA.top + 20)
-    story.round((20, 60), EMPTY, region(1, FIRST), region(2, SECOND), region(9, beyond))
-    assert linked_food(story.tracker, 9) is None
-    assert delivered(story.tracker) == [False, False]
-
-
-def test_surplus_region_is_linked_to_nothing() -> None:
-    """Such as a reflection on the floor."""
-    story = Story()
-    story.round((20, 60), EMPTY, region(1, FIRST), region(2, SECOND), region(9, HOME))
-    assert linked_food(story.tracker, 9) is None
-    assert delivered(story.tracker) == [False, False]

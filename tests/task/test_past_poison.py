@@ -42,11 +42,6 @@ def test_way_past_poison_touches_it_nowhere(offset: float) -> None:
     assert _distance_from_line(_aim(_foods(place)), place) == pytest.approx(TOUCH + 2.0)
 
 
-@pytest.mark.parametrize(("offset", "side"), [(5.0, -1.0), (-5.0, 1.0)])
-def test_way_leads_past_the_shorter_side(offset: float, side: float) -> None:
-    assert (_aim(_foods((AHEAD[0], AHEAD[1] + offset)))[1] - ROBOT[1]) * side > 0.0
-
-
 def test_way_leads_past_the_other_side_if_a_wall_is_near() -> None:
     foods = _foods((100.0, 17.0))
     x, y = past_poison(40.0, 16.0, 160.0, 16.0, 0, foods, HALL)
@@ -74,17 +69,6 @@ def test_other_food_is_not_passed(known: FoodType) -> None:
     assert not is_poison_about(0, _foods(AHEAD, known))
 
 
-def test_poison_is_about_if_food_other_than_that_in_the_gripper_is_or_may_be_poisonous() -> None:
-    foods = _foods(AHEAD)
-    assert is_poison_about(0, foods)
-    assert not is_poison_about(1, foods)
-    foods[1].delivered = True
-    assert not is_poison_about(0, foods)
-    unknown = _foods(AHEAD, FoodType.UNKNOWN)
-    unknown[1].may_be_poisonous = True
-    assert is_poison_about(0, unknown)
-
-
 def test_unknown_food_is_passed_where_there_can_be_poison() -> None:
     foods = _foods(AHEAD, FoodType.UNKNOWN)
     draw_food_types(foods, 0, (0.5, 0.0, 0.5))
@@ -110,8 +94,3 @@ def test_side_stays_while_the_poison_is_in_the_way() -> None:
     assert _aim(foods) == HOME
     foods[1].y = AHEAD[1] - 0.1
     assert (_aim(foods)[1] - ROBOT[1]) * (first[1] - ROBOT[1]) < 0.0
-
-
-def test_nearest_of_two_is_passed_first() -> None:
-    foods = [*_foods((120.0, 57.0)), FoodObject(80.0, 63.0, known=FoodType.POISONOUS)]
-    assert _distance_from_line(_aim(foods), (80.0, 63.0)) == pytest.approx(TOUCH + 2.0)

@@ -61,11 +61,6 @@ def test_raw_data_contain_what_the_thesis_lists() -> None:
     assert raw.wall_bearing == pytest.approx(180.0, abs=1e-9) or raw.wall_bearing == pytest.approx(-180.0)
 
 
-def test_food_type_is_unknown_without_an_object() -> None:
-    tracker = FoodTracker(food_seen=True, food_x=50.0, food_y=20.0, type_in_gripper=FoodType.PICKABLE)
-    assert perceived(Scene((region(0, 40, 20, 2),)), tracker).food_type == FoodType.UNKNOWN
-
-
 @given(
     x=st.floats(0, 130),
     y=st.floats(0, 46),

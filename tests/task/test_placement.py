@@ -1,4 +1,4 @@
-"""Random layouts and food types (5.4.1.1)."""
+"""Random layouts and food types (5.4.1.1), and layouts on the marks of figure 5.1 (4.5.2)."""
 
 import math
 from dataclasses import replace
@@ -6,14 +6,15 @@ from itertools import combinations
 
 import pytest
 import shapely
-from hypothesis import given, reject, settings
+from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 
 from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.layouts import arena_map_of, floor_of, random_layout
+from khepera_forage.envs.layouts import floor_of, random_layout, training_layout
+from khepera_forage.noise import Noise
 from khepera_forage.robots.footprint import GRIPPER_HALF_WIDTH
 from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, JAW_ROOT, RADIUS
-from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.layout_checks import check_layout, check_robot
 from khepera_forage.sim.ways import check_ways
 from khepera_forage.sim.world import Layout
@@ -23,9 +24,7 @@ from khepera_forage.task.placement import (
     Place,
     Start,
     draw_food_types,
-    draw_layout,
-    food_type_key,
-    layout_key,
+    layout_is_free,
 )
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -34,20 +33,13 @@ from tests.sim.worlds import ELL, FIELD
 from tests.version_0_1 import CORRIDOR, RECTANGLE
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
-ARENAS = [CORRIDOR, RECTANGLE, ELL, FIELD, RECTANGLE.shifted(700.0, 400.0)]
-"""Convex, convex, not convex with an obstacle, wide, and at an offset."""
+ARENAS = [CORRIDOR, RECTANGLE, ELL, FIELD]
+"""Convex, convex, not convex with an obstacle, and wide."""
 RADII = st.lists(st.floats(50, 220), min_size=3, max_size=6)
 CELLS = st.tuples(st.integers(0, 2), st.integers(0, 2))
 KEYS = st.integers(0, 2**64 - 1)
-
-
-def drawn(arena: Arena, foods: int, key: int, decisions: Decisions | None = None) -> Layout | None:
-    """A random layout; None where there is no room."""
-    start, places = Start(), [Place() for _ in range(foods)]
-    values = (Decisions() if decisions is None else decisions).values()
-    if not draw_layout(start, places, key, floor_of(arena), arena_map_of(arena), values):
-        return None
-    return random_layout(arena, foods, key, values)
+SHARES = st.tuples(st.floats(-0.05, 1.05), st.floats(-0.05, 1.05))
+"""Of width and height of an arena."""
 
 
 def check_random(arena: Arena, layout: Layout, decisions: Decisions) -> None:
@@ -68,17 +60,6 @@ def check_random(arena: Arena, layout: Layout, decisions: Decisions) -> None:
 # ---------------------------------------------------------------- random layouts
 
 
-@given(st.sampled_from(ARENAS), KEYS, st.integers(1, 3))
-@PROPERTY
-def test_random_layout_is_free_and_outside_home(arena: Arena, key: int, foods: int) -> None:
-    layout = drawn(arena, foods, key)
-    if foods == 1 or arena is not CORRIDOR:
-        assert layout is not None
-        assert len(layout.foods) == foods
-    if layout is not None:
-        check_random(arena, layout, Decisions())
-
-
 @st.composite
 def arenas_with_obstacles(draw: st.DrawFn) -> Arena:
     """A wide floor with obstacles, around which there are ways."""
@@ -95,11 +76,12 @@ def arenas_with_obstacles(draw: st.DrawFn) -> Arena:
     return arena
 
 
-@given(arenas_with_obstacles(), KEYS)
-@PROPERTY
-def test_random_layout_avoids_obstacles(arena: Arena, key: int) -> None:
-    layout = drawn(arena, 3, key)
-    assert layout is not None
+@given(st.sampled_from(ARENAS) | arenas_with_obstacles(), KEYS, st.integers(1, 3))
+@settings(PROPERTY, max_examples=120)
+def test_random_layout_is_free_and_outside_home(arena: Arena, key: int, foods: int) -> None:
+    assume(arena is not CORRIDOR or foods == 1)  # there is not always room for more
+    layout = random_layout(arena, foods, key, DEFAULT_VALUES)
+    assert len(layout.foods) == foods
     check_random(arena, layout, Decisions())
 
 
@@ -110,8 +92,7 @@ def test_random_start_has_room_for_the_gripper_beside_a_thin_wall() -> None:
     fingers = [(JAW_ROOT, -GRIPPER_HALF_WIDTH), (FINGER_TIP, -GRIPPER_HALF_WIDTH)]
     fingers += [(FINGER_TIP, GRIPPER_HALF_WIDTH), (JAW_ROOT, GRIPPER_HALF_WIDTH)]
     for seed in range(1500):
-        layout = random_layout(arena, 1, key_of(seed), DEFAULT_VALUES)
-        x, y, heading = layout.starts[0]
+        x, y, heading = random_layout(arena, 1, key_of(seed), DEFAULT_VALUES).starts[0]
         cosine, sine = math.cos(heading), math.sin(heading)
         gripper = shapely.Polygon(
             [(x + u * cosine - v * sine, y + u * sine + v * cosine) for u, v in fingers]
@@ -119,39 +100,13 @@ def test_random_start_has_room_for_the_gripper_beside_a_thin_wall() -> None:
         assert not gripper.intersects(shapely.Polygon(thin)), seed
 
 
-@given(st.sampled_from(ARENAS), KEYS)
-@PROPERTY
-def test_random_layout_is_the_same_for_the_same_key(arena: Arena, key: int) -> None:
-    layout = drawn(arena, 1, key)
-    assert layout == drawn(arena, 1, key)
-    assert layout != drawn(arena, 1, key ^ 1)
-
-
-def test_random_layout_moves_along_with_its_arena() -> None:
-    here, there = drawn(RECTANGLE, 2, 5), drawn(RECTANGLE.shifted(700.0, 400.0), 2, 5)
-    assert here is not None
-    assert there is not None
-    assert there.starts[0] == pytest.approx(
-        (here.starts[0].x + 700.0, here.starts[0].y + 400.0, here.starts[0].heading)
-    )
-
-
 def test_random_starts_and_food_cover_the_floor() -> None:
-    layouts = [drawn(RECTANGLE, 1, key_of(seed)) for seed in range(300)]
-    for places in ([x.starts[0][:2] for x in layouts if x], [x.foods[0] for x in layouts if x]):
-        quarters = {(x > 325.0, y > 300.0) for x, y in places}
-        assert len(quarters) == 4
-    headings = [x.starts[0].heading for x in layouts if x]
+    layouts = [random_layout(RECTANGLE, 1, key_of(seed), DEFAULT_VALUES) for seed in range(300)]
+    for places in ([x.starts[0][:2] for x in layouts], [x.foods[0] for x in layouts]):
+        assert len({(x > 325.0, y > 300.0) for x, y in places}) == 4
+    headings = [x.starts[0].heading for x in layouts]
     assert abs(sum(map(math.cos, headings)) / 300) < 0.17  # four standard errors
     assert abs(sum(map(math.sin, headings)) / 300) < 0.17
-
-
-def test_draw_layout_without_room_is_false() -> None:
-    assert not draw_layout(
-        Start(), [Place() for _ in range(20)], 1, floor_of(CORRIDOR), arena_map_of(CORRIDOR), DEFAULT_VALUES
-    )
-    with pytest.raises(ValueError, match="corridor: no room for a robot and 20 food objects outside home"):
-        random_layout(CORRIDOR, 20, 1, DEFAULT_VALUES)
 
 
 @pytest.mark.parametrize(
@@ -167,8 +122,7 @@ def test_draw_layout_without_room_is_false() -> None:
 def test_decisions_move_the_limits_of_random_food(decisions: Decisions) -> None:
     nearest_wall = nearest_food = nearest_robot = math.inf
     for seed in range(200):
-        layout = drawn(RECTANGLE, 2, key_of(seed), decisions)
-        assert layout is not None
+        layout = random_layout(RECTANGLE, 2, key_of(seed), decisions.values())
         check_random(RECTANGLE, layout, decisions)
         nearest_wall = min(nearest_wall, *(RECTANGLE.clearance(food) for food in layout.foods))
         nearest_food = min(nearest_food, math.dist(*layout.foods))
@@ -178,33 +132,64 @@ def test_decisions_move_the_limits_of_random_food(decisions: Decisions) -> None:
     assert nearest_robot < decisions.close_to_food * MM_PER_PIXEL + 30
 
 
-# ---------------------------------------------------------------- keys and food types
-
-
-def test_keys_differ_between_seeds_episodes_and_purposes() -> None:
-    keys = [
-        purpose(key_of(seed), episode)
-        for purpose in (layout_key, food_type_key)
-        for seed in range(20)
-        for episode in range(20)
-    ]
-    assert len(set(keys)) == len(keys)
-    assert layout_key(key_of(3), 2) == layout_key(key_of(3), 2)
-
-
-def types_of(foods: int, key: int, pickable: float, pushable: float) -> list[int]:
-    objects = [FoodObject(0.0, 0.0) for _ in range(foods)]
-    draw_food_types(objects, key, (pickable, pushable, 1 - pickable - pushable))
-    assert all(food.known == FoodType.UNKNOWN for food in objects)
-    return [food.type for food in objects]
-
-
 def test_food_types_have_their_odds() -> None:
-    types = types_of(4000, 12, 0.5, 0.3)
+    objects = [FoodObject(0.0, 0.0) for _ in range(4000)]
+    draw_food_types(objects, 12, (0.5, 0.3, 0.2))
+    assert {food.known for food in objects} == {FoodType.UNKNOWN}
+    types = [food.type for food in objects]
     shares = [types.count(t) / 4000 for t in (FoodType.PICKABLE, FoodType.PUSHABLE, FoodType.POISONOUS)]
     assert shares == pytest.approx([0.5, 0.3, 0.2], abs=0.03)  # four standard errors
 
 
-def test_food_types_depend_on_key_and_number_alone() -> None:
-    assert types_of(5, 12, 0.4, 0.3)[:3] == types_of(3, 12, 0.4, 0.3)
-    assert types_of(50, 12, 0.4, 0.3) != types_of(50, 13, 0.4, 0.3)
+# ---------------------------------------------------------------- on marks, by hand
+
+
+@given(st.sampled_from(ARENAS), KEYS, st.floats(0, 20), st.floats(0, 30))
+@PROPERTY
+def test_training_layout_is_free_and_near_the_marks(
+    arena: Arena, key: int, error: float, degrees: float
+) -> None:
+    layout = training_layout((arena,), Noise(placement_error=error, placement_heading_error=degrees), key)
+    check_layout((arena,), layout)
+    assert math.dist(layout.starts[0][:2], arena.start[:2]) <= 8 * error + 1e-9
+    for food, mark in zip(layout.foods, arena.foods, strict=True):
+        assert math.dist(food, mark) <= 8 * error + 1e-9
+
+
+def test_training_errors_have_their_deviation_and_differ_between_arenas() -> None:
+    noise, arenas = Noise(placement_error=3.0, placement_heading_error=2.0), copies(CORRIDOR, 2)
+    errors, turns = [], []
+    for seed in range(400):
+        layout = training_layout(arenas, noise, key_of(seed))
+        for arena, start, food in zip(arenas, layout.starts, layout.foods, strict=True):
+            errors += [start.x - arena.start.x, start.y - arena.start.y]
+            errors += [food.x - arena.foods[0].x, food.y - arena.foods[0].y]
+            turns.append(math.degrees(start.heading))
+        assert len({round(e, 6) for e in errors[-8:]}) == 8
+    for values, deviation in ((errors, 3.0), (turns, 2.0)):
+        count = len(values)
+        assert abs(sum(values) / count) < 4 * deviation / math.sqrt(count)
+        assert math.sqrt(sum(v * v for v in values) / count) == pytest.approx(deviation, rel=0.1)
+
+
+@given(st.sampled_from(ARENAS[:3]), SHARES, SHARES, SHARES, st.floats(-math.pi, math.pi))
+@settings(PROPERTY, max_examples=300)
+def test_layout_is_free_agrees_with_the_checks_of_worlds(
+    arena: Arena,
+    start: tuple[float, float],
+    food: tuple[float, float],
+    other: tuple[float, float],
+    heading: float,
+) -> None:
+    """Those checks are the same rule, and also say what is wrong."""
+    left, bottom, right, top = arena.bounds
+    (x, y), *foods = (
+        Point(left + (right - left) * u, bottom + (top - bottom) * v) for u, v in (start, food, other)
+    )
+    free = layout_is_free(Start(x, y, heading), [Place(*place) for place in foods], floor_of(arena))
+    try:
+        check_layout((arena,), Layout((Pose(x, y, heading),), tuple(foods)))
+    except ValueError:
+        assert not free
+    else:
+        assert free

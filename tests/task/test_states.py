@@ -1,179 +1,64 @@
 """The decision tree of figure 4.2 against table 4.2, which is written out here from the thesis."""
 
-from collections.abc import Callable
-from dataclasses import replace
+import operator
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from khepera_forage.robots.khepera import ARM_RAISED
-from khepera_forage.task.decisions import DEFAULT_VALUES, DecisionValues
-from khepera_forage.task.states import (
-    Behaviour,
-    FoodType,
-    State,
-    StateVector,
-    behaviour_for,
-    classify,
-    is_raised,
-)
-from tests.version_0_1 import V0_1, VALUES
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import Behaviour, FoodType, State, StateVector, behaviour_for, classify
 
 HOME_RADIUS = 20
-NEXT_TO_FOOD, CLOSE_TO_FOOD = int(VALUES.next_to_food), int(VALUES.close_to_food)
-HIGHEST_RAISED_ARM = ARM_RAISED + int(VALUES.carry_margin)
-FARTHER_STATE = replace(V0_1, equal_distance="farther state").values()
+DECISIONS = st.sampled_from([Decisions.v0_1(), Decisions()]) | st.builds(
+    Decisions,
+    next_to_food=st.integers(10, 20),
+    close_to_food=st.integers(20, 60),
+    carry_margin=st.integers(0, 30),
+    equal_distance=st.sampled_from(("nearer state", "farther state")),
+)
 
-Row = Callable[[StateVector], bool]
 
-
-def table_4_2(decisions: DecisionValues) -> dict[State, Row]:
-    """The rows of the table, with the thresholds of some decisions."""
-    next_to_food, close_to_food = decisions.next_to_food, decisions.close_to_food
-    highest_raised_arm = ARM_RAISED + decisions.carry_margin
-    return {
-        State.SEARCH: lambda v: (
-            not v.object_presence
-            and v.robot_home_distance > HOME_RADIUS
-            and v.robot_food_distance > close_to_food
-        ),
-        State.CLOSE_TO_FOOD: lambda v: (
-            not v.object_presence
-            and v.robot_home_distance > HOME_RADIUS
-            and v.robot_food_distance > next_to_food
-            and v.robot_food_distance < close_to_food
-        ),
-        State.NEXT_TO_FOOD: lambda v: (
-            not v.object_presence
-            and v.robot_home_distance > HOME_RADIUS
-            and v.robot_food_distance < next_to_food
-            and v.food_type == FoodType.UNKNOWN
-        ),
-        State.ORIENTED_WITH_FOOD: lambda v: (
-            bool(v.object_presence)
-            and v.robot_home_distance > HOME_RADIUS
-            and v.food_type == FoodType.UNKNOWN
-        ),
+def rows_of_table_4_2(v: StateVector, decisions: Decisions) -> list[State]:
+    """The rows that a state vector matches; equal distances, of which the table says nothing, are as decided."""
+    within = operator.le if decisions.equal_distance == "nearer state" else operator.lt
+    present, at_home = bool(v.object_presence), within(v.robot_home_distance, HOME_RADIUS)
+    next_to = within(v.robot_food_distance, decisions.next_to_food)
+    close_to = within(v.robot_food_distance, decisions.close_to_food)
+    raised = v.arms_height <= ARM_RAISED + decisions.carry_margin
+    rows = {
+        State.SEARCH: not present and not at_home and not close_to,
+        State.CLOSE_TO_FOOD: not present and not at_home and close_to and not next_to,
+        State.NEXT_TO_FOOD: not present and not at_home and next_to,
+        State.ORIENTED_WITH_FOOD: present and not at_home and v.food_type == FoodType.UNKNOWN,
         # The table omits the arm here, which alone separates this row from FOOD IN HAND.
-        State.READY_TO_PICK_UP_FOOD: lambda v: (
-            bool(v.object_presence)
-            and v.robot_home_distance > HOME_RADIUS
-            and v.food_type == FoodType.PICKABLE
-            and v.arms_height > highest_raised_arm
-        ),
-        State.READY_TO_PUSH_FOOD: lambda v: (
-            bool(v.object_presence)
-            and v.robot_home_distance > HOME_RADIUS
-            and v.food_type == FoodType.PUSHABLE
-        ),
-        State.MUST_AVOID_FOOD: lambda v: (
-            bool(v.object_presence)
-            and v.robot_home_distance > HOME_RADIUS
-            and v.food_type == FoodType.POISONOUS
-        ),
-        State.FOOD_IN_HAND: lambda v: (
-            bool(v.object_presence)
-            and v.robot_home_distance > HOME_RADIUS
-            and v.food_type == FoodType.PICKABLE
-            and v.arms_height <= highest_raised_arm
-        ),
-        State.AT_HOME_NO_FOOD: lambda v: not v.object_presence and v.robot_home_distance < HOME_RADIUS,
-        State.AT_HOME_WITH_FOOD: lambda v: bool(v.object_presence) and v.robot_home_distance < HOME_RADIUS,
+        State.READY_TO_PICK_UP_FOOD: present
+        and not at_home
+        and v.food_type == FoodType.PICKABLE
+        and not raised,
+        State.READY_TO_PUSH_FOOD: present and not at_home and v.food_type == FoodType.PUSHABLE,
+        State.MUST_AVOID_FOOD: present and not at_home and v.food_type == FoodType.POISONOUS,
+        State.FOOD_IN_HAND: present and not at_home and v.food_type == FoodType.PICKABLE and raised,
+        State.AT_HOME_NO_FOOD: not present and at_home,
+        State.AT_HOME_WITH_FOOD: present and at_home,
     }
+    return [state for state, matches in rows.items() if matches]
 
 
-VECTORS = st.builds(
-    StateVector,
-    object_presence=st.integers(0, 1),
-    robot_home_distance=st.integers(0, 60) | st.sampled_from((HOME_RADIUS - 1, HOME_RADIUS, HOME_RADIUS + 1)),
-    food_type=st.integers(0, 3),
-    arms_height=st.integers(215, 255) | st.sampled_from((HIGHEST_RAISED_ARM, HIGHEST_RAISED_ARM + 1)),
-    robot_food_distance=st.integers(0, 60)
-    | st.sampled_from((NEXT_TO_FOOD - 1, NEXT_TO_FOOD, NEXT_TO_FOOD + 1, CLOSE_TO_FOOD, CLOSE_TO_FOOD + 1)),
-)
-
-
-def perceivable(vector: StateVector) -> bool:
-    """FoodType reads UNKNOWN unless an object is present."""
-    return bool(vector.object_presence) or vector.food_type == FoodType.UNKNOWN
-
-
-@pytest.mark.parametrize("decisions", [VALUES, DEFAULT_VALUES], ids=["v0.1", "default"])
-@given(VECTORS.filter(perceivable))
-def test_classify_agrees_with_every_row_of_table_4_2_and_rows_exclude_each_other(
-    decisions: DecisionValues, vector: StateVector
-) -> None:
-    rows = [state for state, row in table_4_2(decisions).items() if row(vector)]
-    assert len(rows) <= 1
-    if rows:
-        assert classify(vector, HOME_RADIUS, decisions) == rows[0]
-
-
-@given(VECTORS.filter(perceivable))
-def test_classify_gives_the_nearer_state_where_equal_distances_match_no_row(vector: StateVector) -> None:
-    if any(row(vector) for row in table_4_2(VALUES).values()):
-        return
-    home, food = vector.robot_home_distance, vector.robot_food_distance
-    assert home == HOME_RADIUS or food in (NEXT_TO_FOOD, CLOSE_TO_FOOD)
-    if home == HOME_RADIUS:
-        nearer = vector._replace(robot_home_distance=home - 1)
-    else:
-        nearer = vector._replace(robot_food_distance=food - 1)
-    assert classify(vector, HOME_RADIUS, VALUES) == classify(nearer, HOME_RADIUS, VALUES)
-
-
-@pytest.mark.parametrize(
-    ("vector", "state"),
-    [
-        (StateVector(0, HOME_RADIUS, 0, 215, 50), State.AT_HOME_NO_FOOD),
-        (StateVector(1, HOME_RADIUS, 1, 215, 50), State.AT_HOME_WITH_FOOD),
-        (StateVector(0, HOME_RADIUS + 1, 0, 215, NEXT_TO_FOOD), State.NEXT_TO_FOOD),
-        (StateVector(0, HOME_RADIUS + 1, 0, 215, NEXT_TO_FOOD + 1), State.CLOSE_TO_FOOD),
-        (StateVector(0, HOME_RADIUS + 1, 0, 215, CLOSE_TO_FOOD), State.CLOSE_TO_FOOD),
-        (StateVector(0, HOME_RADIUS + 1, 0, 215, CLOSE_TO_FOOD + 1), State.SEARCH),
-        (StateVector(1, HOME_RADIUS + 1, 1, HIGHEST_RAISED_ARM, 9), State.FOOD_IN_HAND),
-        (StateVector(1, HOME_RADIUS + 1, 1, HIGHEST_RAISED_ARM + 1, 9), State.READY_TO_PICK_UP_FOOD),
-    ],
-)
-def test_classify_gives_the_nearer_state_at_each_threshold(vector: StateVector, state: State) -> None:
-    assert classify(vector, HOME_RADIUS, VALUES) == state
-
-
-@given(VECTORS.filter(perceivable))
-def test_classify_with_farther_state_differs_only_at_equal_distances(vector: StateVector) -> None:
-    home, food = vector.robot_home_distance, vector.robot_food_distance
-    if home == HOME_RADIUS:
-        vector = vector._replace(robot_home_distance=home + 1)
-    if food in (NEXT_TO_FOOD, CLOSE_TO_FOOD):
-        vector = vector._replace(robot_food_distance=food + 1)
-    expected = classify(vector, HOME_RADIUS, VALUES)
-    original = vector._replace(robot_home_distance=home, robot_food_distance=food)
-    assert classify(original, HOME_RADIUS, FARTHER_STATE) == expected
-
-
-def test_is_raised_holds_up_to_the_carry_margin() -> None:
-    assert is_raised(ARM_RAISED, VALUES)
-    assert is_raised(HIGHEST_RAISED_ARM, VALUES)
-    assert not is_raised(HIGHEST_RAISED_ARM + 1, VALUES)
-
-
-@given(VECTORS)
-def test_classify_never_gives_the_unknown_state(vector: StateVector) -> None:
-    assert classify(vector, HOME_RADIUS, DEFAULT_VALUES) != State.UNKNOWN
-
-
-def test_classify_gives_every_other_state() -> None:
-    between = (DEFAULT_VALUES.next_to_food + DEFAULT_VALUES.close_to_food) // 2
-    reached = {
-        classify(StateVector(presence, home, food_type, arm, food), HOME_RADIUS, DEFAULT_VALUES)
-        for presence in (0, 1)
-        for home in (5, 50)
-        for food_type in range(4)
-        for arm in (215, 255)
-        for food in (9, int(between), 61)
-    }
-    assert reached == set(State) - {State.UNKNOWN}
+@given(decisions=DECISIONS, data=st.data())
+def test_classify_gives_the_one_row_of_table_4_2(decisions: Decisions, data: st.DataObject) -> None:
+    thresholds = [int(threshold) for threshold in (decisions.next_to_food, decisions.close_to_food)]
+    highest = ARM_RAISED + int(decisions.carry_margin)
+    presence = data.draw(st.booleans())
+    vector = StateVector(
+        int(presence),
+        data.draw(st.integers(0, 60) | st.sampled_from([HOME_RADIUS - 1, HOME_RADIUS, HOME_RADIUS + 1])),
+        data.draw(st.integers(0, 3)) if presence else 0,
+        data.draw(st.integers(215, 255) | st.sampled_from([highest, highest + 1])),
+        data.draw(st.integers(0, 70) | st.sampled_from([t + d for t in thresholds for d in (-1, 0, 1)])),
+    )
+    assert [classify(vector, HOME_RADIUS, decisions.values())] == rows_of_table_4_2(vector, decisions)
 
 
 @pytest.mark.parametrize(

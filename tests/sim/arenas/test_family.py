@@ -2,18 +2,41 @@
 
 import math
 from itertools import combinations
+from typing import Any
 
 import pytest
 import shapely
 
 from khepera_forage.robots.khepera import RADIUS
-from khepera_forage.sim.arena import copies
+from khepera_forage.sim.arena import Arena, copies
 from khepera_forage.sim.arenas.named import ARENAS, FAMILY, HOME_RADIUS, family_arena, named_arena, step_limit
 from khepera_forage.sim.layout_checks import check_layout, check_seen
 from khepera_forage.sim.ways import check_ways, longest_path, too_narrow
 from khepera_forage.sim.world import Layout
-from tests.sim.arenas.floors import usable_floor
 from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP
+
+
+def usable_floor(arena: Arena, clearance: float = 85.0) -> Any:
+    """Where the centre of a robot with its gripper can be: a polygon, or several."""
+    obstacles = shapely.union_all([shapely.Polygon(corners) for corners in arena.obstacles])
+    return shapely.Polygon(arena.walls).difference(obstacles).buffer(-clearance)
+
+
+def check_room(arena: Arena) -> None:
+    """A robot reaches every part past the home, and a pair is in the camera's picture with room on its marks."""
+    floor = usable_floor(arena)
+    assert floor.geom_type == "Polygon"
+    check_ways(arena)
+    assert too_narrow(arena) == []
+    home = shapely.Point(arena.home).buffer(arena.home_radius + RADIUS)
+    assert floor.difference(home).geom_type == "Polygon"
+    for place in (arena.home, arena.start, *arena.foods):
+        assert floor.contains(shapely.Point(place[:2]))
+    pair = copies(arena, 2)
+    check_seen(pair)
+    for each in pair:
+        check_layout((each,), Layout((each.start,), each.foods))
+
 
 everywhere = pytest.mark.parametrize("name", FAMILY)
 
@@ -27,17 +50,10 @@ def test_named_arenas_are_those_of_the_thesis_and_the_family() -> None:
 
 
 @everywhere
-def test_robot_reaches_every_part_past_the_home(name: str) -> None:
+def test_arena_has_room_for_robots_and_pairs(name: str) -> None:
     arena = family_arena(name)
-    floor = usable_floor(arena)
-    assert floor.geom_type == "Polygon"
-    check_ways(arena)
-    assert too_narrow(arena) == []
-    home = shapely.Point(arena.home)
-    assert floor.difference(home.buffer(HOME_RADIUS + RADIUS)).geom_type == "Polygon"
+    check_room(arena)
     assert arena.clearance(arena.home) >= HOME_RADIUS + RADIUS == arena.home_radius + RADIUS
-    for place in (arena.home, arena.start, *arena.foods):
-        assert floor.contains(shapely.Point(place[:2]))
 
 
 @everywhere
@@ -49,14 +65,6 @@ def test_walls_that_do_not_touch_leave_passages_of_200_mm(name: str) -> None:
     # Walls are at least 20 mm thick: an opening with this width removes none of their area but at corners.
     for shape in shapes[1:]:
         assert shape.buffer(-9.9).buffer(10).area > 0.95 * shape.area
-
-
-@everywhere
-def test_pair_is_in_the_camera_picture_with_room_on_its_marks(name: str) -> None:
-    pair = copies(family_arena(name), 2)
-    check_seen(pair)
-    for arena in pair:
-        check_layout((arena,), Layout((arena.start,), arena.foods))
 
 
 @everywhere

@@ -1,0 +1,156 @@
+"""`PymunkWorld`: which worlds and layouts are refused, operators who place robots, copies, and sources of noise.
+
+What all worlds promise: `tests/contracts`.
+"""
+
+import copy
+import math
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import JAW_CLOSED, Motors
+from khepera_forage.sim.arena import Arena, Point, Pose, copies
+from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.world import Layout
+from tests.sim.worlds import ELL, NONE, holding, make_world, run
+from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
+
+START, OTHER = CORRIDOR.start, CORRIDOR.start._replace(y=415)
+FOOD = Point(370, 115)
+IN_RECTANGLE = Layout((RECTANGLE.start,), RECTANGLE.foods)
+
+
+def pair() -> PymunkWorld:
+    return PymunkWorld(copies(CORRIDOR, 2), (1, 2), NONE, timing=TIMING)
+
+
+def reset(world: PymunkWorld, starts: tuple[Pose, ...], foods: tuple[Point, ...] = (FOOD,)) -> None:
+    world.reset(np.random.default_rng(0), Layout(starts, foods))
+
+
+@pytest.mark.parametrize(
+    ("arenas", "markers", "complaint"),
+    [
+        ([], (2,), "no arena"),
+        ([CORRIDOR], (), r"markers \(\)"),
+        ([CORRIDOR], (1, 0), r"markers \(1, 0\)"),
+        ([CORRIDOR.shifted(-1, 0)], (2,), r"\(-1, 0\).*allowed"),
+        ([CORRIDOR, CORRIDOR.shifted(3000, 0)], (2,), "3650.*allowed"),
+    ],
+)
+def test_impossible_world_is_refused(arenas: list[Arena], markers: tuple[int, ...], complaint: str) -> None:
+    with pytest.raises(ValueError, match=complaint):
+        PymunkWorld(arenas, markers, NONE, timing=TIMING)
+
+
+def test_advance_before_reset_is_refused() -> None:
+    with pytest.raises(RuntimeError, match="reset"):
+        pair().advance()
+
+
+@pytest.mark.parametrize(
+    ("start", "foods", "complaint"),
+    [
+        (Pose(10, 115, 0), (FOOD,), r"robot at \(10, 115\) mm is 10 mm from a wall"),
+        (Pose(325, 265, 0), (FOOD,), "robot.*outside the walls"),
+        (Pose(math.nan, 115, 0), (FOOD,), "robot.*nan"),
+        (Pose(90, 115, math.nan), (FOOD,), "robot.*nan"),
+        (Pose(340, 115, 0), (FOOD,), r"food at \(370, 115\) mm overlaps robot at \(340, 115\)"),
+        (Pose(300, 170, 1.2), (FOOD,), r"robot at \(300, 170\)"),  # its gripper would be stuck in the wall
+        (Pose(600, 115, 0.0), (FOOD,), r"robot at \(600, 115\)"),
+        (START, (Point(370, 5),), "food.* 5 mm from a wall"),
+        (START, (Point(370, -40),), "food.*outside"),
+        (START, (Point(math.nan, 0),), "food.*nan"),
+        (START, (FOOD, Point(390, 115)), r"food at \(390, 115\) mm overlaps food at \(370, 115\)"),
+    ],
+)
+def test_reset_refuses_what_does_not_fit(start: Pose, foods: tuple[Point, ...], complaint: str) -> None:
+    with pytest.raises(ValueError, match=complaint):
+        reset(pair(), (start, OTHER), foods)
+
+
+def test_reset_refuses_overlapping_robots_and_places_in_an_obstacle() -> None:
+    world = PymunkWorld([RECTANGLE], (1, 2), NONE, timing=TIMING)
+    with pytest.raises(ValueError, match=r"robot at \(154, 300\) mm overlaps robot at \(100, 300\)"):
+        reset(world, (Pose(100, 300, 0), Pose(154, 300, 0)), (Point(400, 300),))
+    reset(world, (Pose(100, 300, 0), Pose(155, 300, 0)), (Point(400, 300),))
+    world = PymunkWorld([ELL], (2,), NONE, timing=TIMING)
+    with pytest.raises(ValueError, match=r"ell: food.*inside a wall"):
+        reset(world, (ELL.start,), (Point(180, 120),))
+    with pytest.raises(ValueError, match=r"ell: robot.* 20 mm from a wall"):
+        reset(world, (Pose(230, 120, 0),), (Point(450, 150),))
+
+
+def test_amount_of_food_may_change_at_a_reset() -> None:
+    world = pair()
+    for count in (3, 0, 1):
+        reset(world, (START, OTHER), tuple(Point(250 + 60 * i, 60) for i in range(count)))
+        world.advance()
+        assert len(world.food_places()) == count
+        assert sum(region.holes == 0 for region in world.camera.look().regions) == count
+
+
+def test_placed_robot_keeps_the_food_it_holds() -> None:
+    world = holding()
+    world.place(0, Pose(500, 600, math.pi / 2))
+    x, y, _ = world.poses()[0]
+    run(world, 3, jaw=JAW_CLOSED)
+    assert (x, y) == (500, 600)
+    assert world.food_places()[0][:2] == pytest.approx((500, 657), abs=2)
+    assert world.food_places()[0].lifted
+
+
+def test_place_refuses_a_taken_pose_and_another_arena() -> None:
+    """Food and walls are those of the arena that the robot was reset in."""
+    world = make_world(Pose(1000, 1000, 0), (1500, 1500))
+    for pose in (Pose(1500, 1470, 0), Pose(500, 500, math.nan)):
+        with pytest.raises(ValueError, match="robot at"):
+            world.place(0, pose)
+    world = pair()
+    reset(world, (START, OTHER))
+    with pytest.raises(ValueError, match=r"robot.*\(200, 415\)"):
+        world.place(0, Pose(200, 415, 0))
+    assert world.poses() == (START, OTHER)
+
+
+def test_sources_of_noise_are_independent_of_one_another_and_of_the_amount_of_food() -> None:
+    """Camera and sensors of a standing robot report the same whether wheels slip or not."""
+    seen = []
+    for slip in (0.0, 0.05):
+        noise = replace(Noise.laboratory(), wheel_slip=slip, wheel_bias=slip)
+        world = PymunkWorld([RECTANGLE], (2,), noise, timing=TIMING)
+        world.reset(np.random.default_rng(8), IN_RECTANGLE)
+        for _ in range(60):
+            world.advance()
+        seen.append((world.robots[0].sense(), world.camera.look()))
+    assert seen[0] == seen[1]
+    ends = []
+    for foods in ((), (Point(600, 60),), (Point(600, 60), Point(600, 540))):
+        world = PymunkWorld([RECTANGLE], (2,), replace(NONE, wheel_bias=0.05), timing=TIMING)
+        reset(world, (Pose(90, 300, 0),), foods)
+        run(world, 20, 10, 10)
+        ends.append(world.poses()[0])
+    assert ends[0] == ends[1] == ends[2]
+    assert abs(ends[0].heading) > 1e-4
+
+
+def test_a_copy_continues_like_its_original_to_the_last_bit() -> None:
+    """In the middle of pushes, grips and collisions."""
+    commands, world = np.random.default_rng(1), PymunkWorld([RECTANGLE], (2,), timing=TIMING)
+    world.reset(np.random.default_rng(0), IN_RECTANGLE)
+    for _ in range(40):
+        ends = set()
+        for one in (copy.deepcopy(world), pickle.loads(pickle.dumps(world)), world):
+            given = np.random.default_rng(2)
+            for _ in range(12):
+                left, right = given.integers(-20, 21, 2).tolist()
+                one.robots[0].drive(Motors(left, right, int(given.choice([215, 255])), 0))
+                one.advance()
+            ends.add(repr((one.robots[0].sense(), one.camera.look(), one.poses(), one.food_places())))
+        assert len(ends) == 1
+        left, right = commands.integers(-5, 21, 2).tolist()
+        run(world, 5, left, right, arm=255, jaw=int(commands.choice([0, 200])))
