@@ -6,7 +6,7 @@ import re
 import time
 from collections import deque
 from collections.abc import Iterator, Sequence
-from contextlib import closing
+from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -204,8 +204,7 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
         x, y, height = _numbers("--camera", arguments.camera, 3)
         camera = (x, y, height)
     by_camera = arguments.places or arguments.tags or arguments.check
-    source = open_source(arguments, paced=False) if by_camera else None
-    try:
+    with closing(open_source(arguments, paced=False)) if by_camera else nullcontext() as source:
         size = arguments.size or DEFAULT_SIZE
         if source is not None:
             rows, columns = source.newest()[0].shape
@@ -228,9 +227,6 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
         if arguments.check and source is not None:
             scene = Tracker(calibration=fit.calibration).update(source.newest()[0])
             print(f"seen now: {described(scene)}")
-    finally:
-        if source is not None:
-            source.close()
     fit.calibration.save(arguments.out)
     print(f"written to {arguments.out}")
 
@@ -279,7 +275,7 @@ def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point
     if window is None:
         raise ValueError("--places needs a display and pygame (extra render); allowed without: --points")
     points: list[Point] = []
-    try:
+    with closing(window):
         while len(points) < len(floor):
             picture = np.repeat(source.newest()[0][:, :, None], 3, axis=2)
             for u, v in points:
@@ -294,8 +290,6 @@ def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point
                     f"window closed after {len(points)} clicks; allowed: one click for each of --places"
                 )
             time.sleep(_PAUSE)
-    finally:
-        window.close()
     return points
 
 

@@ -100,12 +100,6 @@ def test_first_decision_may_be_a_version(words: list[str], expected: Decisions) 
     assert decisions_from_text(row.decisions) == expected
 
 
-def test_teacher_has_the_thresholds_of_the_decisions() -> None:
-    decision = ["--decision", "next_to_food=25", "--decision", "close_to_food=45"]
-    assert main(["recall", "--episodes", "2", "--out", "rows.csv", *decision]) == 0
-    assert [row.correct / row.steps for row in read_rows(Path("rows.csv"), RecallRow)] == [1.0, 1.0]
-
-
 @pytest.mark.parametrize(
     "command",
     [

@@ -139,20 +139,9 @@ def test_full_disk_ends_training_with_the_file_and_what_to_do_and_is_continued(
         assert (part / name).read_bytes() == (whole / name).read_bytes()
 
 
-def test_training_of_another_seed_or_other_decisions_is_not_continued(
+def test_training_of_another_seed_or_other_decisions_is_not_continued_and_nothing_is_changed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert train(tmp_path, "--episodes", "1") == 0
-    before = (tmp_path / "attempts.csv").read_bytes()
-    assert main(["train", "--seed", "2", "--episodes", "2", "--continue", "--out", str(tmp_path)]) == 2
-    assert "g1.csv is of another --seed; allowed with --continue: the same one" in capsys.readouterr().err
-    assert train(tmp_path, "--episodes", "2", "--continue", "--decision", "search_speed=10") == 2
-    assert "search_speed" in capsys.readouterr().err
-    assert (tmp_path / "attempts.csv").read_bytes() == before
-    assert not (tmp_path / "g2.csv").exists()
-
-
-def test_nothing_is_changed_where_one_of_the_files_is_of_another_seed(tmp_path: Path) -> None:
     assert train(tmp_path, "--episodes", "2") == 0
     other = tmp_path / "other"
     assert main(["train", "--seed", "2", "--episodes", "2", "--out", str(other)]) == 0
@@ -160,5 +149,10 @@ def test_nothing_is_changed_where_one_of_the_files_is_of_another_seed(tmp_path: 
     lines = (tmp_path / "g1.csv").read_text().splitlines(keepends=True)
     (tmp_path / "g1.csv").write_text("".join(lines[:-2]))  # interrupted
     before = {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")}
-    assert train(tmp_path, "--episodes", "3", "--continue") == 2
+    for decision, message in (
+        ([], "g2.csv is of another --seed; allowed with --continue: the same one"),
+        (["--decision", "search_speed=10"], "search_speed"),
+    ):
+        assert train(tmp_path, "--episodes", "3", "--continue", *decision) == 2
+        assert message in capsys.readouterr().err
     assert {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")} == before
