@@ -190,12 +190,8 @@ class Devices:
         return [robot for robot in self.fleet.robots if isinstance(robot, ToioRobot)]
 
     def _open_camera(self, settings: LabSettings) -> tuple[FreshFrames, TrackedCamera]:
-        tracker, camera, calibration = (
-            Tracker(settings.tracker, self._calibration),
-            settings.camera,
-            self._calibration,
-        )
-        source = self._source
+        camera, calibration, source = settings.camera, self._calibration, self._source
+        tracker = Tracker(settings.tracker, calibration)
         if source is None:
             size = camera.size or (None if calibration is None else calibration.size)
             options = VideoSettings(size, camera.rate, camera.exposure, camera.focus)

@@ -17,7 +17,7 @@ from khepera_forage.lab.localisation import (
     placement_errors,
     pose_of,
 )
-from khepera_forage.lab.operator import CommandLineOperator, Operator, OperatorRequest, RobotMark
+from khepera_forage.lab.operator import Operator, OperatorRequest, RobotMark, ask_person
 from khepera_forage.lab.settings import LabSettings
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import ARM_RAISED, FOOD_RADIUS, JAW_OPEN, RADIUS, Motors, RobotLost
@@ -84,7 +84,7 @@ class Laboratory:
         self._devices = Devices(settings, source, calibration)
         if operator is None and settings.food_cubes:
             operator = CubeOperator(lambda: self._devices.cubes, lambda: self._devices.foods)
-        self._operator: Operator = CommandLineOperator() if operator is None else operator
+        self._operator: Operator = ask_person if operator is None else operator
 
     @property
     def robots(self) -> Sequence[RealRobot]:

@@ -3,7 +3,7 @@
 import math
 import sys
 from collections.abc import Callable
-from typing import NamedTuple, TextIO
+from typing import NamedTuple
 
 from khepera_forage.sim.arena import Point, Pose
 
@@ -41,31 +41,8 @@ Operator = Callable[[OperatorRequest], None]
 """Places robots and food, then returns, or raises `OperatorGaveUp`; the laboratory checks the result by camera."""
 
 
-class CommandLineOperator:
-    """A person at the command line; `ask` shows a prompt, `out` is standard error by default."""
-
-    def __init__(self, ask: Callable[[str], str] = input, out: TextIO | None = None) -> None:
-        self._ask = ask
-        self._out = out
-
-    def __call__(self, request: OperatorRequest) -> None:
-        """Show the request and wait for Enter."""
-        print("\n".join(describe(request)), file=self._out or sys.stderr)
-        try:
-            answer = self._ask("Press Enter when it is done, or q to give up: ")
-        except EOFError:
-            raise OperatorGaveUp("the command line has no input") from None
-        if answer.strip().lower() in ("q", "quit"):
-            raise OperatorGaveUp("the operator gave up")
-
-
-def holes_text(count: int) -> str:
-    """A number of holes in words."""
-    return "1 hole" if count == 1 else f"{count} holes"
-
-
-def describe(request: OperatorRequest) -> list[str]:
-    """The lines of text that describe a request, in mm and degrees."""
+def ask_person(request: OperatorRequest) -> None:
+    """The operator at the command line: show a request on standard error, in mm and degrees, and wait for Enter."""
     lines = [f"{request.reason}:"]
     if request.errors:
         lines += ["  not yet right:", *(f"    {error}" for error in request.errors)]
@@ -76,7 +53,18 @@ def describe(request: OperatorRequest) -> list[str]:
             f"heading {degrees} degrees"
         )
     if request.foods is not None:
-        lines += [f"  food at x {food.x:.0f} mm, y {food.y:.0f} mm" for food in request.foods]
-        if not request.foods:
-            lines.append("  no food")
-    return lines
+        lines += [f"  food at x {food.x:.0f} mm, y {food.y:.0f} mm" for food in request.foods] or [
+            "  no food"
+        ]
+    print("\n".join(lines), file=sys.stderr)
+    try:
+        answer = input("Press Enter when it is done, or q to give up: ")
+    except EOFError:
+        raise OperatorGaveUp("the command line has no input") from None
+    if answer.strip().lower() in ("q", "quit"):
+        raise OperatorGaveUp("the operator gave up")
+
+
+def holes_text(count: int) -> str:
+    """A number of holes in words."""
+    return "1 hole" if count == 1 else f"{count} holes"

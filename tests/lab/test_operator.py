@@ -5,46 +5,45 @@ import math
 
 import pytest
 
-from khepera_forage.lab.operator import (
-    CommandLineOperator,
-    OperatorGaveUp,
-    OperatorRequest,
-    RobotMark,
-    describe,
-)
+from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest, RobotMark, ask_person
 from khepera_forage.sim.arena import Point, Pose
 
-
-def test_request_shows_all_places() -> None:
-    out = io.StringIO()
-    prompts: list[str] = []
-
-    def ask(text: str) -> str:
-        prompts.append(text)
-        return ""
-
-    mark = RobotMark(0, "teacher", 1, Pose(90.4, 115.0, -math.pi / 2))
-    CommandLineOperator(ask, out)(OperatorRequest("start of an episode", (mark,), (Point(370.0, 115.2),)))
-    assert out.getvalue().splitlines() == [
-        "start of an episode:",
-        "  robot teacher (1 hole) at x 90 mm, y 115 mm, heading 270 degrees",
-        "  food at x 370 mm, y 115 mm",
-    ]
-    assert len(prompts) == 1
-    assert "q to give up" in prompts[0]
+MARK = RobotMark(0, "teacher", 1, Pose(90.4, 115.0, -math.pi / 2))
 
 
-def test_repeated_request_lists_the_errors() -> None:
-    lines = describe(OperatorRequest("pause and resume", (), None, ("robot learner_0 stands 40 mm off",)))
-    assert lines[1:] == ["  not yet right:", "    robot learner_0 stands 40 mm off"]
-    assert "  no food" in describe(OperatorRequest("start", (), ()))
+@pytest.mark.parametrize(
+    ("request_", "lines"),
+    [
+        (
+            OperatorRequest("start of an episode", (MARK,), (Point(370.0, 115.2),)),
+            [
+                "start of an episode:",
+                "  robot teacher (1 hole) at x 90 mm, y 115 mm, heading 270 degrees",
+                "  food at x 370 mm, y 115 mm",
+            ],
+        ),
+        (
+            OperatorRequest("pause and resume", (), None, ("robot learner_0 stands 40 mm off",)),
+            ["pause and resume:", "  not yet right:", "    robot learner_0 stands 40 mm off"],
+        ),
+        (OperatorRequest("start", (), ()), ["start:", "  no food"]),
+    ],
+)
+def test_request_shows_all_places_and_errors(
+    request_: OperatorRequest,
+    lines: list[str],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n"))
+    ask_person(request_)
+    shown = capsys.readouterr()
+    assert shown.err.splitlines() == lines
+    assert shown.out == "Press Enter when it is done, or q to give up: "
 
 
-def test_operator_can_give_up() -> None:
-    for ask in (lambda _: " Q ", _no_input):
-        with pytest.raises(OperatorGaveUp, match=r"gave up|no input"):
-            CommandLineOperator(ask, io.StringIO())(OperatorRequest("start", (), ()))
-
-
-def _no_input(_: str) -> str:
-    raise EOFError
+@pytest.mark.parametrize(("answer", "message"), [(" Q \n", "gave up"), ("", "no input")])
+def test_operator_can_give_up(answer: str, message: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO(answer))
+    with pytest.raises(OperatorGaveUp, match=message):
+        ask_person(OperatorRequest("start", (), ()))

@@ -45,7 +45,8 @@ POLL = 0.005
 """Seconds after which a read without input returns. Constant: `rfc2217://` negotiates every change with the server."""
 DEFAULT_TIMEOUT = 0.1
 MAX_TIMEOUT = 10.0
-DEFAULT_TRIES = 6
+_TRIES = 6
+"""The robot counts as lost after so many tries in a row that bring no reply."""
 MAX_ADAPTED_TIMEOUT = 0.5
 """Seconds: limit of the timeout that follows from the latency of the line."""
 OPENING_TIMEOUT = 1.9
@@ -147,7 +148,6 @@ class Line:
         baud: One of the protocol's; a `socket://` ignores it.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes; two, four and eight
             times as many after silence. The port may take as long to accept a request. `measure` may lengthen it.
-        tries: The robot counts as lost after so many tries in a row that bring no reply.
         replace: Called with each request before it is sent; returns what is sent.
         check: Called again and again during a wait; may raise an exception to end it.
 
@@ -156,7 +156,7 @@ class Line:
         on_traffic: Called with all bytes that are sent or received.
 
     Raises:
-        ValueError: A baud rate, timeout or number of tries that is not allowed; a URL that pyserial does not support.
+        ValueError: A baud rate or timeout that is not allowed; a URL that pyserial does not support.
         ConnectionError: The port cannot be opened, or another program uses it.
         ImportError: pyserial is missing.
     """
@@ -168,14 +168,11 @@ class Line:
         *,
         baud: int,
         timeout: float = DEFAULT_TIMEOUT,
-        tries: int = DEFAULT_TRIES,
         replace: Callable[[Request], Request] = lambda request: request,
         check: Callable[[], None] = lambda: None,
     ) -> None:
         if not 0.0 < timeout <= MAX_TIMEOUT:
             raise ValueError(f"timeout {timeout}; allowed: more than 0 and at most {MAX_TIMEOUT:g} seconds")
-        if tries < 1:
-            raise ValueError(f"tries {tries}; allowed: at least 1")
         if baud not in protocol.baud_rates:
             raise ValueError(f"baud {baud}; allowed: {', '.join(map(str, protocol.baud_rates))}")
         self.port, self.protocol, self.timeout = port, protocol, timeout
@@ -184,7 +181,7 @@ class Line:
         self.deadline = math.inf
         self.statistics = LineStatistics()
         self.on_traffic: Callable[[Traffic], None] | None = None
-        self._tries, self._replace, self._check = tries, replace, check
+        self._replace, self._check = replace, check
         self._serial = open_port(port, baud, protocol.stop_bits, timeout)
         self._splitter = LineSplitter()
         self._lines: deque[bytes] = deque()
@@ -219,7 +216,7 @@ class Line:
         Returns whether the robot has confirmed the stop; if not, the line is too slow for the period.
         """
         begin, latencies, patience = self.now(), list[float](), self.timeout
-        self.deadline = begin + max(OPENING_TIMEOUT, self._tries * self.timeout)
+        self.deadline = begin + max(OPENING_TIMEOUT, _TRIES * self.timeout)
         self.timeout = max(patience, _PATIENCE)
         query, identity = self.protocol.queries[0], self.protocol.identity
         for number, request in enumerate((identity, stop, query, identity, query)):
@@ -361,7 +358,7 @@ class Line:
             if now > (self.deadline if line else min(deadline, self.deadline)):
                 counts.timeouts += 1
                 exchange.silent += _COST_OF_GARBAGE if garbled else 1.0
-                if exchange.silent >= self._tries or now > self.deadline:
+                if exchange.silent >= _TRIES or now > self.deadline:
                     self._give_up(exchange, reason)
                 if garbled or exchange.insist:
                     break
@@ -404,7 +401,7 @@ class Line:
         was_rejected = counts.rejected > rejected_before
         exchange.rejected += was_rejected
         exchange.failed += _COST_OF_GARBAGE if garbled and not was_rejected else 1.0
-        if exchange.failed >= self._tries:
+        if exchange.failed >= _TRIES:
             self._give_up(exchange, reason)
 
     def _assign(self, reply: Reply) -> tuple[bool, bool]:

@@ -8,7 +8,6 @@ from khepera_forage.robots.khepera import CONTROL_PERIOD, Motors, RobotLost
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import (
     DEFAULT_TIMEOUT,
-    DEFAULT_TRIES,
     Line,
     LineStatistics,
     RobotRestarted,
@@ -53,7 +52,6 @@ class SerialRobot(RealRobot):
         baud: Of the line.
         max_speed: Limit of the wheel speeds in speed units.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
-        tries: The robot counts as lost after this number of tries in a row that bring no reply.
         watchdog: Whether a process stops the wheels when this one ends in any way or is frozen. `loop://` has none.
         period: Seconds of a round, which the line must keep; None accepts any line.
 
@@ -79,7 +77,6 @@ class SerialRobot(RealRobot):
         baud: int | None = None,
         max_speed: int | None = None,
         timeout: float = DEFAULT_TIMEOUT,
-        tries: int = DEFAULT_TRIES,
         watchdog: bool = True,
         period: float | None = CONTROL_PERIOD,
     ) -> None:
@@ -98,7 +95,6 @@ class SerialRobot(RealRobot):
             self.protocol,
             baud=self.baud,
             timeout=timeout,
-            tries=tries,
             replace=lambda request: STOP if self._held and self._turns(request) else request,
             check=self._check,
         )
