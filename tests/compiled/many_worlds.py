@@ -10,7 +10,6 @@ from khepera_forage.noise import Noise
 from khepera_forage.records import array_of
 from khepera_forage.robots.khepera import ARM_ON_FLOOR
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.camera import forget_tracks
 from khepera_forage.sim.compiled.world import (
     advance,
     corner_dtype,
@@ -23,6 +22,7 @@ from khepera_forage.sim.compiled.world import (
 from khepera_forage.sim.driving import put_down
 from khepera_forage.sim.layout_checks import cable_anchor
 from khepera_forage.sim.records import Enclosure, constants_of
+from khepera_forage.sim.sensing import forget_tracks
 from tests.version_0_1 import TIMING
 
 

@@ -7,8 +7,7 @@ import numba
 import numpy as np
 from scipy import stats
 
-from khepera_forage.counter_rng import key_of, keys_of, random_bits
-from khepera_forage.sim.draws import lower, normal, upper
+from khepera_forage.counter_rng import key_of, keys_of, lower, normal, random_bits, upper
 
 
 @numba.njit

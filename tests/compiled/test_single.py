@@ -14,7 +14,7 @@ from gymnasium.utils.env_checker import check_env
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.geometry.angles import bearing_of, turn_to
+from khepera_forage.geometry.plane import bearing_of, turn_to
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.sim.arena import Arena, Point, Pose

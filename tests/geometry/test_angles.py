@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.geometry.angles import arcsine, bearing_of, cosine_sine, heading_of, length, sine, turn_to
+from khepera_forage.geometry.plane import arcsine, bearing_of, cosine_sine, heading_of, length, sine, turn_to
 from tests.geometry.shapes import PROPERTY
 
 DEGREES = st.floats(-720, 720)

@@ -8,8 +8,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from khepera_forage.geometry import polygon
+from khepera_forage.geometry.plane import Wall, clearance, to_wall, wall_of, walls_of
 from khepera_forage.geometry.polygon import Segment
-from khepera_forage.geometry.walls import Wall, clearance, to_wall, wall_of, walls_of
 from tests.geometry.shapes import PROPERTY, Enclosure, Place, enclosures, places, segments, star
 
 SQUARE = ((0.0, 0.0), (400.0, 0.0), (400.0, 400.0), (0.0, 400.0))

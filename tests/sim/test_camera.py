@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from khepera_forage.noise import Noise
-from khepera_forage.sim.camera import OverheadCamera
+from khepera_forage.sim.sensing import OverheadCamera
 from khepera_forage.vision.scene import Camera, Region, Scene, Truth
 
 NONE, LABORATORY = Noise.none(), Noise.laboratory()

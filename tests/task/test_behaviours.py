@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.geometry.angles import heading_of, turn_to
+from khepera_forage.geometry.plane import heading_of, turn_to
 from khepera_forage.robots.khepera import MAX_SPEED, Motors
 from khepera_forage.task.arena_map import EVERY_SIDE
 from khepera_forage.task.behaviours import command, detour, is_home_across

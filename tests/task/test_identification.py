@@ -2,7 +2,7 @@
 
 import pytest
 
-from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.envs.layouts import arena_map_of
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.task.food_tracking import at_home, drawn_type, explored
 from khepera_forage.task.states import FoodType

@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.forager import floor_of
-from khepera_forage.envs.layouts import no_room_on_marks, training_layout
+from khepera_forage.envs.layouts import floor_of, no_room_on_marks, training_layout
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.layout_checks import check_layout
