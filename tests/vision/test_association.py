@@ -56,70 +56,33 @@ def right_of(line: float) -> Visible:
 
 
 @given(films)
-def test_found_regions_are_the_detections(film: Sequence[tuple[list[Detection], float]]) -> None:
-    tracks = Tracks()
-    for frame, line in film:
-        scene = tracks.update(frame, right_of(line))
-        assert sorted(as_detection(r) for r in scene.regions if r.found) == sorted(frame)
-
-
-@given(films)
-def test_labels_are_never_reused_and_keep_their_holes(film: Sequence[tuple[list[Detection], float]]) -> None:
-    tracks = Tracks()
-    holes: dict[int, int] = {}
-    gone: set[int] = set()
-    for frame, line in film:
-        scene = tracks.update(frame, right_of(line))
-        labels = [r.label for r in scene.regions]
-        assert labels == sorted(set(labels))
-        assert not gone & set(labels)
-        gone |= holes.keys() - set(labels)
-        new = [label for label in labels if label not in holes]
-        assert new == list(range(len(holes), len(holes) + len(new)))
-        for region in scene.regions:
-            assert holes.setdefault(region.label, region.holes) == region.holes
-
-
-@given(films)
-def test_what_is_not_shown_keeps_all_but_its_status_or_was_dropped(
-    film: Sequence[tuple[list[Detection], float]],
-) -> None:
-    tracks, before = Tracks(), Scene(())
+def test_scene_follows_the_rules(film: Sequence[tuple[list[Detection], float]]) -> None:
+    tracks, before, holes = Tracks(), dict[int, Region](), dict[int, int]()
+    most = {1: 0, 2: 0}
     for frame, line in film:
         visible = right_of(line)
         scene = tracks.update(frame, visible)
+        assert sorted(as_detection(r) for r in scene.regions if r.found) == sorted(frame)
+        labels = [r.label for r in scene.regions]
+        assert labels == sorted(set(labels))
+        new = [label for label in labels if label not in before]
+        assert new == list(range(len(holes), len(holes) + len(new))), "labels are never reused"
         now = {r.label: r for r in scene.regions}
-        for old in before.regions:
-            if old.label not in now:
+        for label, old in before.items():
+            if label not in now:
                 assert old.holes == 0, "a marker was dropped"
                 assert visible(old.x, old.y), "food was dropped though its place was hidden"
-            elif not now[old.label].found:
-                assert now[old.label] == old._replace(found=False)
+            elif not now[label].found:
+                assert now[label] == old._replace(found=False)
                 assert old.holes > 0 or not visible(old.x, old.y), "visible and empty, yet kept"
-        before = scene
-
-
-@given(films)
-def test_with_everything_visible_only_lost_markers_outnumber_the_detections(
-    film: Sequence[tuple[list[Detection], float]],
-) -> None:
-    tracks = Tracks()
-    for frame, _ in film:
-        regions = tracks.update(frame, everywhere).regions
-        assert len(regions) == len(frame) + sum(not r.found for r in regions)
-        assert all(r.holes > 0 for r in regions if not r.found)
-
-
-@given(films)
-def test_there_are_never_more_markers_of_a_kind_than_one_frame_showed(
-    film: Sequence[tuple[list[Detection], float]],
-) -> None:
-    tracks, most = Tracks(), {1: 0, 2: 0}
-    for frame, line in film:
-        regions = tracks.update(frame, right_of(line)).regions
-        for holes in most:
-            most[holes] = max(most[holes], sum(d.holes == holes for d in frame))
-            assert sum(r.holes == holes for r in regions) == most[holes]
+            elif old.holes == 0:
+                assert (now[label].x - old.x) ** 2 + (now[label].y - old.y) ** 2 <= GATE**2
+        for region in scene.regions:
+            assert holes.setdefault(region.label, region.holes) == region.holes
+        for kind in most:
+            most[kind] = max(most[kind], sum(d.holes == kind for d in frame))
+            assert sum(r.holes == kind for r in scene.regions) == most[kind]
+        before = now
 
 
 @given(films, st.randoms(use_true_random=False))
