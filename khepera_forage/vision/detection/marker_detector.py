@@ -37,13 +37,7 @@ _CORNERS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
 
 
 class DetectedMarker(NamedTuple):
-    """A marker in a frame.
-
-    Attributes:
-        moments: Centre and axes; `axis` is the heading.
-        reading: What its holes tell.
-        corners: In the picture: 4 x 2 pixels.
-    """
+    """A marker in a frame: the axis of its moments is the heading; its corners are 4 x 2 pixels of the picture."""
 
     moments: ShapeMoments
     reading: Reading
