@@ -191,15 +191,6 @@ def test_the_only_marker_of_its_kind_is_known_again_anywhere(holes: int) -> None
     assert (jumped.label, jumped.x) == (0, 20)
 
 
-def test_several_lost_learners_are_each_taken_for_the_nearest() -> None:
-    tracks = Tracks()
-    scene = tracks.update([seen(10, 90, 2), seen(100, 80, 2), seen(200, 70, 2)], never_asked)
-    assert [r.x for r in scene.regions] == [10, 100, 200]
-    tracks.update([], everywhere)
-    scene = tracks.update([seen(185, 90, 2), seen(120, 80, 2)], never_asked)
-    assert [(r.x, r.found) for r in scene.regions] == [(10, False), (120, True), (185, True)]
-
-
 def test_a_lost_learner_does_not_take_the_marker_of_one_that_passes_its_last_place() -> None:
     tracks = Tracks()
     tracks.update([seen(100, 90, 2), seen(117, 89, 2)], never_asked)
@@ -207,16 +198,6 @@ def test_a_lost_learner_does_not_take_the_marker_of_one_that_passes_its_last_pla
     for x in range(113, 80, -4):
         scene = tracks.update([seen(x, 89, 2)], everywhere)
         assert [(r.label, r.x, r.found) for r in scene.regions] == [(0, 100, False), (1, x, True)]
-
-
-def test_a_learner_that_reappears_is_not_taken_for_one_that_was_just_lost() -> None:
-    tracks = Tracks()
-    tracks.update([seen(100, 90, 2), seen(200, 80, 2)], never_asked)
-    tracks.update([seen(200, 80, 2)], everywhere)
-    scene = tracks.update(
-        [seen(170, 90, 2)], everywhere
-    )  # nearer to 200 than to 100, but not within a frame's reach
-    assert [(r.label, r.x, r.found) for r in scene.regions] == [(0, 170, True), (1, 200, False)]
 
 
 def test_touching_foods_are_not_taken_for_each_other() -> None:
