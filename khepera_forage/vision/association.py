@@ -98,12 +98,7 @@ def match(tracks: Any, detections: Any, count: int, by_place: bool) -> int:
 
 
 def may_vanish(track: Any, by_place: bool) -> bool:
-    """Whether a track is dropped if its last place is visible and empty: lost food, never a marker.
-
-    Args:
-        track: A `Track` record.
-        by_place: As for `match`; a lost marker is then dropped as food is.
-    """
+    """Whether a track is dropped if its last place is visible and empty: lost food, and by place a lost marker."""
     return track.label >= 0 and not track.found and (track.holes == 0 or by_place)
 
 
@@ -146,11 +141,7 @@ def association_cost(track: Any, detection: Any, near: bool, by_place: bool) -> 
     A track that was found until now is near its last place, and one that has been lost for a while may be anywhere. So
     a lost track never takes the detection of a tracked region that passes its last place.
 
-    Args:
-        track: A `Track` record.
-        detection: A `Detection` record.
-        near: Whether the two are within `GATE`.
-        by_place: As for `match`.
+    `near` tells whether the two are within `GATE`; `by_place` is that of `match`.
     """
     if by_place:
         if not near:
@@ -166,10 +157,7 @@ def association_cost(track: Any, detection: Any, near: bool, by_place: bool) -> 
 def _match_obvious(tracks: Any, detections: Any, count: int, by_place: bool) -> bool:
     """Match the frame if every detection is near exactly one track of its kind, and each near another.
 
-    Nearly all frames are like this, and the general rule then has the same result.
-
-    Returns:
-        Whether it was such a frame.
+    Nearly all frames are like this, and the general rule then has the same result. Returns whether it was such a frame.
     """
     for track in tracks:
         track.detection = -1

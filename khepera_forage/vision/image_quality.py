@@ -6,7 +6,7 @@ size, to be a region. These figures are therefore measured without the tracker, 
 
 import math
 from statistics import NormalDist
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -157,13 +157,13 @@ def _prints(grey: Frame, inside: NDArray[np.bool_]) -> list[float]:
     """Brightness of the holes in a white shape as a share of its white: one number, or none without holes."""
     import cv2
 
-    white = float(np.percentile(grey[inside], _WHITE_QUANTILE))
+    white = _percentile(grey[inside], _WHITE_QUANTILE)
     contours, _ = cv2.findContours(inside.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     whole = cv2.drawContours(np.zeros(inside.shape, np.uint8), contours, -1, 1, cv2.FILLED)
     inner = grey[cv2.erode(whole, np.ones((5, 5), np.uint8)) > 0]
     if not inner.size:
         return []
-    darkest = float(np.percentile(inner, _HOLE_QUANTILE))
+    darkest = _percentile(inner, _HOLE_QUANTILE)
     return [darkest / white] if darkest < _LEAST_HOLE * white else []
 
 
@@ -171,7 +171,7 @@ def white_and_blur(grey: Frame, inside: NDArray[np.bool_], floor: float) -> tupl
     """Brightness of a bright shape as a multiple of the floor's, and the blur of its border in pixels."""
     import cv2
 
-    white = float(np.percentile(grey[inside], _WHITE_QUANTILE))
+    white = _percentile(grey[inside], _WHITE_QUANTILE)
     levels = grey.astype(np.float32)
     steepness = (
         np.hypot(cv2.Sobel(levels, cv2.CV_32F, 1, 0, ksize=1), cv2.Sobel(levels, cv2.CV_32F, 0, 1, ksize=1))
@@ -181,8 +181,14 @@ def white_and_blur(grey: Frame, inside: NDArray[np.bool_], floor: float) -> tupl
     heights = cv2.dilate(levels, window) - cv2.erode(levels, window)
     border = heights > 0.6 * heights.max()
     # The difference between the neighbours of a pixel in the middle of a blurred step is 2 F(1 / blur) - 1 of the step.
-    share = float(np.percentile(steepness[border] / heights[border], _EDGE_QUANTILE))
+    share = _percentile(steepness[border] / heights[border], _EDGE_QUANTILE)
     return white / floor, 1 / NormalDist().inv_cdf(min(0.5 + share, 0.9999))
+
+
+def _percentile(values: NDArray[Any], percent: int) -> float:
+    # Several times faster than numpy's, which interpolates.
+    rank = percent * (values.size - 1) // 100
+    return float(np.partition(values, rank)[rank])
 
 
 def _noise(frame: Frame) -> float:

@@ -88,15 +88,8 @@ class TagFinder:
 class TagDetector:
     """Detects the tags of robots and food.
 
-    Args:
-        settings: Ids and sizes.
-        calibration: Of the frames.
-
     Raises:
         ValueError: The tags are too small for the camera.
-
-    Attributes:
-        reach: Region pixels around a tag's middle within which white belongs to the tag.
     """
 
     def __init__(self, settings: TrackerSettings, calibration: Calibration) -> None:
@@ -116,6 +109,7 @@ class TagDetector:
                     "higher resolution"
                 )
             self._finders.append((TagFinder(ids, size * scale), ids, _closing_kernel(size, scale)))
+        # Region pixels around a tag's middle within which white belongs to the tag.
         self.reach = (0.75 * settings.tag_size + 12) / MM_PER_PIXEL
 
     def detect(self, grey: Frame) -> tuple[list[Detection], dict[str, str]]:
@@ -172,11 +166,7 @@ class TagDetector:
 
 
 class FloorTags:
-    """Watches the tags on the floor: they appear elsewhere once the camera was moved.
-
-    Args:
-        calibration: With the pixels of the tags.
-    """
+    """Watches the tags on the floor: they appear elsewhere once the camera was moved."""
 
     def __init__(self, calibration: Calibration) -> None:
         self._calibration = calibration
@@ -233,12 +223,7 @@ def find_floor_tags(grey: Frame, ids: Sequence[int]) -> dict[int, Corners]:
 
 
 def _closing_kernel(size: float, scale: float) -> NDArray[np.uint8]:
-    """The kernel that removes cables from tags: wider than a cable, no wider than a cell.
-
-    Args:
-        size: Of a tag in mm.
-        scale: Pixels per mm.
-    """
+    """The kernel that removes cables from tags of a size in mm: wider than a cable, no wider than a cell."""
     import cv2
 
     # Odd: an even kernel shifts the picture.

@@ -262,10 +262,10 @@ class VideoSource:
             self._changed.notify_all()
 
     def _reopen(self) -> None:
-        """Open a stream again; if that fails, it stays as it is."""
+        """Open a stream again; if that fails, for whatever reason, it stays as it is."""
         try:
             again = self._opened()
-        except CameraLost:
+        except Exception:
             return
         self._capture.release()
         self._capture = again

@@ -32,12 +32,6 @@ def test_same_seed_gives_the_same_frames() -> None:
     assert not np.array_equal(first[0], first[1])
 
 
-def test_frames_of_one_scene_are_equal_without_disturbances() -> None:
-    frames = render_frames(PAIR, NONE, 3, anchor=(650.0, 500.0))
-    assert all(np.array_equal(frames[0], frame) for frame in frames)
-    assert np.bincount(frames[0].ravel()).argmax() == NONE.floor
-
-
 def test_noise_is_independent_and_has_its_size() -> None:
     frames = np.array(render_frames(Truth((), ()), replace(NONE, grain=4.0), 60), float)
     assert frames.std() == pytest.approx(4.0, rel=0.03)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.frames import FrameRenderer, RenderedFrameSource
+from khepera_forage.vision.rendering.frames import FrameRenderer
 from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.shapes import MARKER_FEATURES, MARKER_FRAME, MARKER_HOLES
 from tests.vision.scene_renderer import COLUMN, NONE, PAIR, ROW, Frame, centroid, grey_at, render_frame
@@ -109,20 +109,6 @@ def test_holes_are_counted_by_a_bare_threshold(holes: int, blur: float) -> None:
 
 
 # ---------------------------------------------------------------- source, and bad input
-
-
-def test_source_renders_the_present_truth() -> None:
-    truth = [PAIR]
-    renderer = FrameRenderer(lambda: truth[0], NONE)
-    renderer.reset(np.random.default_rng(0))
-    source = RenderedFrameSource(renderer)
-    first, age = source.newest()
-    assert age == 0.0
-    truth[0] = Truth((), ())
-    second, _ = source.newest()
-    assert (second == NONE.floor).all()
-    assert (first > 200).any(), "the older frame is unchanged"
-    source.close()
 
 
 def test_frame_before_reset_is_refused() -> None:

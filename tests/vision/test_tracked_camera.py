@@ -56,7 +56,9 @@ def test_look_takes_no_frame_and_expose_takes_one() -> None:
 def test_reset_forgets_the_tracks() -> None:
     source = RenderedSource()
     camera = TrackedCamera(source, Tracker())
-    camera.reset()
+    with camera:
+        camera.reset()
+    assert source.closed == 1
     source.foods = ((2500.0, 2000.0),)  # type: ignore[assignment] # another number of foods
     for _ in range(2):
         camera.expose()
@@ -75,13 +77,6 @@ def test_bad_picture_is_reported_once(caplog: pytest.LogCaptureFixture) -> None:
     source.renderer = SceneRenderer()
     camera.reset()
     assert len(caplog.records) == 1
-
-
-def test_close_closes_the_source() -> None:
-    source = RenderedSource()
-    with TrackedCamera(source, Tracker()) as camera:
-        camera.reset()
-    assert source.closed == 1
 
 
 def test_overlay_draws_regions_at_their_places() -> None:

@@ -1,7 +1,7 @@
 """From the bright shapes of a frame to detections: markers, food, food beside a marker, and shapes split by a cable."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import cv2
@@ -134,12 +134,8 @@ class Detector:
     ) -> tuple[list[Detection], list[_Piece]]:
         """Detections of the markers among some pieces, and the other pieces.
 
-        Args:
-            segmentation: Of the frame.
-            pieces: Bright shapes.
-            markers: All markers are added to this list, even those whose number is uncertain.
-            joined: Whether the pieces result from joining. If not, food whose contour has merged with a marker's is
-                detected, too; joined pieces of food are detected on their own.
+        All markers are added to `markers`, even those whose number is uncertain. Unless the pieces result from joining,
+        food whose contour has merged with a marker's is detected, too; joined pieces of food are detected on their own.
         """
         found: list[Detection] = []
         rest = []
@@ -162,19 +158,19 @@ class Detector:
         return found, rest
 
     def _foods_among(
-        self, segmentation: Segmentation, pieces: Iterable[_Piece], whole: bool = False
+        self, segmentation: Segmentation, pieces: list[_Piece]
     ) -> tuple[list[Detection], list[_Piece]]:
-        """Detections of the food among some pieces, and the other pieces; only of whole discs, or of touching ones."""
+        """Detections of the food among some pieces, and the other pieces."""
         found: list[Detection] = []
         rest = []
         for piece in pieces:
-            foods = list(self._foods_in(segmentation, piece, whole))
+            foods = list(self._foods_in(segmentation, piece))
             found += foods
             if not foods:
                 rest.append(piece)
         return found, rest
 
-    def _foods_in(self, segmentation: Segmentation, piece: _Piece, whole: bool) -> Iterator[Detection]:
+    def _foods_in(self, segmentation: Segmentation, piece: _Piece) -> Iterator[Detection]:
         """The food objects that one contour encloses."""
         if piece.area < _MIN_FOOD_AREA * self._food_area:
             return
@@ -186,7 +182,7 @@ class Detector:
                 self._report(trouble, food.x, food.y)
             else:
                 yield self._detection(piece, patch.edge, food)
-        elif piece.area < _MAX_TOUCHING_FOODS * self._food_area and not whole:
+        elif piece.area < _MAX_TOUCHING_FOODS * self._food_area:
             for food, mask in self._foods.split(patch):
                 part = max(_pieces(mask, (patch.column, patch.row)), key=lambda piece: len(piece.contour))
                 yield self._detection(part, patch.edge, food)
@@ -200,7 +196,7 @@ class Detector:
         cv2.fillConvexPoly(mask, np.rint(corners * 16).astype(np.int32), 255, cv2.LINE_8, 4)
         mask = cv2.dilate(mask, np.ones((3, 3)))  # type: ignore[assignment] # uint8
         rest = patch.filled & patch.white & ~mask
-        return self._foods_among(segmentation, _pieces(rest, (patch.column, patch.row)), whole=True)[0]
+        return self._foods_among(segmentation, _pieces(rest, (patch.column, patch.row)))[0]
 
     def _foods_at_walls(
         self, segmentation: Segmentation, walls: list[Contour], others: list[Contour]

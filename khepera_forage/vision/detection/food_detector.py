@@ -51,13 +51,8 @@ class FoodDetector:
     def trouble(self, patch: ImagePatch, food: ShapeMoments, white: float, blur: float) -> str:
         """Why a disc may be a reflection on the floor: a key of `detector.TROUBLES`; empty if it is none.
 
-        A reflection that is as large as food has a soft border, or it is brighter than white.
-
-        Args:
-            patch: Contains the disc.
-            food: The disc.
-            white: Brightness of white as a multiple of the floor's; 0 if it is unknown.
-            blur: Of the lens in pixels.
+        A reflection that is as large as food has a softer border than the lens's blur (pixels) makes, or it is brighter
+        than white, which is a multiple of the floor's brightness; 0 if it is unknown.
         """
         if 0 < white * patch.floor < _NOT_SATURATED:
             unit = self._calibration.jacobian(food.u, food.v, self._height).area
@@ -70,9 +65,7 @@ class FoodDetector:
     def detect(self, patch: ImagePatch, rim: bool = False) -> ShapeMoments | None:
         """The one food object in a patch; None for anything else, or for part of a food object.
 
-        Args:
-            patch: Contains the disc.
-            rim: Whether the centre follows from the rim alone, because the shape has lost or won a part.
+        If the shape has lost or won a part, the centre of the disc follows from the `rim` alone.
         """
         moments = self._disc(patch, patch.filled)
         if moments is None or (moments.minor >= _ROUND * moments.major and not rim):

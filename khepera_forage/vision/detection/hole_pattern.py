@@ -81,13 +81,10 @@ Darkness = NDArray[np.float32]
 
 
 class Reading(NamedTuple):
-    """What the holes of a marker tell.
+    """What the holes of a marker tell: its number, or 0 and the trouble that makes it uncertain.
 
-    Attributes:
-        number: Of the marker; 0 if it is uncertain.
-        forward: Whether the front is at the last column of the rectified marker.
-        area: Of the holes in square region pixels.
-        trouble: Why the marker is uncertain; empty if it is not.
+    `forward` tells whether the front is at the last column of the rectified marker; `area` is that of the holes in
+    square region pixels.
     """
 
     number: int
@@ -104,10 +101,6 @@ class HolePattern:
         side: Of a hole in mm.
         length: Of a marker in mm.
         width: Of a marker in mm.
-
-    Attributes:
-        rows: Of a rectified marker, with its frame.
-        columns: Of a rectified marker, with its frame.
     """
 
     def __init__(
@@ -118,6 +111,7 @@ class HolePattern:
         width: float,
     ) -> None:
         shape = (round(width / SAMPLE), round(length / SAMPLE))
+        # Of a rectified marker, with its frame.
         self.rows, self.columns = (n + 2 * BORDER for n in shape)
         self._cables = _Cables(*shape)
         self._readings: list[Reading] = []

@@ -37,13 +37,7 @@ _CORNERS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
 
 
 class DetectedMarker(NamedTuple):
-    """A marker in a frame.
-
-    Attributes:
-        moments: Centre and axes; `axis` is the heading.
-        reading: What its holes tell.
-        corners: In the picture: 4 x 2 pixels.
-    """
+    """A marker in a frame: the axis of its moments is the heading; its corners are 4 x 2 pixels of the picture."""
 
     moments: ShapeMoments
     reading: Reading
@@ -113,7 +107,7 @@ class MarkerDetector:
             ).any()
         ):
             return None  # it would be measured shifted and turned
-        reading = self._pattern.read(self._rectified(frame, moments, size), moments.level)
+        reading = self._pattern.read(self._rectified(frame, middle, size * steps), moments.level)
         if not reading.forward:
             moments = moments._replace(axis=moments.axis + math.pi)
         return DetectedMarker(moments, reading, corners)
@@ -155,10 +149,9 @@ class MarkerDetector:
         steps = np.linalg.inv(np.array(jacobian).reshape(2, 2)) @ [[cos, -sin], [sin, cos]]
         return steps, np.array(moments[:2])
 
-    def _rectified(self, frame: Frame, moments: ShapeMoments, size: float) -> Frame:
+    def _rectified(self, frame: Frame, middle: NDArray[np.float64], steps: NDArray[np.float64]) -> Frame:
         """The marker with its black frame, upright: column 0 at one end, row 0 at its right side."""
-        steps, middle = self._steps(moments)
-        steps = steps * size * SAMPLE / MM_PER_PIXEL
+        steps = steps * SAMPLE / MM_PER_PIXEL
         columns, rows = self._pattern.columns, self._pattern.rows
         start = middle - 0.5 - steps @ ((columns - 1) / 2, (rows - 1) / 2)
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP

@@ -116,19 +116,19 @@ class RectangleFit:
         samples = samples.reshape(4 * _POINTS, -1)
         edges = _edges(samples, (white + floor) / 2)
         visible = np.isfinite(edges)
-        first, seen = edges[: 4 * _POINTS], visible[: 4 * _POINTS]
+        seen = visible[: 4 * _POINTS]
         if seen.sum() < _LEAST_SHARE * 4 * _POINTS:
             return None
         edges = np.where(visible, edges, 0.0)
         # A border of which little is hidden needs only its first candidates.
         shown = ~np.repeat(_sides_along_cables(beyond_ends, floor), _POINTS)
-        usable = np.concatenate((seen & shown, np.zeros(4 * _POINTS, bool)))
-        solutions, weights = self._solutions(edges, usable[None], _CLEAR_CUTOFFS, 0.0)
+        first = edges[: 4 * _POINTS]
+        solutions, weights = self._solutions(first, (seen & shown)[None], _CLEAR_CUTOFFS, 0.0)
         if np.count_nonzero(weights) >= _CLEAR_SHARE * np.count_nonzero(shown):
             return (*solutions[0, :3].tolist(), True)
         # Of two sides of which one must be hidden, it is the one with more darkness outside: the cable's.
         # Behind a cable that leaves a strip of the marker there is something else than floor, too.
-        beyond = _OFFSETS - np.where(seen, first, 0.0)[:, None]
+        beyond = _OFFSETS - first[:, None]
         behind = (beyond >= _BEHIND[0]) & (beyond <= _BEHIND[1]) & seen[:, None]
         other = behind & (np.abs(samples - floor) > _FLOOR_DEVIATION * floor)
         dark = (samples < _DARK * floor).sum(axis=1) + other.sum(axis=1)
@@ -156,12 +156,13 @@ class RectangleFit:
 
         In the beginning only the trusted points count; near the end, all visible ones that fit.
         """
+        terms, products = self._terms[: len(edges)], self._products[: len(edges)]
         visible = trusted.any(axis=0)
         weights = trusted.astype(np.float64)
         for cutoff in cutoffs:
-            matrices = (weights @ self._products).reshape(-1, 4, 4) + self._prior
-            solutions = np.linalg.solve(matrices, ((weights * edges) @ self._terms)[..., None])[..., 0]
-            squares = (edges - solutions @ self._terms.T) ** 2
+            matrices = (weights @ products).reshape(-1, 4, 4) + self._prior
+            solutions = np.linalg.solve(matrices, ((weights * edges) @ terms)[..., None])[..., 0]
+            squares = (edges - solutions @ terms.T) ** 2
             limits: float | NDArray[np.float64] = cutoff * cutoff
             if spread_cutoff > 0:
                 spreads = np.median(squares[:, visible], axis=1)

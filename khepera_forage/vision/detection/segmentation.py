@@ -33,13 +33,7 @@ _PIXEL_VARIANCE = 1 / 12
 
 
 class Segmentation(NamedTuple):
-    """The bright pixels of a frame.
-
-    Attributes:
-        frame: The frame, grey levels.
-        floor: Brightness of the floor, one value for 8 x 8 pixels of the frame.
-        mask: 255 where the frame is clearly brighter than the floor, otherwise 0.
-    """
+    """The bright pixels of a frame: 255 in the mask; the floor's brightness has one value for 8 x 8 pixels."""
 
     frame: Frame
     floor: Frame
@@ -52,16 +46,10 @@ class Segmentation(NamedTuple):
 
 
 class ImagePatch(NamedTuple):
-    """The part of a frame around one contour.
+    """The part of a frame around one contour; its first pixel is in that column and row of the frame.
 
-    Attributes:
-        column: Column of the frame at the patch's left side.
-        row: Row of the frame at the patch's top.
-        grey: Grey levels within the patch; read only.
-        white: Mask of bright pixels from the segmentation.
-        filled: 255 within the contour, holes included.
-        floor: Brightness of the floor around the shape.
-        edge: Whether the contour touches the edge of the picture.
+    `white` is the mask of bright pixels, `filled` is 255 within the contour, holes included, `floor` is the brightness
+    of the floor around the shape, and `edge` tells whether the contour touches the edge of the picture.
     """
 
     column: int
@@ -74,18 +62,11 @@ class ImagePatch(NamedTuple):
 
 
 class ShapeMoments(NamedTuple):
-    """Image moments of a shape up to the second order.
+    """Image moments of a shape up to the second order, on the floor: region coordinates.
 
-    Attributes:
-        u: Centre in the picture.
-        v: Centre in the picture.
-        x: Centre on the floor, region coordinates.
-        y: Centre on the floor.
-        major: Standard deviation of the shape along its long axis, in region pixels.
-        minor: Standard deviation across the long axis, in region pixels.
-        axis: Direction of the long axis on the floor in radians, -pi/2..pi/2.
-        area: In square region pixels; border pixels count by their share.
-        level: Mean grey level of the bright pixels inside the shape.
+    (u, v) is the centre in the picture, (x, y) on the floor. `major` and `minor` are the standard deviations along and
+    across the long axis, whose direction is `axis` (radians, -pi/2..pi/2). Border pixels count by their share in the
+    area, and `level` is the mean grey level of the bright pixels inside.
     """
 
     u: float

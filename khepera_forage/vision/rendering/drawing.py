@@ -20,15 +20,7 @@ _GROWTH = 0.5 / _SUPERSAMPLING
 
 
 class ImagePose(NamedTuple):
-    """Position, heading and scale of an object in the picture.
-
-    Attributes:
-        x: Origin of the object in pixels, to the right.
-        y: Origin of the object in pixels, up.
-        cos: Of the heading.
-        sin: Of the heading.
-        scale: Pixels per mm.
-    """
+    """Origin in pixels, x to the right and y up, heading, and scale (pixels per mm) of an object in the picture."""
 
     x: float
     y: float

@@ -201,13 +201,7 @@ class FrameRenderer:
 
 
 class SlowNoise:
-    """Independent random signals, each the mean of three sine waves with random periods and phases.
-
-    Args:
-        rng: Draws all periods and phases at construction.
-        count: Number of signals.
-        period: Typical period of a wave in s.
-    """
+    """Independent random signals, each the mean of three sine waves with random phases, and periods around one in s."""
 
     def __init__(self, rng: np.random.Generator, count: int, period: float) -> None:
         self._rates = 2 * np.pi / (period * rng.uniform(*_PERIODS, (count, _WAVES)))
@@ -223,10 +217,6 @@ class Light:
 
     The light is a slowly tilting plane minus a paraboloid (the vignette). The noise is normal and independent from
     pixel to pixel. For speed it is drawn once, and each frame uses a randomly shifted and mirrored part of it.
-
-    Args:
-        appearance: Sizes of all effects.
-        rng: Spawned for the light's drift and the sensor's noise.
     """
 
     def __init__(self, appearance: CameraAppearance, rng: np.random.Generator) -> None:
@@ -301,12 +291,7 @@ def _robot_shapes(appearance: CameraAppearance) -> tuple[Box | Disc, ...]:
 
 
 def marker_shapes(appearance: CameraAppearance, holes: Iterable[tuple[float, float]]) -> tuple[Box, ...]:
-    """Frame, white sheet and holes of a marker, lowest first, for `drawing.draw_shapes`.
-
-    Args:
-        appearance: Grey levels.
-        holes: Centres of the holes in mm in the marker's own frame.
-    """
+    """Frame, white sheet and holes (centres in mm in the marker's own frame) of a marker, lowest first."""
     half = HOLE_SIDE / 2
     return (
         _SHEET._replace(grey=appearance.black),
