@@ -46,15 +46,7 @@ def train_files(
     teacher: Policy | None = None,
     setups: Setups | None = None,
 ) -> Iterator[tuple[Experience, TrainingEpisode]]:
-    """Training episodes, one a seed.
-
-    Args:
-        env: The paired corridors.
-        trial: For the rows.
-        seeds: One an episode.
-        amount: For the rows.
-        teacher: By default the teacher of section 4.4.
-        setups: Start and food of each episode; by default those of figure 5.1.
+    """Training episodes, one a seed; by default of the teacher of section 4.4, in the set-up of figure 5.1.
 
     Raises:
         IncompleteTrainingError: One episode failed in as many attempts as the size allows.
@@ -84,12 +76,7 @@ def train_files(
 def thesis_files(
     trial: Trial, env: TrainingEnv | None = None
 ) -> tuple[list[Experience], list[TrainingEpisode]]:
-    """As many training episodes as the size says, with the set-up of figure 5.1.
-
-    Args:
-        trial: Seeds and rows.
-        env: By default the paired corridors as the thesis has them; it is closed.
-    """
+    """As many training episodes as the size says, with the set-up of figure 5.1; the environment is closed."""
     env = env or TrainingEnv(max_cycles=trial.size.rounds)
     trained = list(train_files(env, trial, training_seeds(trial).spawn(trial.size.files)))
     env.close()
@@ -121,7 +108,7 @@ def recall_all(
         amount: For the rows.
         files: The policy's experience, for the rows.
         condition: For the rows; by default the trial's.
-        fresh: Use a new copy of the policy for every recall, because the policy remembers what it does.
+        fresh: Copy the policy for every recall, because it remembers what it does.
     """
     vectors: NDArray[np.int64] = arrays(list(files))[0] if files else np.zeros((0, 5), np.int64)
     distinct = len(np.unique(vectors, axis=0))
@@ -181,13 +168,7 @@ def _true(experience: Experience, env: TrainingEnv) -> int:
 
 
 class Moment(NamedTuple):
-    """One step of the learner.
-
-    Attributes:
-        raw: Its raw data when it hears the behaviour.
-        heard: The behaviour.
-        motors: The motor command that was really applied then.
-    """
+    """One step of the learner: its raw data when it hears a behaviour, and the motors that were applied then."""
 
     raw: RawData
     heard: Behaviour
@@ -195,13 +176,7 @@ class Moment(NamedTuple):
 
 
 class Observed(NamedTuple):
-    """One complete training episode.
-
-    Attributes:
-        experience: The learner's experience file.
-        row: For the table.
-        moments: Every step with a behaviour.
-    """
+    """One complete training episode, with every step in which the learner heard a behaviour."""
 
     experience: Experience
     row: TrainingEpisode
@@ -209,14 +184,7 @@ class Observed(NamedTuple):
 
 
 class ObservingTeacher:
-    """The teacher of section 4.4, which also records the steps of its first learner.
-
-    Only the last attempt is kept, as in experience files: an attempt begins with new robots, and the record of the
-    attempt before is dropped.
-
-    Args:
-        env: The environment that it teaches in.
-    """
+    """The teacher of section 4.4, which also records the steps of its first learner in the last attempt."""
 
     def __init__(self, env: TrainingEnv) -> None:
         self._env = env

@@ -70,14 +70,8 @@ def recalls_after(
 ) -> dict[str, Foraged]:
     """Let a learner learn, and forage in several places.
 
-    A learner that takes the arena's diagonal has that of the arena foraged in.
-
-    Args:
-        learner: An entry of `LEARNERS`.
-        training: Its experience.
-        seeds: Of the recalls.
-        seed: Of the learner's random choices. Those of the thesis's imitator, which runs compiled, follow from `seeds`.
-        diagonal: Of the arena of the training, in pixels.
+    A learner that takes the arena's diagonal has that of the arena foraged in; `diagonal` is that of the training, in
+    pixels. `seed` is that of the learner's random choices; those of the thesis's imitator follow from `seeds`.
     """
     if learner.make is NearestNeighbourImitator:
         own = memories_of([training[:2]])
@@ -313,20 +307,12 @@ def search(
     amount: int,
     budget: Budget,
     rng: np.random.Generator,
-    watch: Callable[[float], object] = lambda _: None,
 ) -> Marks:
     """The demonstrations after which a learner delivers most, found by hill climbing with a population.
 
     Each generation tries sets that differ from those of the best quarter so far in some demonstrations. All sets of a
     generation have the same seeds, which no other generation has; the best quarter is tried again in each, and in the
     end longer.
-
-    Args:
-        learner: That is taught.
-        amount: Demonstrations in a set.
-        budget: How much is tried.
-        rng: Of everything.
-        watch: Receives the best mean share of the food so far, after each generation.
     """
     best, tried = budget.sets // 4, list[tuple[Marks, list[float]]]()
     for generation in range(budget.generations):
@@ -341,7 +327,6 @@ def search(
         # A set that was tried once may have been lucky: its mean counts as if it had been average before.
         usual = float(np.mean([values[-1] for _, values in sets]))
         tried = sorted(sets, key=lambda one: -(sum(one[1]) + _PRIOR * usual) / (len(one[1]) + _PRIOR))
-        watch(float(np.mean(tried[0][1])))
     thorough = budget._replace(trainings=_FINAL * budget.trainings, recalls=_FINAL * budget.recalls)
     seed = int(rng.integers(2**31))
     return max((marks for marks, _ in tried[:best]), key=lambda marks: _value(learner, marks, thorough, seed))

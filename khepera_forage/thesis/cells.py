@@ -66,11 +66,10 @@ def in_cell(rows: Iterable[RecallRow], cell: Cell) -> list[RecallRow]:
 def cell_results(
     recalls: Sequence[RecallRow],
     rng: np.random.Generator,
-    cells: Sequence[Cell] = THESIS,
     resamples: int = RESAMPLES,
 ) -> list[CellResult]:
     """The result of every cell; rows of other policies than the imitator are ignored."""
-    return [_result(in_cell(recalls, cell), cell, rng, resamples) for cell in cells]
+    return [_result(in_cell(recalls, cell), cell, rng, resamples) for cell in THESIS]
 
 
 def _result(rows: list[RecallRow], cell: Cell, rng: np.random.Generator, resamples: int) -> CellResult:

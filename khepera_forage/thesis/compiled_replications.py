@@ -147,17 +147,7 @@ class CompiledReplications:
 
 @dataclass(frozen=True, slots=True)
 class CompiledBaseline:
-    """Blocks of forages of the teacher, or of a random policy, under the laboratory's noise.
-
-    Attributes:
-        seed: Of the whole reproduction.
-        blocks: Number of blocks; each counts as a replication.
-        learner: `teacher` or `random`.
-        arena: `corridor` or `rectangle`.
-        forages: Number of forages in each block.
-        decisions: Of the forages.
-        laboratory: The laboratory's noise.
-    """
+    """Blocks of forages of the teacher, or of a random policy; each block counts as a replication."""
 
     seed: int
     blocks: int

@@ -70,7 +70,7 @@ class Replication:
     Attributes:
         seed: Of the whole reproduction.
         number: Of the replication.
-        noise: Name of the noise condition, in training and recall.
+        noise: Name of the noise condition.
         cells: The tables of appendix A to repeat; without any, only the training files.
         decisions: Of training and recall.
     """
@@ -150,16 +150,7 @@ class Replication:
 
 @dataclass(frozen=True, slots=True)
 class Baseline:
-    """A block of forages of the teacher, or of a random policy, under the laboratory's noise.
-
-    Attributes:
-        seed: Of the whole reproduction.
-        number: Of the block, which counts as a replication.
-        learner: `teacher` or `random`.
-        arena: `corridor` or `rectangle`.
-        forages: Number of forages.
-        decisions: Of the forages.
-    """
+    """A block of forages of the teacher, or of a random policy, which counts as a replication."""
 
     seed: int
     number: int

@@ -26,7 +26,7 @@ from khepera_forage.thesis import figures, tables
 from khepera_forage.thesis.cells import cell_results
 from khepera_forage.thesis.claims import claims
 from khepera_forage.thesis.claims.evidence import Evidence, gather
-from khepera_forage.thesis.design import LABORATORY, THESIS, Cell
+from khepera_forage.thesis.design import LABORATORY
 from khepera_forage.thesis.orient_analysis import OrientRow, orient_table
 from khepera_forage.thesis.replication import (
     JobCounts,
@@ -141,7 +141,6 @@ def write_report(
     teachers: Sequence[RecallRow],
     noise_rows: Sequence[RecallRow],
     rng: np.random.Generator,
-    cells: Sequence[Cell] = THESIS,
     resamples: int = RESAMPLES,
     orient_rows: Sequence[OrientRow] = (),
     backend: str = "pymunk",
@@ -156,7 +155,6 @@ def write_report(
         teachers: Forages of the teacher alone.
         noise_rows: Recalls of the imitator in some cells, under each noise condition; may be empty.
         rng: Draws the resamples of every interval.
-        cells: The design of the recalls.
         resamples: Resamples for each interval.
         orient_rows: The orient analysis, under the laboratory's noise; may be empty.
         backend: The backend that simulated the rows.
@@ -180,8 +178,8 @@ def write_report(
         )
     for_cells, for_claims, for_tables, for_orient, for_v0_1 = rng.spawn(5)
     evidence = gather(recalls, trainings, teachers, for_tables, resamples)
-    results = cell_results(recalls, for_cells, cells, resamples)
-    v0_1_results = cell_results(v0_1_recalls, for_v0_1, cells, resamples) if v0_1_recalls else []
+    results = cell_results(recalls, for_cells, resamples)
+    v0_1_results = cell_results(v0_1_recalls, for_v0_1, resamples) if v0_1_recalls else []
     noise = tables.noise_table(noise_rows, evidence)
     measured = claims(recalls, trainings, teachers, for_claims, resamples)
     shown = [

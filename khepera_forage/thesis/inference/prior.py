@@ -22,13 +22,7 @@ _SPEEDS = "robot drivers of the time: KSIM2 10, WSU 9, FHV at most 15, NIC-IF 20
 
 
 class Range(NamedTuple):
-    """A number, uniform between two ends.
-
-    Attributes:
-        least: Lower end.
-        most: Upper end.
-        source: Why these ends.
-    """
+    """A number, uniform between two ends, and the source of these."""
 
     least: float
     most: float
@@ -36,12 +30,7 @@ class Range(NamedTuple):
 
 
 class Shares(NamedTuple):
-    """A named reading, with a probability each.
-
-    Attributes:
-        of: Probability by reading.
-        source: Why these.
-    """
+    """The probability of each named reading, and the source of these."""
 
     of: Mapping[Any, float]
     source: str
@@ -108,9 +97,6 @@ class Prior:
 
     def draw(self, rng: Generator) -> Laboratory:
         """A random laboratory; sets that break a rule between decisions, or do not fit an arena, are drawn again.
-
-        Args:
-            rng: To draw from.
 
         Raises:
             ValueError: No set satisfies these rules.
