@@ -2,7 +2,11 @@
 
 The generator is SplitMix64 (Steele, Lea and Flood 2014), whose n-th number is a hash of key + n * golden ratio.
 Layouts and food types are drawn by it, so that a seed has the same ones on every backend, in a batch of any size.
-Compiled code has its own `random_bits`, `unit` and `heads` on machine words (`sim.compiled.rules`), with equal results.
+So are the random numbers of bodies, camera and policies, which depend on the key, the round and the purpose only: a
+source of noise can be changed without shifting the numbers of another.
+
+Plain functions. Compiled code has its own `random_bits`, `unit` and `heads` on machine words (`sim.compiled.rules`),
+with equal results.
 """
 
 import math
@@ -62,3 +66,44 @@ def keys_of(seeds: NDArray[np.uint64]) -> NDArray[np.uint64]:
     """`key_of` of many seeds below 2**64."""
     keys: NDArray[np.uint64] = random_bits(seeds, np.uint64(1))
     return keys
+
+
+DRAWS = 128
+"""How many random numbers one round has."""
+DRAW_WHEELS, DRAW_PROXIMITY, DRAW_MARKER, DRAW_POLICY = 0, 3, 7, 12
+"""The first random number of each purpose within a round."""
+DRAW_FOOD, FOOD_DRAWS = 16, 4
+"""The first number of food object 0, and how many numbers each of `sim.arena.MOST_FOODS` food objects has."""
+DRAW_BIAS = DRAWS - 3
+"""The first of three numbers that the start of an episode uses."""
+
+_DEVIATION = 1.0 / (16.0 + 1.0 / 6.0) ** 0.5
+
+
+def draw(robot: Any, number: int) -> Any:
+    """64 random bits of this round."""
+    return random_bits(robot.key, robot.round * DRAWS + number)
+
+
+def upper(bits: Any) -> float:
+    """A uniform number in (0, 1) from the upper half of 64 bits."""
+    return (float(bits >> 32) + 0.5) * 2.0**-32
+
+
+def lower(bits: Any) -> float:
+    """A uniform number in (0, 1) from the lower half of 64 bits."""
+    return (float(bits & 0xFFFFFFFF) + 0.5) * 2.0**-32
+
+
+def normal(coins: Any, smoothing: Any) -> float:
+    """A nearly normal number.
+
+    The number of heads among 64 coins, smoothed by the sum of two 16-bit uniform numbers: mean 0 and variance 1
+    exactly, skewness 0, excess kurtosis -0.03, no value beyond 8.2 standard deviations.
+
+    Args:
+        coins: 64 random bits.
+        smoothing: At least 32 random bits, at the lower end.
+    """
+    between = (float((smoothing & 0xFFFF) + ((smoothing >> 16) & 0xFFFF)) + 1.0) * 2.0**-16
+    return (float(heads(coins)) - 33.0 + between) * _DEVIATION

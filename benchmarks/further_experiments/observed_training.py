@@ -8,7 +8,7 @@ import numpy as np
 from further_experiments.episodes import Setups, train_files
 from further_experiments.experiment import Trial
 from further_experiments.rows import TrainingEpisode
-from khepera_forage.envs.forager import Forager
+from khepera_forage.envs.recalls import Forager
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.policies import Observation, Teacher

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from further_experiments.observed_training import Moment
-from khepera_forage.geometry.angles import length
+from khepera_forage.geometry.plane import length
 from khepera_forage.policies import NearestNeighbourImitator, Observation
 from khepera_forage.robots.khepera import FINGER_TIP
 from khepera_forage.task.perception import RawData

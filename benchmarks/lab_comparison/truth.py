@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from khepera_forage.envs.arguments import food_odds
-from khepera_forage.envs.forager import Forager, arena_map_of, perceive_all
-from khepera_forage.envs.layouts import tracker_of
+from khepera_forage.envs.layouts import arena_map_of, tracker_of
+from khepera_forage.envs.recalls import Forager, perceive_all
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import PULSE, SPEED_UNIT, Motors, Senses, applicable
 from khepera_forage.sim.simulation import SimulatedKhepera

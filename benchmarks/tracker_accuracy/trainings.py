@@ -7,7 +7,7 @@ import numpy as np
 
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rendered_training import RenderedTraining
-from khepera_forage.sim.camera import OverheadCamera
+from khepera_forage.sim.sensing import OverheadCamera
 from khepera_forage.vision.tracker import Tracker
 from tracker_accuracy import threshold
 from tracker_accuracy.observations import (

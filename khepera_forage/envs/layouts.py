@@ -1,23 +1,58 @@
-"""Layouts of episodes: drawn by the rules of `task.placement`, or as `reset(options=...)` gives them."""
+"""What robots know of an arena, and layouts of episodes: drawn, or as `reset(options=...)` gives them."""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 from khepera_forage.counter_rng import random_bits
-from khepera_forage.envs.forager import arena_map_of, floor_of
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot
+from khepera_forage.sim.ways import is_home_free, pixel_walls, way_out, ways_of
 from khepera_forage.sim.world import Layout
-from khepera_forage.task.arena_map import ArenaMap
+from khepera_forage.task.arena_map import EVERY_SIDE, OUTSIDE, ArenaMap, Floor, whole_pixels
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
 from khepera_forage.task.placement import Place, Start, draw_layout, place_by_hand
 from khepera_forage.vision.scene import MM_PER_PIXEL
+
+
+@lru_cache(maxsize=1 << 14)
+def arena_map_of(arena: Arena) -> ArenaMap:
+    """What a robot knows of an arena from the beginning, in pixels."""
+    x1, y1, x2, y2 = arena.bounds
+    return ArenaMap(
+        arena.home.x / MM_PER_PIXEL,
+        arena.home.y / MM_PER_PIXEL,
+        whole_pixels(arena.home_radius),
+        arena.start.x / MM_PER_PIXEL,
+        arena.start.y / MM_PER_PIXEL,
+        _home_opening(arena),
+        whole_pixels(arena.diagonal),
+        x1 / MM_PER_PIXEL - OUTSIDE,
+        y1 / MM_PER_PIXEL - OUTSIDE,
+        x2 / MM_PER_PIXEL + OUTSIDE,
+        y2 / MM_PER_PIXEL + OUTSIDE,
+        pixel_walls(arena),
+        ways_of(arena),
+    )
+
+
+def _home_opening(arena: Arena) -> float:
+    if is_home_free(arena):
+        return EVERY_SIDE
+    out_x, out_y = way_out(arena)
+    return math.degrees(math.atan2(out_y - arena.home.y, out_x - arena.home.x))
+
+
+@lru_cache(maxsize=1 << 14)
+def floor_of(arena: Arena) -> Floor:
+    """The floor of an arena, in mm."""
+    return Floor(*arena.bounds, arena.home.x, arena.home.y, arena.home_radius, arena.wall_records)
 
 
 def random_layout(arena: Arena, foods: int, key: int, decisions: DecisionValues) -> Layout:

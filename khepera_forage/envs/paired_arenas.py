@@ -16,8 +16,8 @@ from khepera_forage.envs.arguments import (
     have_grippers,
     timing_of,
 )
-from khepera_forage.envs.forager import Forager, arena_map_of
-from khepera_forage.envs.layouts import arenas_with_marks, tracker_of, training_layout
+from khepera_forage.envs.layouts import arena_map_of, arenas_with_marks, tracker_of, training_layout
+from khepera_forage.envs.recalls import Forager
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.model import KHEPERA, model_of
 from khepera_forage.sim.arena import Arena, copies

@@ -18,8 +18,7 @@ from khepera_forage.envs.arguments import (
     checked_decisions,
     whole_number,
 )
-from khepera_forage.envs.forager import Forager
-from khepera_forage.envs.recalls import Shown, WorldRecalls
+from khepera_forage.envs.recalls import Forager, Shown, WorldRecalls
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, recall_view
 from khepera_forage.noise import Noise
 from khepera_forage.robots.model import KHEPERA
@@ -147,7 +146,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         elif world is not None:
             raise ValueError(f"world is {world!r}; allowed with backend={COMPILED!r}: None")
         else:
-            from khepera_forage.envs.compiled.recalls import CompiledRecalls  # needs numba
+            from khepera_forage.envs.compiled.batch import CompiledRecalls  # needs numba
 
             self._recalls = CompiledRecalls(*settings, robot)
         self.largest_diagonal = self._recalls.largest_diagonal

@@ -15,18 +15,117 @@ from khepera_forage.envs.arguments import (
     have_grippers,
     timing_of,
 )
-from khepera_forage.envs.forager import Forager, arena_map_of
-from khepera_forage.envs.layouts import given_layout, tracker_of
+from khepera_forage.envs.layouts import arena_map_of, given_layout, tracker_of
 from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import Motors, Robot, Senses
 from khepera_forage.robots.model import KHEPERA, model_of
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import Simulation
 from khepera_forage.sim.world import Layout, World
-from khepera_forage.task.behaviours import decode_motors, same_motors
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.arena_map import ArenaMap
+from khepera_forage.task.behaviours import command, decode_motors, same_motors
+from khepera_forage.task.decisions import Decisions, DecisionValues
 from khepera_forage.task.episode import Episode, begin_episode, end_step, penalty, score
+from khepera_forage.task.food_tracking import FoodTracker, explored, share_identified, update_food
+from khepera_forage.task.perception import RawData, own_region, perceive, state_vector, without_food
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
+from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for, classify
+from khepera_forage.vision.scene import Region, Scene
+
+
+class Forager:
+    """Perception and motors of one robot in its own arena.
+
+    Args:
+        robot: The body.
+        arena: What it knows of its arena.
+        holes: Of its marker.
+        tracker: The food tracker of its arena.
+        decisions: Of the task.
+
+    Attributes:
+        own: Its marker's region.
+        raw: Raw data of the last round.
+        vector: State vector of the last round.
+        state: What the teacher would classify it as.
+    """
+
+    def __init__(
+        self, robot: Robot, arena: ArenaMap, holes: int, tracker: FoodTracker, decisions: DecisionValues
+    ) -> None:
+        self.robot = robot
+        self.arena = arena
+        self.tracker = tracker
+        self.holes = holes
+        self.decisions = decisions
+        self.own: Region
+        self.raw: RawData
+        self.vector: StateVector
+        self.state: State
+        self.senses: Senses = robot.sense()
+        self.applied = Motors(0, 0, self.senses.arm, self.senses.jaw)
+
+    @property
+    def correct_behaviour(self) -> Behaviour:
+        """What the teacher would do now."""
+        return behaviour_for(self.state)
+
+    def motors_for(self, behaviour: int) -> Motors:
+        """What a behaviour commands now."""
+        return command(behaviour, self.raw, self.decisions)
+
+    def drive(self, motors: Motors) -> None:
+        """Command the motors for the coming round."""
+        self.applied = self.robot.drive(motors)
+
+    def perceive(self, scene: Scene) -> None:
+        """Perceive what the last round has brought.
+
+        Raises:
+            RuntimeError: The scene has no marker of the robot.
+        """
+        before, self.senses = self.senses, self.robot.sense()
+        own = own_region(scene, self.arena, self.holes)
+        if own is None:
+            raise RuntimeError("the camera's scene has lost all trace of the robot's marker")
+        self.own = own
+        tracker, present = self.tracker, self.senses.object_presence != 0
+        update_food(
+            tracker,
+            tracker.foods,
+            tracker.chosen,
+            tracker.links,
+            scene.regions,
+            self.arena,
+            own.x,
+            own.y,
+            own.orientation,
+            present,
+            present and explored(before, self.senses, self.applied),
+            self.senses.arm,
+            self.decisions,
+        )
+        self.raw = perceive(self.senses, own, tracker, self.arena)
+        self.vector = state_vector(
+            self.raw, without_food(tracker, self.arena, self.decisions), self.decisions
+        )
+        self.state = classify(self.vector, self.arena.home_radius, self.decisions)
+
+
+def perceive_all(foragers: Sequence[Forager], scene: Scene) -> None:
+    """Let the robots of paired arenas perceive what the last round has brought.
+
+    What one identifies, the next ones know at once, and the others a round later.
+
+    Raises:
+        RuntimeError: The scene has no marker of a robot.
+    """
+    for forager in foragers:
+        forager.perceive(scene)
+        for other in foragers:
+            if other is not forager:
+                share_identified(forager.tracker.foods, other.tracker.foods)
 
 
 class Shown(NamedTuple):

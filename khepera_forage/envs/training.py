@@ -12,8 +12,8 @@ from pettingzoo.utils.env import AECEnv
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import PYMUNK, FoodOdds, checked_decisions, whole_number
-from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.paired_arenas import PairedArenas
+from khepera_forage.envs.recalls import Forager
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, training_view
 from khepera_forage.envs.training_episode import TrainingEpisode, observation_box
 from khepera_forage.noise import Noise

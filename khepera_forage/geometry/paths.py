@@ -13,8 +13,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from khepera_forage.geometry.angles import length
-from khepera_forage.geometry.walls import to_wall
+from khepera_forage.geometry.plane import length, to_wall
 
 _NEARER = 0.85
 """Share of the distance from an end of a way to the walls at a corner, or to the home, at which it may pass that."""

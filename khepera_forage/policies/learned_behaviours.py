@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.geometry.angles import bearing_of, length, turn_to
+from khepera_forage.geometry.plane import bearing_of, length, turn_to
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
 from khepera_forage.task.behaviours import wait
 from khepera_forage.task.perception import RawData

@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from khepera_forage.geometry.angles import cosine_sine
-from khepera_forage.geometry.walls import clearance
+from khepera_forage.geometry.plane import clearance, cosine_sine
 from khepera_forage.robots.khepera import (
     FINGER_THICKNESS,
     FINGER_TIP,

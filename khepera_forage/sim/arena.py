@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from khepera_forage.geometry import polygon
-from khepera_forage.geometry.walls import Wall, clearance, walls_of
+from khepera_forage.geometry.plane import Wall, clearance, walls_of
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 
 MOST_FOODS = 16

@@ -22,7 +22,6 @@ from khepera_forage.robots.khepera import (
 from khepera_forage.robots.model import KHEPERA, RobotModel
 from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.sim.arena import MOST_FOODS, Arena, Point, Pose
-from khepera_forage.sim.camera import SimulatedCamera, look
 from khepera_forage.sim.driving import set_motors
 from khepera_forage.sim.layout_checks import (
     arena_of,
@@ -33,7 +32,7 @@ from khepera_forage.sim.layout_checks import (
     check_world,
 )
 from khepera_forage.sim.records import Enclosure, constants_of
-from khepera_forage.sim.sensing import sense
+from khepera_forage.sim.sensing import SimulatedCamera, look, sense
 from khepera_forage.sim.world import FoodPlace, Layout, Timing
 from khepera_forage.vision.simulated_camera import Truth
 

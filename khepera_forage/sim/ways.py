@@ -26,7 +26,7 @@ from khepera_forage.geometry.paths import (
     next_waypoint,
     shortest_length,
 )
-from khepera_forage.geometry.walls import wall_of
+from khepera_forage.geometry.plane import wall_of
 from khepera_forage.robots.khepera import FINGER_TIP
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.vision.scene import MM_PER_PIXEL

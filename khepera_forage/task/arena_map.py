@@ -1,8 +1,16 @@
-"""What a robot knows of its arena from the beginning, in pixels, and the floor on which everything is placed, in mm."""
+"""What a robot knows of its arena from the beginning, in pixels, and how it finds its way there.
 
+The way to food leads past the home. The way home of a robot with food in its gripper leads past poison, which it would
+shove home before it. Both go straight, or around walls (`geometry.paths`). Plain functions, also compiled.
+"""
+
+import math
 from typing import Any, NamedTuple
 
-from khepera_forage.geometry.paths import Ways
+from khepera_forage.geometry.paths import Ways, has_path, is_straight, next_waypoint
+from khepera_forage.geometry.plane import clearance, length
+from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
+from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 OUTSIDE = 4.0
@@ -79,3 +87,156 @@ def is_within(x: float, y: float, arena: ArenaMap) -> bool:
     """Whether a region at this place, in pixels, lies in the arena."""
     # Without a chained comparison, which numba compiles to branches.
     return (arena.left <= x) & (x <= arena.right) & (arena.bottom <= y) & (y <= arena.top)
+
+
+Way = tuple[float, float, float]
+"""The way to a place in pixels: x and y of the next waypoint, and the length of the path, which is 0 if every way in
+the arena is straight, and infinite if there is none."""
+
+_TOUCH = (RADIUS + FOOD_RADIUS) / MM_PER_PIXEL
+"""Pixels from the centre of a robot to food that it touches."""
+_BERTH = _TOUCH + 2.0
+"""Pixels at which it passes poison."""
+_ROOM = (RADIUS + 25.0) / MM_PER_PIXEL
+"""Pixels to the walls that it needs there."""
+_BESIDE = 0.85
+"""Share of its distance from poison at which its way may pass that: a robot beside poison can leave it."""
+_LEFT, _RIGHT, _NO_ROOM = 1, -1, 2
+"""Values of `FoodObject.side`; the first two are the sign of the turn towards that side."""
+_UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
+
+
+def way_home(x: float, y: float, tracker: Any, foods: Any, chosen: Any, arena: ArenaMap) -> Way:
+    """The way home of a robot.
+
+    Args:
+        x: Of the robot, pixels.
+        y: Of the robot, pixels.
+        tracker: Its `FoodTracker` record.
+        foods: The `FoodObject` records.
+        chosen: `ChosenWaypoint` records: on its way home, then on its way to each food object; changed in place.
+        arena: Its arena.
+    """
+    to_x, to_y, ways, walls = arena.home_x, arena.home_y, arena.ways, arena.walls
+    way = to_x, to_y, 0.0
+    if len(ways.corners) > 0:
+        if is_straight(x, y, to_x, to_y, False, chosen[0], walls, ways):
+            way = to_x, to_y, length(to_x - x, to_y - y)
+        else:
+            way = drivable(next_waypoint(x, y, to_x, to_y, False, chosen[0], walls, ways), to_x, to_y)
+    if tracker.held < 0 or not is_poison_about(tracker.held, foods):
+        return way
+    return *past_poison(x, y, way[0], way[1], tracker.held, foods, arena), way[2]
+
+
+def way_to_food(x: float, y: float, to_x: float, to_y: float, chosen: Any, arena: ArenaMap) -> Way:
+    """The way past the home from a place to food.
+
+    Args:
+        x: Of the robot, pixels.
+        y: Of the robot, pixels.
+        to_x: Of the food's region.
+        to_y: Of the food's region.
+        chosen: The `ChosenWaypoint` record of the way to this food object; changed in place.
+        arena: Its arena.
+    """
+    ways, walls = arena.ways, arena.walls
+    if len(ways.corners) == 0:
+        return to_x, to_y, 0.0
+    if is_straight(x, y, to_x, to_y, True, chosen, walls, ways):
+        return to_x, to_y, length(to_x - x, to_y - y)
+    return next_waypoint(x, y, to_x, to_y, True, chosen, walls, ways)
+
+
+def drivable(way: Way, to_x: float, to_y: float) -> Way:
+    """The way that a robot takes: without a path, such as when it was pushed into a corner, it drives straight on."""
+    if way[2] == math.inf:
+        return to_x, to_y, 0.0
+    return way
+
+
+def can_be_reached(x: float, y: float, arena: ArenaMap) -> bool:
+    """Whether there is a way home from a place in pixels, and a way past the home from it to the start of training."""
+    ways, walls = arena.ways, arena.walls
+    if len(ways.corners) == 0:
+        return True
+    return has_path(x, y, arena.home_x, arena.home_y, False, walls, ways) and has_path(
+        x, y, arena.start_x, arena.start_y, True, walls, ways
+    )
+
+
+def is_poison_about(held: int, foods: Any) -> bool:
+    """Whether food other than that in the gripper is poisonous, or may be as far as the robot knows.
+
+    In most arenas none is, and `past_poison` need not be called.
+
+    Args:
+        held: Number of the food object in the gripper.
+        foods: `FoodObject` records.
+    """
+    suspects = 0
+    for k in range(len(foods)):
+        if k != held and _is_suspect(foods[k]):
+            suspects += 1
+    return suspects > 0
+
+
+def past_poison(
+    x: float, y: float, to_x: float, to_y: float, held: int, foods: Any, arena: ArenaMap
+) -> tuple[float, float]:
+    """Where to drive to get to a place without shoving poison: that place, or beside the poison before it.
+
+    Args:
+        x: Of the robot, pixels.
+        y: Of the robot, pixels.
+        to_x: Of the place, to which the straight way is clear of walls.
+        to_y: Likewise.
+        held: Number of the food object in the gripper.
+        foods: `FoodObject` records; `side` is changed.
+        arena: The arena of this robot.
+    """
+    distance = length(to_x - x, to_y - y)
+    # Unit vector to the place; to the left of it is (-ahead_y, ahead_x).
+    ahead_x, ahead_y = (to_x - x) / max(distance, 1.0), (to_y - y) / max(distance, 1.0)
+    nearest, first = distance + _TOUCH, -1
+    for k in range(len(foods)):
+        food = foods[k]
+        off_x, off_y = food.x - x, food.y - y
+        along, aside = off_x * ahead_x + off_y * ahead_y, abs(off_y * ahead_x - off_x * ahead_y)
+        near = aside < min(_TOUCH, _BESIDE * length(off_x, off_y))
+        if not (near and 0.0 < along < distance + _TOUCH and k != held and _is_suspect(food)):
+            food.side = 0
+        elif along < nearest:
+            nearest, first = along, k
+    if first < 0:
+        return to_x, to_y
+    food = foods[first]
+    # Decided once: noise must not change the side while the robot turns.
+    if food.side == 0:
+        food.side = _side_with_room(x, y, ahead_x, ahead_y, food, arena)
+    if food.side == _NO_ROOM:
+        return to_x, to_y
+    # The tangent to a circle around the poison.
+    off_x, off_y = food.x - x, food.y - y
+    sine = min(1.0, _BERTH / max(length(off_x, off_y), 1.0))
+    cosine = math.sqrt(1.0 - sine * sine)
+    sine *= food.side
+    return x + cosine * off_x - sine * off_y, y + sine * off_x + cosine * off_y
+
+
+def _side_with_room(x: float, y: float, ahead_x: float, ahead_y: float, food: Any, arena: ArenaMap) -> int:
+    """The side on which the way past poison is shorter, or the other one if a wall is too near there."""
+    is_left = (food.y - y) * ahead_x - (food.x - x) * ahead_y > 0.0
+    side = _RIGHT if is_left else _LEFT
+    for _ in range(2):
+        reach = side * _BERTH
+        if clearance(food.x - reach * ahead_y, food.y + reach * ahead_x, arena.walls) >= _ROOM:
+            return side
+        side = -side
+    return _NO_ROOM
+
+
+def _is_suspect(food: Any) -> bool:
+    """Whether food must not be shoved home: it is poisonous, or may be as far as the robot knows."""
+    unknown = food.known == _UNKNOWN and food.may_be_poisonous
+    return bool((unknown or food.known == _POISONOUS) and not food.delivered)

@@ -37,7 +37,7 @@ hidden. A decision, because the thesis has no such robot:
 
 import math
 
-from khepera_forage.geometry.angles import arcsine, bearing_of, cosine_sine, turn_to
+from khepera_forage.geometry.plane import arcsine, bearing_of, cosine_sine, turn_to
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_ON_FLOOR,
@@ -80,6 +80,8 @@ _PUSHING_ASIDE = 14.0
 """Largest bearing of pushed food in degrees; at 23 degrees it would no longer lie before the robot."""
 _JAW_SHUT = JAW_ON_FOOD + 3.0
 _ARM_SETTLED = ARM_DOWN - 3
+_STALLED = ARM_ON_FLOOR - 1
+"""Position of an arm that has come down on something and stopped just above the floor."""
 
 
 # Numbers of the behaviours: looking up members of an enum would take a quarter of `command`.
@@ -194,13 +196,15 @@ def _orient(raw: RawData, decisions: DecisionValues) -> Motors:
             else 0.0
         )
         return Motors(-turn, turn, ARM_RAISED, JAW_OPEN)
-    # The jaw is the memory of a missed try: closed, it means backing off until there is room for another.
-    if distance < _CLEAR and (raw.jaw < JAW_OPEN - 5 or distance < decisions.missed_distance):
+    # The jaw is the memory of a missed try: closed, it means backing off until there is room for another. So does a
+    # robot that would drive into its home, where it would have to avoid that.
+    into_home = raw.home_distance < raw.home_radius + _AT_RIM and abs(raw.home_bearing) < 90.0
+    missed = raw.jaw < JAW_OPEN - 5 or distance < decisions.missed_distance
+    if distance < _CLEAR and (missed or into_home):
         return Motors(-decisions.retreat_speed, -decisions.retreat_speed, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
-        # An arm that stops just above the floor has come down on something: back off that too.
-        stalled = raw.arm == ARM_ON_FLOOR - 1
-        back = -decisions.orient_speed if distance < _CLEAR or stalled else 0.0
+        # What the arm has come down on: back off that too.
+        back = -decisions.orient_speed if distance < _CLEAR or raw.arm == _STALLED else 0.0
         turn = clip(error / 8.0, 2.0)
         return Motors(back - turn, back + turn, ARM_DOWN, JAW_OPEN)
     if abs(error) > decisions.aimed:
@@ -276,8 +280,9 @@ def _release(raw: RawData, decisions: DecisionValues) -> Motors:
         left, right = steer(raw, raw.home_bearing, decisions.slow_speed, decisions)
         return Motors(left, right, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
-        # Turning meanwhile finds a free place where food lies already: an arm does not come down on it.
-        return Motors(-1.0, 1.0, ARM_DOWN, JAW_CLOSED)
+        # Turning meanwhile finds a free place where food lies already, on which an arm does not come down: then in a
+        # small circle, because there may be none around this place.
+        return Motors(-3.0 if raw.arm == _STALLED else -1.0, 1.0, ARM_DOWN, JAW_CLOSED)
     return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
 
 
@@ -382,6 +387,8 @@ _SWING = (FINGER_TIP + FOOD_RADIUS + 5.0) / MM_PER_PIXEL
 """Pixels that a robot turning on the spot with its gripper and food needs to the walls."""
 _AROUND_HOME = 6.0
 """Pixels by which a searching robot passes its home."""
+_AT_RIM = 2.0
+"""Pixels outside the home within which a robot is about to be in it."""
 _SQUARE = 40.0
 """Degrees of detour from which the home counts as squarely in the way."""
 _OBSTACLE = 150
@@ -407,7 +414,7 @@ def detour(raw: RawData) -> float:
         return 0.0
     aside = turn_to(raw.food_bearing, raw.home_bearing)
     berth = arcsine(min(1.0, (raw.home_radius + _AROUND_HOME) / home))
-    if abs(aside) >= berth:
+    if abs(aside) >= arcsine(min(1.0, (raw.home_radius + _AT_RIM) / home)):
         return 0.0
     side = math.copysign(1.0, aside)
     if raw.home_opening != EVERY_SIDE and berth - abs(aside) > _SQUARE:

@@ -11,10 +11,10 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from khepera_forage.geometry.angles import heading_of, length
 from khepera_forage.geometry.paths import ChosenWaypoint
+from khepera_forage.geometry.plane import heading_of, length
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, BARRIER, JAW_OPEN, Motors, Senses
-from khepera_forage.task.arena_map import ArenaMap, is_within
+from khepera_forage.task.arena_map import ArenaMap, drivable, is_within, way_to_food
 from khepera_forage.task.decisions import (
     HIDES_ALL_FOOD,
     IN_GRIPPER,
@@ -25,7 +25,6 @@ from khepera_forage.task.decisions import (
     DecisionValues,
 )
 from khepera_forage.task.states import FoodType
-from khepera_forage.task.way_finding import drivable, way_to_food
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 

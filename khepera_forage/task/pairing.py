@@ -6,7 +6,7 @@ The functions take *records*: objects with the fields of `Pairing`.
 from dataclasses import dataclass
 from typing import Any
 
-from khepera_forage.geometry.angles import bearing_of, length, turn_to
+from khepera_forage.geometry.plane import bearing_of, length, turn_to
 from khepera_forage.robots.khepera import MAX_SPEED, Motors
 from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.decisions import DecisionValues

@@ -3,14 +3,12 @@
 import math
 from typing import NamedTuple
 
-from khepera_forage.geometry.angles import bearing_of, length, turn_to
-from khepera_forage.geometry.walls import to_nearest_wall
+from khepera_forage.geometry.plane import bearing_of, length, to_nearest_wall, turn_to
 from khepera_forage.robots.khepera import Senses
-from khepera_forage.task.arena_map import ArenaMap, is_within
+from khepera_forage.task.arena_map import ArenaMap, Way, is_within, way_home
 from khepera_forage.task.decisions import ALONG_PATH, LAST_DISTANCE, DecisionValues
 from khepera_forage.task.food_tracking import FoodTracker
 from khepera_forage.task.states import FoodType, StateVector
-from khepera_forage.task.way_finding import Way, way_home
 from khepera_forage.vision.scene import Region, Scene
 
 

@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from khepera_forage.counter_rng import random_bits, standard_normal, uniform
-from khepera_forage.geometry.walls import clearance
+from khepera_forage.geometry.plane import clearance
 from khepera_forage.robots.footprint import body_is_free, discs_are_apart, gripper_is_free
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
-from khepera_forage.task.arena_map import ArenaMap, Floor
+from khepera_forage.task.arena_map import ArenaMap, Floor, can_be_reached
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.food_tracking import drawn_type
 from khepera_forage.task.states import FoodType
-from khepera_forage.task.way_finding import can_be_reached
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _MARGIN = 5.0

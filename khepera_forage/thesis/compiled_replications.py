@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.envs.arguments import checked_arena
-from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.envs.layouts import arena_map_of
 from khepera_forage.noise import Noise
 from khepera_forage.policies.memories import memories_of
 from khepera_forage.rollouts.compiled.imitators import confidence_levels
-from khepera_forage.rollouts.compiled.recall_rows import recall_rows
 from khepera_forage.rollouts.compiled.recalls import TEACHER as TEACHES
-from khepera_forage.rollouts.compiled.recalls import UNIFORM, Episodes, run_recalls
+from khepera_forage.rollouts.compiled.recalls import UNIFORM, Episodes, recall_rows, run_recalls
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.compiled.training_results import Trained
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow, TrainingRow

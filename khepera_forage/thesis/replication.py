@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.envs.arguments import checked_arena
-from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.envs.layouts import arena_map_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise

@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from khepera_forage.counter_rng import random_bits
+from khepera_forage.counter_rng import DRAW_POLICY, DRAWS, random_bits, upper
 from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.policies.memories import memories_of
 from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, Episodes, run_recalls, run_teacher
 from khepera_forage.rollouts.rows import RecallRow
-from khepera_forage.sim.draws import DRAW_POLICY, DRAWS, upper
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType
 from tests.compiled.decisions import DECISIONS

@@ -14,7 +14,7 @@ from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.geometry.angles import bearing_of, turn_to
+from khepera_forage.geometry.plane import bearing_of, turn_to
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.rollouts.compiled.recalls import run_teacher

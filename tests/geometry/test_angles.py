@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.geometry.angles import bearing_of, cosine_sine, length, turn_to
+from khepera_forage.geometry.plane import bearing_of, cosine_sine, length, turn_to
 from tests.geometry.shapes import PROPERTY
 
 DEGREES = st.floats(-720, 720)

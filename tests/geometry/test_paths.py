@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from khepera_forage.envs.forager import arena_map_of
-from khepera_forage.geometry.angles import length
+from khepera_forage.envs.layouts import arena_map_of
 from khepera_forage.geometry.paths import KEPT, ChosenWaypoint, has_path, is_clear, is_straight, next_waypoint
-from khepera_forage.geometry.walls import clearance
+from khepera_forage.geometry.plane import clearance, length
 from khepera_forage.sim.arena import Arena
 from tests.arenas import BLOCKS, L_ROOM
 

@@ -7,8 +7,8 @@ import shapely
 from hypothesis import given
 
 from khepera_forage.geometry import polygon
+from khepera_forage.geometry.plane import Wall, clearance, to_wall, wall_of, walls_of
 from khepera_forage.geometry.polygon import Segment
-from khepera_forage.geometry.walls import Wall, clearance, to_wall, wall_of, walls_of
 from tests.geometry.shapes import PROPERTY, Enclosure, Place, enclosures, places, segments
 
 

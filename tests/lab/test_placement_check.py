@@ -11,7 +11,7 @@ from khepera_forage.lab.settings import Tolerance
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Senses
 from khepera_forage.sim.arena import Point, copies
-from khepera_forage.sim.camera import OverheadCamera
+from khepera_forage.sim.sensing import OverheadCamera
 from khepera_forage.vision.scene import Scene
 from khepera_forage.vision.simulated_camera import Truth
 from tests.version_0_1 import CORRIDOR

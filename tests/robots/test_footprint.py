@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely import affinity
 
-from khepera_forage.geometry.walls import clearance, walls_of
+from khepera_forage.geometry.plane import clearance, walls_of
 from khepera_forage.robots.footprint import (
     GRIPPER_HALF_WIDTH,
     body_is_free,

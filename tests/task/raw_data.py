@@ -4,7 +4,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from khepera_forage.geometry.angles import bearing_of, length, turn_to
+from khepera_forage.geometry.plane import bearing_of, length, turn_to
 from khepera_forage.task.perception import RawData
 
 _FOLLOWING = (

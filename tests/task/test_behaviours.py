@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.geometry.angles import heading_of, turn_to
+from khepera_forage.geometry.plane import heading_of, turn_to
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, MAX_SPEED, Motors
 from khepera_forage.task.arena_map import EVERY_SIDE
 from khepera_forage.task.behaviours import command, decode_motors, detour, is_home_across

@@ -8,8 +8,8 @@ import pytest
 
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import checked_arena, timing_of
-from khepera_forage.envs.forager import Forager, arena_map_of
-from khepera_forage.envs.layouts import tracker_of
+from khepera_forage.envs.layouts import arena_map_of, tracker_of
+from khepera_forage.envs.recalls import Forager
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.pymunk.world import PymunkWorld

@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-from khepera_forage.envs.forager import arena_map_of
-from khepera_forage.envs.layouts import tracker_of
+from khepera_forage.envs.layouts import arena_map_of, tracker_of
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.sim.arena import Point
 from khepera_forage.task.decisions import Decisions

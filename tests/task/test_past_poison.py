@@ -4,14 +4,14 @@ import math
 
 import pytest
 
-from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.envs.layouts import arena_map_of
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.task.arena_map import is_poison_about, past_poison, way_home
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker
 from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import FoodType
-from khepera_forage.task.way_finding import is_poison_about, past_poison, way_home
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _CORNERS = (Point(0, 0), Point(1000, 0), Point(1000, 600), Point(0, 600))

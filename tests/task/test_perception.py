@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.envs.forager import arena_map_of
+from khepera_forage.envs.layouts import arena_map_of
 from khepera_forage.robots.khepera import Senses
 from khepera_forage.sim.arena import copies
 from khepera_forage.task.decisions import Decisions

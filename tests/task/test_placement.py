@@ -10,8 +10,7 @@ from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 
 from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.forager import floor_of
-from khepera_forage.envs.layouts import random_layout, training_layout
+from khepera_forage.envs.layouts import floor_of, random_layout, training_layout
 from khepera_forage.noise import Noise
 from khepera_forage.robots.footprint import GRIPPER_HALF_WIDTH
 from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, JAW_ROOT, RADIUS

@@ -14,7 +14,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from khepera_forage.noise import Noise
-from khepera_forage.sim.camera import OverheadCamera
+from khepera_forage.sim.sensing import OverheadCamera
 from khepera_forage.vision.scene import Camera, Region, Scene
 from khepera_forage.vision.simulated_camera import Truth
 
@@ -429,7 +429,7 @@ def test_same_scenes_in_another_process() -> None:
     program = (
         "import numpy as np\n"
         "from khepera_forage.noise import Noise\n"
-        "from khepera_forage.sim.camera import OverheadCamera\n"
+        "from khepera_forage.sim.sensing import OverheadCamera\n"
         "from khepera_forage.vision.simulated_camera import Truth\n"
         f"truth = Truth(*{tuple(PAIR.truth)!r})\n"
         "camera = OverheadCamera(lambda: truth, Noise.laboratory(), (600.0, 1200.0))\n"

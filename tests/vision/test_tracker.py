@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.noise import Noise
-from khepera_forage.sim.camera import OverheadCamera
+from khepera_forage.sim.sensing import OverheadCamera
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.rendering.appearance import CameraAppearance
 from khepera_forage.vision.tracker import Tracker, TrackerSettings

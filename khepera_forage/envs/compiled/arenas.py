@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from khepera_forage.compilation import rule
 from khepera_forage.envs.arena_pool import ArenaPool
 from khepera_forage.envs.arguments import FoodOdds, food_odds, timing_of, whole_number
-from khepera_forage.envs.forager import arena_map_of, floor_of
+from khepera_forage.envs.layouts import arena_map_of, floor_of
 from khepera_forage.geometry.paths import CELLS, Corner, Spot, Ways
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.records import array_of, dtype_of

@@ -1,6 +1,6 @@
 """`CompiledBatch`: recalls in many compiled worlds, stepped together."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,24 +9,37 @@ from numpy.typing import ArrayLike, NDArray
 from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import key_of, keys_of
 from khepera_forage.envs.arena_pool import ArenaPool, Arenas
-from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
+from khepera_forage.envs.arguments import COMPILED, FoodOdds, checked_decisions, timing_of, whole_number
 from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_of
-from khepera_forage.envs.compiled.step import begin, carry_out, command_action, command_behaviour
-from khepera_forage.envs.compiled.worlds import (
+from khepera_forage.envs.compiled.step import (
     World,
+    begin,
+    carry_out,
+    command_action,
+    command_behaviour,
     new_worlds,
     place_dtype,
     start_dtype,
     world_of,
 )
-from khepera_forage.envs.layouts import given_places, no_room
-from khepera_forage.envs.recalls import Shown
+from khepera_forage.envs.layouts import arena_map_of, given_places, no_room
+from khepera_forage.envs.recalls import Forager, Shown
+from khepera_forage.geometry.paths import ChosenWaypoint
+from khepera_forage.geometry.plane import bearing_of, turn_to
 from khepera_forage.noise import Noise
 from khepera_forage.records import dtype_of
 from khepera_forage.robots.model import KHEPERA
-from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.sim.compiled.world import CompiledWorld
+from khepera_forage.sim.sensing import marker_region
+from khepera_forage.sim.simulation import SimulatedKhepera
+from khepera_forage.sim.world import Layout
+from khepera_forage.task.arena_map import way_home
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import penalty, score
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
+from khepera_forage.task.perception import RawData
+from khepera_forage.task.states import State, StateVector
 
 _LEAST = 512
 """Worlds for which another thread pays."""
@@ -269,3 +282,120 @@ def _show(world: World, shown: Any, diagonal: float) -> None:
     shown.diagonal = int(diagonal)
     for k in range(6):
         shown.proximity[k] = raw.proximity[k]
+
+
+_FIRST = np.zeros(1, np.int64)
+"""The only world of a batch of one."""
+_WAITING = np.zeros(1, np.bool_)
+
+
+class CompiledRecalls:
+    """Recalls one after another in a compiled world; arguments and attributes are those of `WorldRecalls`."""
+
+    backend = COMPILED
+    layout: Layout
+
+    def __init__(
+        self,
+        arena: Arenas,
+        foods: int,
+        limit: int,
+        noise: Noise | str | None,
+        food_types: FoodOdds,
+        decisions: Decisions,
+        robot: str = KHEPERA.name,
+    ) -> None:
+        self._batch = CompiledBatch(1, arena, foods, limit, noise, food_types, decisions, robot)
+        self._noise, self._decisions = noise, decisions
+        self.largest_diagonal = self._batch.largest_diagonal
+        self._actions = {count: np.zeros((1, count)) for count in (1, 4)}
+        self._enter()
+
+    @property
+    def forager(self) -> Forager:
+        """The robot at its task, as it is now."""
+        return forager_of(self._batch.world(0), self.arena, self._decisions)
+
+    def seed(self, seed: int) -> None:
+        """Make the episodes that follow repeatable, bit for bit."""
+        self._batch.seed([seed], _FIRST)
+
+    def begin(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Shown:
+        """Begin the next episode.
+
+        Args:
+            rng: Not used: a compiled world draws its own random numbers.
+            options: `start` and `foods` as for the environments; what is left out is random.
+
+        Raises:
+            ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
+        """
+        self._batch.restart(_FIRST, options)
+        self._enter()
+        # The robot has stood still for one round, so it is still where it started.
+        self.layout = Layout(self.world.poses(), tuple(Point(x, y) for x, y, _ in self.world.food_places()))
+        return self.shown()
+
+    def step(self, action: Sequence[float]) -> Shown:
+        """One round under the number of a behaviour, or four numbers in -1..1."""
+        numbers = self._actions[len(action)]
+        numbers[0] = action
+        return Shown._make(self._batch.go_on(numbers, _WAITING).item())
+
+    def shown(self) -> Shown:
+        """What environments show of the last round."""
+        return Shown._make(self._batch.shown.item())
+
+    def _enter(self) -> None:
+        """Make arena and bodies those of the world."""
+        self.arena = self._batch.arenas[0]
+        self.world = bodies_of(self._batch.world(0), self.arena, self._noise, self._decisions)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._enter()  # a copied world would show records of its own
+
+
+def forager_of(world: World, arena: Arena, decisions: Decisions) -> Forager:
+    """The robot of a compiled world at its task, as it is now.
+
+    Args:
+        world: Its records.
+        arena: Its arena.
+        decisions: Of the task.
+    """
+    record, arena_map = world.foragers[0], arena_map_of(arena)
+    tracker = FoodTracker(*record["tracker"].item())
+    tracker.foods = [FoodObject(*food.item()) for food in world.objects]
+    tracker.links = [Link(*link.item()) for link in world.links]
+    tracker.chosen = [ChosenWaypoint(*chosen.item()) for chosen in world.chosen]
+    robot = SimulatedKhepera(world.robots[0])
+    values = decisions.values(robot.has_gripper)
+    forager = Forager(robot, arena_map, decisions.recall_marker, tracker, values)
+    forager.own = marker_region(0, world.robots[0])
+    numbers = (tuple(value.tolist()) if hasattr(value, "tolist") else value for value in record["raw"].item())
+    raw = RawData._make(numbers)
+    # Compiled worlds look up the way home when a behaviour uses it.
+    x, y, path = way_home(raw.x, raw.y, tracker, tracker.foods, tracker.chosen, arena_map)
+    forager.raw = raw._replace(
+        home_bearing=turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation),
+        home_path=max(path, raw.home_distance),
+    )
+    forager.vector = StateVector(*record["vector"].item())
+    forager.state = State(int(record["state"]))
+    return forager
+
+
+def bodies_of(world: World, arena: Arena, noise: Noise | str | None, decisions: Decisions) -> CompiledWorld:
+    """Bodies and camera of a compiled world, which show its records as they are now.
+
+    Args:
+        world: Its records; nothing is shown before the first episode.
+        arena: Its arena.
+        noise: Of its devices.
+        decisions: Of the task.
+    """
+    bodies = CompiledWorld([arena], (decisions.recall_marker,), noise, timing=timing_of(decisions))
+    if world.robots["holes"].all():
+        bodies.show_only(world.robots, world.foods, world.tracks)
+    return bodies

@@ -1,33 +1,158 @@
 """One round of one compiled world at its task.
 
-A round is `command` (a behaviour, or motors), then `carry_out`: `sim.compiled.step.advance` moves the bodies, senses
+A round is `command` (a behaviour, or motors), then `carry_out`: `sim.compiled.world.advance` moves the bodies, senses
 and takes a frame; `_perceive` calls the rules of `task`; `end_step` accounts for the round. `begin` starts an
 episode, whose first frame is taken by the first round.
 """
 
 import math
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
-from khepera_forage.compilation import rule
-from khepera_forage.envs.compiled import rules  # noqa: F401 (registers the rules)
+import numpy as np
+
+import khepera_forage.sim.compiled.rules  # noqa: F401 (registers those of the bodies)
+from khepera_forage.compilation import register, rule
 from khepera_forage.envs.compiled.arenas import ArenaRecords, ground_of, map_of
-from khepera_forage.envs.compiled.worlds import World
-from khepera_forage.geometry.angles import bearing_of, turn_to
-from khepera_forage.geometry.walls import to_nearest_wall
+from khepera_forage.geometry import paths
+from khepera_forage.geometry.paths import ChosenWaypoint
+from khepera_forage.geometry.plane import bearing_of, to_nearest_wall, turn_to
+from khepera_forage.records import dtype_of
+from khepera_forage.robots import footprint
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, Senses, applicable
-from khepera_forage.sim.camera import forget_tracks
-from khepera_forage.sim.compiled.world import advance
+from khepera_forage.sim.compiled.world import advance, detection_dtype, food_dtype, robot_dtype, track_dtype
 from khepera_forage.sim.driving import put_down, set_motors
 from khepera_forage.sim.records import Enclosure
-from khepera_forage.task.arena_map import ArenaMap
+from khepera_forage.sim.sensing import forget_tracks
+from khepera_forage.task import (
+    arena_map,
+    behaviours,
+    episode,
+    food_tracking,
+    pairing,
+    perception,
+    placement,
+    states,
+)
+from khepera_forage.task.arena_map import ArenaMap, Way, way_home
 from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_way_home
-from khepera_forage.task.episode import begin_episode, end_step
-from khepera_forage.task.food_tracking import explored, update_food
+from khepera_forage.task.episode import Episode, begin_episode, end_step
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link, explored, update_food
 from khepera_forage.task.perception import RawData, perceives_paths, raw_data, state_vector, without_food
-from khepera_forage.task.placement import draw_food_types, draw_layout, food_type_key, layout_key
-from khepera_forage.task.states import Behaviour, FoodType, classify
-from khepera_forage.task.way_finding import Way, way_home
+from khepera_forage.task.placement import (
+    Place,
+    Start,
+    draw_food_types,
+    draw_layout,
+    food_type_key,
+    layout_key,
+)
+from khepera_forage.task.states import Behaviour, FoodType, StateVector, classify
 from khepera_forage.vision.scene import MM_PER_PIXEL
+
+rule(applicable)
+register(paths, footprint)
+register(arena_map, behaviours, episode, food_tracking, pairing, perception, placement, states)
+
+
+@dataclass(slots=True)
+class ForagerState:
+    """One robot at its task.
+
+    Attributes:
+        raw: The raw data of the last round.
+        vector: The state vector of the last round.
+        state: What the teacher classifies the state vector as.
+        behaviour: What was decided on.
+        correct: Whether the teacher would have decided the same.
+        begins: Whether the last frame was the first of its episode.
+        number: Episodes of this world that began since it was seeded.
+        presence_before: What the robot sensed when the round began; also the next two.
+        arm_before: Likewise.
+        jaw_before: Likewise.
+        episode: The account of its episode.
+        tracker: The food tracker of its arena.
+    """
+
+    raw: RawData
+    vector: StateVector
+    state: int = 0
+    behaviour: int = 0
+    correct: bool = False
+    begins: bool = False
+    number: int = 0
+    presence_before: int = 0
+    arm_before: int = 0
+    jaw_before: int = 0
+    episode: Episode = field(default_factory=Episode)
+    tracker: FoodTracker = field(default_factory=FoodTracker)
+
+
+forager_dtype, object_dtype, link_dtype, chosen_dtype, start_dtype, place_dtype = map(
+    dtype_of, (ForagerState, FoodObject, Link, ChosenWaypoint, Start, Place)
+)
+
+
+class World(NamedTuple):
+    """The records of one world; or of many, with one row a world.
+
+    Attributes:
+        robots: `RobotState`, its one robot.
+        foragers: `ForagerState`, that robot at its task.
+        starts: `Start`, where it stood at the beginning of the episode.
+        foods: `FoodState` records.
+        objects: `FoodObject` records: what is known of the food.
+        places: `Place` records: where food lay at the beginning of the episode.
+        detections: `FoodDetection` records, which hold nothing between rounds.
+        tracks: `Track` records, twice as many as food objects.
+        links: `Link` records, as many as tracks.
+        chosen: `ChosenWaypoint` records: on the way home, and to each food object.
+    """
+
+    robots: Any
+    foragers: Any
+    starts: Any
+    foods: Any
+    objects: Any
+    places: Any
+    detections: Any
+    tracks: Any
+    links: Any
+    chosen: Any
+
+
+def new_worlds(count: int, foods: int) -> World:
+    """Worlds without an episode, with room for this many food objects."""
+    return World(
+        np.zeros((count, 1), robot_dtype),
+        np.zeros((count, 1), forager_dtype),
+        np.zeros((count, 1), start_dtype),
+        np.zeros((count, foods), food_dtype),
+        np.zeros((count, foods), object_dtype),
+        np.zeros((count, foods), place_dtype),
+        np.zeros((count, foods), detection_dtype),
+        np.zeros((count, 2 * foods), track_dtype),
+        np.zeros((count, 2 * foods), link_dtype),
+        np.zeros((count, 1 + foods), chosen_dtype),
+    )
+
+
+@rule
+def world_of(worlds: World, i: int) -> World:
+    """The records of one world."""
+    return World(
+        worlds.robots[i],
+        worlds.foragers[i],
+        worlds.starts[i],
+        worlds.foods[i],
+        worlds.objects[i],
+        worlds.places[i],
+        worlds.detections[i],
+        worlds.tracks[i],
+        worlds.links[i],
+        worlds.chosen[i],
+    )
+
 
 _WAIT = Behaviour.WAIT.value
 _POISONOUS = FoodType.POISONOUS.value - 1

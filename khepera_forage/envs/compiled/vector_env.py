@@ -16,8 +16,7 @@ from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import COMPILED, FoodOdds, whole_number
 from khepera_forage.envs.backends import check_compiled
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.compiled.batch import CompiledBatch
-from khepera_forage.envs.compiled.recalls import bodies_of, forager_of
+from khepera_forage.envs.compiled.batch import CompiledBatch, bodies_of, forager_of
 from khepera_forage.envs.recall import episode_info
 from khepera_forage.envs.rendering import Screen, View, recall_view
 from khepera_forage.envs.wheels_env import WheelsEnv

@@ -10,23 +10,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.compilation import entry, rule, share_out
-from khepera_forage.counter_rng import keys_of
+from khepera_forage.counter_rng import DRAW_POLICY, draw, keys_of, upper
 from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
 from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_of
 from khepera_forage.envs.compiled.batch import given_records
-from khepera_forage.envs.compiled.step import begin, carry_out, command_behaviour
-from khepera_forage.envs.compiled.worlds import World, new_worlds, world_of
+from khepera_forage.envs.compiled.step import World, begin, carry_out, command_behaviour, new_worlds, world_of
 from khepera_forage.envs.layouts import no_room
 from khepera_forage.noise import Noise
 from khepera_forage.policies.memories import BEHAVIOURS, NO_MEMORIES, Memories, plane_key
 from khepera_forage.records import dtype_of
 from khepera_forage.rollouts.compiled.imitators import clear, draw_label, nearest_votes
-from khepera_forage.sim.draws import DRAW_POLICY, draw, upper
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.rollouts.rows import RecallRow
+from khepera_forage.sim.arena import Arena
+from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.episode import DecisionCounts, count_decision, penalty, score
 from khepera_forage.task.food_tracking import is_collected
 from khepera_forage.task.states import NUM_BEHAVIOURS, Behaviour, State
+from khepera_forage.vision.scene import MM_PER_PIXEL
 
 TEACHER, UNIFORM, WITHOUT_ORIENTING = -1, -2, -3
 """Policies that need no memory: the teacher; every behaviour equally likely; and the teacher with SEARCH FOR FOOD in
@@ -388,3 +389,48 @@ def _checked_policies(given: ArrayLike, memories: int) -> NDArray[np.int64]:
                 f"the {memories} memories, from 0"
             )
     return policies.astype(np.int64)
+
+
+_NUMBERS = (
+    "correct",
+    "steps",
+    "score",
+    "delivered",
+    "poison_home",
+    "orient_without_food",
+    "ties",
+    "conflicts",
+)
+_LISTS = ("food_delivered", "rounds_by_state", "wrong_by_state")
+
+
+def recall_rows(
+    played: Episodes, arena: Arena, own: dict[str, list[Any]], decisions: Decisions, **common: Any
+) -> list[RecallRow]:
+    """One row an episode.
+
+    Args:
+        played: From `run_recalls`.
+        arena: Theirs.
+        own: Fields of `RecallRow` that an episode cannot know, by name, one value each.
+        decisions: Theirs.
+        **common: Those that all have in common.
+    """
+    columns: dict[str, list[Any]] = dict(own)
+    for name in _NUMBERS:
+        columns[name] = getattr(played, name).tolist()
+    for name in _LISTS:
+        columns[name] = list(map(tuple, getattr(played, name).tolist()))
+    columns["penalty"] = played.penalty.astype(int).tolist()
+    home = np.array(arena.home)
+    columns["start_x"], columns["start_y"] = _pixels(played.start[:, :2] - home).T.tolist()
+    columns["start_heading"] = np.round(np.degrees(played.start[:, 2]), 1).tolist()
+    foods = _pixels(played.foods - home)
+    columns["food_x"], columns["food_y"] = (list(map(tuple, foods[:, :, k].tolist())) for k in (0, 1))
+    common |= {"arena": arena.name, "foods": foods.shape[1], "decisions": decisions_text(decisions)}
+    rows = zip(*columns.values(), strict=True)
+    return [RecallRow(**common, **dict(zip(columns, row, strict=True))) for row in rows]
+
+
+def _pixels(places: np.ndarray[Any, np.dtype[np.float64]]) -> np.ndarray[Any, np.dtype[np.float64]]:
+    return np.round(places / MM_PER_PIXEL, 2)

@@ -17,8 +17,16 @@ from khepera_forage.counter_rng import keys_of, random_bits
 from khepera_forage.envs.arguments import FoodOdds, checked_arena, checked_decisions, whole_number
 from khepera_forage.envs.compiled.arenas import arena_at, arena_block, ground_of, map_of, settings_of
 from khepera_forage.envs.compiled.batch import given_records
-from khepera_forage.envs.compiled.step import carry_out, command_behaviour, drive, motors_of, stand_ready
-from khepera_forage.envs.compiled.worlds import World, new_worlds, world_of
+from khepera_forage.envs.compiled.step import (
+    World,
+    carry_out,
+    command_behaviour,
+    drive,
+    motors_of,
+    new_worlds,
+    stand_ready,
+    world_of,
+)
 from khepera_forage.envs.layouts import arenas_with_marks, no_room_on_marks
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.records import dtype_of

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, SupportsIndex, overload
 
-from khepera_forage.geometry.walls import clearance, walls_of
+from khepera_forage.geometry.plane import clearance, walls_of
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, Difficulty, checked_difficulty

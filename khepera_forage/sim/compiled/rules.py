@@ -6,10 +6,9 @@ import numpy as np
 
 from khepera_forage import counter_rng
 from khepera_forage.compilation import overload, register, rule
-from khepera_forage.geometry import angles, walls
+from khepera_forage.geometry import plane
 from khepera_forage.robots.khepera import half_gap
-from khepera_forage.sim import camera, draws, driving, gripper, sensing, simulation
-from khepera_forage.sim.compiled import contact
+from khepera_forage.sim import driving, sensing, simulation
 from khepera_forage.vision import association, shapes
 
 _1, _2, _4, _12, _27, _30, _31, _56 = map(np.uint64, (1, 2, 4, 12, 27, 30, 31, 56))
@@ -52,9 +51,10 @@ def _heads(bits: Any) -> Any:
 
 
 for _function in (
-    *(counter_rng.uniform, counter_rng.standard_normal, half_gap),
+    *(counter_rng.uniform, counter_rng.standard_normal, counter_rng.draw),
+    *(counter_rng.upper, counter_rng.lower, counter_rng.normal, half_gap),
     *(simulation.observe, simulation.sense_all),
     *(shapes.touches_plate, shapes.shows_beside_lost_food, shapes.visible_clearance),
 ):
     rule(_function)
-register(angles, walls, association, draws, gripper, driving, sensing, camera, contact)
+register(plane, association, driving, sensing)

@@ -17,10 +17,20 @@ from khepera_forage.robots.khepera import (
     half_gap,
 )
 from khepera_forage.sim.arena import Arena, Point
-from khepera_forage.sim.camera import forget_tracks
-from khepera_forage.sim.driving import begin_round, glide, is_near_wall, put_down, steps_of, travel_of
-from khepera_forage.sim.gripper import grip_place, move_jaw, moves_jaw, tip_of
+from khepera_forage.sim.driving import (
+    begin_round,
+    glide,
+    grip_place,
+    is_near_wall,
+    move_jaw,
+    moves_jaw,
+    put_down,
+    steps_of,
+    tip_of,
+    travel_of,
+)
 from khepera_forage.sim.records import Enclosure, FoodDetection, FoodState, RobotState
+from khepera_forage.sim.sensing import forget_tracks
 from khepera_forage.sim.simulation import Simulation, observe, sense_all
 from khepera_forage.sim.world import SUBSTEPS
 from khepera_forage.vision.association import Track
