@@ -11,13 +11,9 @@ import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
-    FINGER_THICKNESS,
-    FINGER_TIP,
     FOOD_RADIUS,
-    JAW_OPEN,
     RADIUS,
     Motors,
-    half_gap,
 )
 from khepera_forage.sim.arena import MOST_FOODS, Arena, Point, Pose
 from khepera_forage.sim.compiled.world import CompiledWorld
@@ -116,21 +112,6 @@ def test_picking_up_carrying_and_releasing_is_that_of_pymunk_within_3_mm() -> No
     assert 0 in held
     assert held[-1] == -1
     assert math.dist(compiled.food_places()[0][:2], food) > 60
-
-
-@pytest.mark.parametrize(
-    ("off", "stays"), [(-0.7, True), (0.0, True), (0.7, True), (0.9, False), (-0.9, False)]
-)
-def test_food_before_a_fingertip_stays_within_the_cone_of_friction(off: float, stays: bool) -> None:
-    """At 0.04 a tip carries food along that is up to 0.78 mm off its middle; further off, it slips aside."""
-    aside, ahead = half_gap(JAW_OPEN) + FINGER_THICKNESS / 2 + off, FINGER_TIP + FOOD_RADIUS
-    world = compiled_world(HALL, HALL.start, (HALL.start.x + ahead + 3.0, HALL.start.y + aside))
-    for motors in [Motors(0, 0, 255, 200)] * 11 + [Motors(8, 8, 255, 200)] * 30:
-        world.robots[0].drive(motors)
-        world.advance()
-    food, robot = world.food_places()[0], world.poses()[0]
-    assert (abs(food.x - robot.x - ahead) < 0.1) == stays
-    assert (abs(food.y - robot.y - aside) < 0.1) == stays
 
 
 @pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, PILLAR], ids=lambda arena: arena.name)

@@ -20,7 +20,6 @@ from khepera_forage.policies import Teacher
 from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.rollouts import recall as recalling
 from khepera_forage.rollouts import training
-from khepera_forage.rollouts.rows import TrainingRow
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -102,20 +101,6 @@ def test_robots_stand_still_after_an_error_between_rounds(
     with pytest.raises(type(error)):
         training.train(env, 1, callback=fail)
     assert standing(pair)
-
-
-def test_episode_whose_row_cannot_be_written_is_incomplete(pair: VirtualLaboratory, tmp_path: Path) -> None:
-    """A complete file without its row in attempts.csv would never get one."""
-
-    def full(row: TrainingRow) -> None:
-        if row.complete:
-            raise OSError("no space left")
-
-    path = tmp_path / "g1.csv"
-    with pytest.raises(OSError, match="no space left"):
-        training.train(TrainingEnv(world=pair, noise=Noise.none()), 1, path=path, on_attempt=full)
-    with pytest.raises(ExperienceError, match="ends before its closing line"):
-        Experience.load(path)
 
 
 def test_robot_lost_in_a_pause_ends_the_episode(pair: VirtualLaboratory) -> None:

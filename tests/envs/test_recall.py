@@ -1,12 +1,9 @@
 """Episodes of the recall environments (4.6, 5.4)."""
 
-import numpy as np
 import pytest
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.policies import Teacher
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
 from khepera_forage.task.episode import score
 from khepera_forage.task.states import Behaviour
 
@@ -65,25 +62,3 @@ def test_policy_that_only_explores_scores_its_correct_share_minus_the_penalty() 
     assert info["steps"] == 50
     assert info["correct"] == correct
     assert info["score"] == pytest.approx(100 * correct / 50 - 20)
-
-
-def test_wheels_environment_accepts_the_teachers_motors() -> None:
-    env = WheelsEnv(arena="corridor", foods=1, limit=500)
-    delivered = 0
-    for seed in range(5):
-        env.reset(seed=seed)
-        over = False
-        while not over:
-            motors = applicable(env.forager.motors_for(env.forager.correct_behaviour))
-            _, _, terminated, truncated, info = env.step(action_of(motors))
-            over = terminated or truncated
-        delivered += info["delivered"]
-        assert info["score"] == 100.0
-    assert delivered == 5
-
-
-def action_of(motors: Motors) -> np.ndarray:
-    arm = ((ARM_DOWN + ARM_RAISED) / 2 - motors.arm) / ((ARM_DOWN - ARM_RAISED) / 2)
-    return np.array(
-        (motors.left / MAX_SPEED, motors.right / MAX_SPEED, arm, 1.0 if motors.jaw == 0 else -1.0), np.float32
-    )

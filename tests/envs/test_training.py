@@ -13,13 +13,13 @@ from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Listener, Teacher
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
-from khepera_forage.rollouts.training import IncompleteTrainingError, attempt, train
+from khepera_forage.rollouts.training import IncompleteTrainingError, train
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.layout_checks import check_robot
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import Behaviour, FoodType, StateVector, is_raised
+from khepera_forage.task.states import Behaviour
 from tests.arenas import HALL
-from tests.version_0_1 import V0_1, VALUES
+from tests.version_0_1 import V0_1
 
 QUIET = Noise.none()
 
@@ -72,18 +72,6 @@ def test_training_without_noise_is_complete_under_the_defaults(food_type: str) -
     env.reset(seed=0)
     assert len(play(env)) < 200
     assert env.terminations[TEACHER]
-
-
-def test_corresponding_food_has_one_type() -> None:
-    env = TrainingEnv(food_types={"PICKABLE": 1, "PUSHABLE": 1, "POISONOUS": 1})
-    seen = set()
-    for seed in range(12):
-        env.reset(seed=seed)
-        play(env)
-        known = [forager.tracker.foods[0].known for forager in env.foragers]
-        assert known[0] == known[1]
-        seen.add(known[0])
-    assert seen == {FoodType.PICKABLE, FoodType.PUSHABLE, FoodType.POISONOUS}
 
 
 def put_learner(env: TrainingEnv, dx: float) -> None:
@@ -174,21 +162,6 @@ def test_placement_error_applies_to_given_marks() -> None:
     assert np.abs(second - first - (0, 300)).max() > 1e-3
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"begin": 1}, "'begin' is unknown; allowed: 'start', 'foods'"),
-        ({"start": (0, 0, 0)}, "start at .* allowed: on the floor"),
-        ({"start": (1, 2)}, "allowed: .x mm, y mm, heading degrees."),
-        ({"foods": [(5, 5)]}, "food at .5, 5. mm"),
-        ({"foods": [(300, 100), (400, 100)]}, "2 foods given; allowed: 1"),
-    ],
-)
-def test_wrong_options_are_refused(options: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        TrainingEnv().reset(seed=0, options=options)
-
-
 def test_robot_that_would_stand_in_a_wall_is_placed_again() -> None:
     env = TrainingEnv(noise=Noise(placement_error=15.0, placement_heading_error=30.0))
     for seed in range(100):
@@ -200,24 +173,6 @@ def test_robot_that_would_stand_in_a_wall_is_placed_again() -> None:
         ValueError, match=r"placement error of 0 mm.*\(60, 100\) mm has its gripper in a wall"
     ):
         TrainingEnv(noise=QUIET).reset(seed=0, options=facing_the_wall)
-
-
-def test_episode_with_poison_is_complete_only_after_it_was_avoided() -> None:
-    env = TrainingEnv(food_types="POISONOUS", decisions=V0_1)
-    for seed in range(4):
-        heard: list[Behaviour] = []
-
-        def record(vector: StateVector, behaviour: Behaviour, heard: list[Behaviour] = heard) -> None:
-            heard.append(behaviour)
-
-        result = attempt(env, seed, record)
-        assert result.complete
-        assert Behaviour.AVOID_FOOD in heard
-        assert env.terminations[TEACHER]
-        for forager in env.foragers:
-            assert [food.known for food in forager.tracker.foods] == [FoodType.POISONOUS]
-            assert not forager.vector.object_presence
-            assert is_raised(forager.vector.arms_height, VALUES)
 
 
 # ---------------------------------------------------------------- in several arenas

@@ -27,17 +27,6 @@ def files(tmp_path: Path) -> tuple[Path, Path]:
     return paths
 
 
-def test_file_names_a_version_and_the_decisions_that_differ_from_it(files: tuple[Path, Path]) -> None:
-    for path, decisions, text in zip(files, (V0_1, OTHER), ("v0.1", TEXT), strict=True):
-        assert path.read_text().splitlines()[4:7] == [
-            "# episodes: 1",
-            f"# decisions: {text}",
-            "# units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)",
-        ]
-        assert Experience.load(path).decisions == decisions
-        assert repr(Experience.load(path)).endswith(f"decisions={text!r}>")
-
-
 @pytest.mark.parametrize(
     ("line", "decisions"),
     [("", V0_1), ("# decisions: next_to_food=17;separation=20\n", OTHER), ("# decisions: mixed\n", None)],

@@ -11,10 +11,6 @@ from khepera_forage.geometry.plane import Wall, clearance, to_wall, wall_of, wal
 from khepera_forage.geometry.polygon import Segment
 from tests.geometry.shapes import PROPERTY, Enclosure, Place, enclosures, places, segments
 
-SQUARE = ((0.0, 0.0), (400.0, 0.0), (400.0, 400.0), (0.0, 400.0))
-THROUGH_THE_WALL = ((300.0, 150.0), (600.0, 150.0), (600.0, 250.0), (300.0, 250.0))
-"""An obstacle of which only a part stands in the square."""
-
 
 def walls_in(enclosure: Enclosure) -> tuple[Wall, ...]:
     return walls_of(enclosure.polygons)
@@ -43,33 +39,6 @@ def test_clearance_is_the_distance_to_the_nearest_side_and_negative_off_the_free
     enclosure: Enclosure, place: Place
 ) -> None:
     check_clearance(enclosure, *place)
-
-
-@pytest.mark.parametrize(
-    ("x", "y", "expected"),
-    [
-        (100.0, 200.0, 100.0),
-        (280.0, 200.0, 20.0),
-        (350.0, 200.0, -50.0),
-        (399.0, 200.0, -1.0),
-        (450.0, 200.0, -50.0),
-        (410.0, 50.0, -10.0),
-        (350.0, 120.0, 30.0),
-        (-30.0, 200.0, -30.0),
-    ],
-)
-def test_clearance_is_negative_in_an_obstacle_that_reaches_through_the_outer_wall(
-    x: float, y: float, expected: float
-) -> None:
-    assert clearance(x, y, walls_of((SQUARE, THROUGH_THE_WALL))) == pytest.approx(expected)
-
-
-def test_clearance_is_negative_where_obstacles_overlap() -> None:
-    """An even number of obstacles does not cancel out."""
-    block = ((100.0, 100.0), (200.0, 100.0), (200.0, 200.0), (100.0, 200.0))
-    shifted = tuple((x + 50.0, y) for x, y in block)
-    walls = walls_of((SQUARE, block, shifted))
-    assert clearance(175.0, 150.0, walls) == pytest.approx(-25.0)
 
 
 @given(segments, places)

@@ -31,23 +31,6 @@ def test_teacher_follows_the_tree_of_figure_4_2(vector: StateVector, radius: int
     assert teacher.act(np.array([*vector, heard, 1], np.int32)) is Behaviour.WAIT
 
 
-def test_teacher_carries_food_home_step_by_step() -> None:
-    teacher = Teacher(decisions=Decisions.v0_1())
-    for vector, behaviour in [
-        ((0, 90, 0, 215, 60), Behaviour.SEARCH_FOR_FOOD),
-        ((0, 70, 0, 215, 30), Behaviour.MOVE_SLOWLY),
-        ((0, 60, 0, 240, 20), Behaviour.ORIENT_WITH_FOOD),
-        ((1, 60, 0, 255, 12), Behaviour.EXPLORE_FOOD),
-        ((1, 60, 1, 255, 12), Behaviour.PICK_UP_FOOD),
-        ((1, 60, 1, 215, 12), Behaviour.GO_HOME),
-        ((1, 20, 1, 215, 12), Behaviour.RELEASE_FOOD),
-        ((0, 18, 0, 255, 138), Behaviour.AVOID_HOME),
-        ((1, 60, 2, 255, 12), Behaviour.PUSH_FOOD),
-        ((1, 60, 3, 255, 12), Behaviour.AVOID_FOOD),
-    ]:
-        assert teacher.act(vector) is behaviour
-
-
 def test_teacher_of_no_environment_decides_nothing() -> None:
     with pytest.raises(ValueError, match=r"Teacher\(\) knows no environment; allowed: Teacher.of\(env\)"):
         Teacher().act((0, 90, 0, 215, 60))

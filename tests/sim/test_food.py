@@ -5,10 +5,9 @@ import pytest
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, BARRIER, FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
-from tests.sim.worlds import apart, box, holding, make_world, narrow, run
+from tests.sim.worlds import apart, box, holding, make_world, run
 
 CENTRE = Pose(1000, 1000, 0)
-CLOSED = narrow(650)
 
 # ---------------------------------------------------------------- pushing
 
@@ -27,20 +26,6 @@ def test_pushed_food_stays_ahead_and_stops_soon_after(speed: int) -> None:
     rest = world.food_places()[0]
     run(world, 20)
     assert apart(rest, world.food_places()[0]) < 1e-3
-
-
-@pytest.mark.parametrize("speed", [5, 12, 20])
-@pytest.mark.parametrize("arm", [215, 255])
-def test_row_of_food_pushed_against_a_wall_stays_inside(speed: int, arm: int) -> None:
-    world = make_world(Pose(380, 115, 0), (540, 115), (580, 116), (620, 114), arena=CLOSED)
-    run(world, 12, arm=arm)
-    for _ in range(60):
-        run(world, 1, speed, speed, arm=arm)
-        for food in world.food_places():
-            assert CLOSED.clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
-        first, second, third = world.food_places()
-        assert min(apart(first, second), apart(second, third)) >= 2 * FOOD_RADIUS - 1.5
-        assert CLOSED.clearance(world.poses()[0]) >= RADIUS - 1
 
 
 # ---------------------------------------------------------------- the optical barrier

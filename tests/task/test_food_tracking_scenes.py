@@ -160,16 +160,6 @@ def test_held_food_counts_as_decided(held_food: str, nearest: tuple[float, float
     assert nearest_of(story) == FIRST, "once it is not held"
 
 
-def test_last_distance_is_that_of_the_last_candidate() -> None:
-    story = Story(no_food_distance="last one known")
-    story.round((44, 40), EMPTY, region(1, FIRST), region(2, SECOND))
-    assert story.tracker.last_distance == pytest.approx(30)
-    for food in story.tracker.foods:
-        food.delivered = True
-    story.round((20, 40), EMPTY, region(1, FIRST), region(2, SECOND))
-    assert story.tracker.last_distance == pytest.approx(30)
-
-
 def test_last_distance_is_forgotten_once_poison_is_known() -> None:
     """Otherwise a robot that has backed off poison would count as next to food, and orient again, for ever."""
     story = Story(no_food_distance="last one known")

@@ -11,7 +11,7 @@ from khepera_forage.robots.khepera import Senses
 from khepera_forage.sim.arena import copies
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import FoodTracker
-from khepera_forage.task.perception import RawData, own_region, perceive, state_vector, without_food
+from khepera_forage.task.perception import RawData, own_region, perceive, state_vector
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import Region, Scene
 from tests.version_0_1 import CORRIDOR
@@ -81,16 +81,3 @@ def test_state_vector_has_whole_pixels_and_the_diagonal_without_food(
         assert abs(vector.robot_food_distance - math.dist((x, y), (food_x, food_y))) <= 0.5
     else:
         assert vector.robot_food_distance == ARENA.diagonal == 138
-
-
-@pytest.mark.parametrize(
-    ("reading", "last", "distance"),
-    [
-        ("diagonal of the arena", 31.0, ARENA.diagonal),
-        ("last one known", 31.0, 31.0),
-        ("last one known", -1.0, ARENA.diagonal),
-    ],
-)
-def test_distance_without_food_is_as_decided(reading: str, last: float, distance: float) -> None:
-    tracker = FoodTracker(last_distance=last)
-    assert without_food(tracker, ARENA, Decisions(no_food_distance=reading).values()) == distance
