@@ -43,8 +43,8 @@ def test_field_has_section_reason_unit_and_an_allowed_default(field: Field) -> N
     assert field.section[0] in "345"
     assert field.reason.endswith(".")
     assert bool(field.unit) != bool(field.choices)
-    assert type(default) is field.kind
     assert default in field.choices if field.choices else field.least <= default <= field.most
+    assert type(default) is field.kind
 
 
 @every_field
