@@ -197,3 +197,7 @@ def test_masks_hold_what_applies_and_always_what_the_teacher_does() -> None:
     # Search, move slowly, orient, avoid home; or with an object release and explore, pick up and go home, push, avoid.
     assert seen == {(11, 4), (12, 2), (20, 3), (14, 2), (15, 2)}
     assert np.flatnonzero(plain.call("action_masks")[0]).tolist() == [0, 1, 2, 8]
+
+
+def test_a_world_takes_at_most_2_kb() -> None:
+    assert 0 < _make(num_envs=64).unwrapped.batch.bytes_per_world <= 2048

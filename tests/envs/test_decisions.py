@@ -57,6 +57,10 @@ FORMS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
 ]
 
 
+def _id(value: Any) -> str:
+    return getattr(value, "__name__", str(value))  # the text of a function would have its address
+
+
 def decisions_of(env: Any) -> Decisions:
     if isinstance(env, gym.vector.VectorEnv):
         one, other = env.get_attr("decisions")  # type: ignore[attr-defined]
@@ -66,7 +70,7 @@ def decisions_of(env: Any) -> Decisions:
     return env.unwrapped.decisions  # type: ignore[no-any-return]
 
 
-@pytest.mark.parametrize(("make", "kwargs"), FORMS, ids=str)
+@pytest.mark.parametrize(("make", "kwargs"), FORMS, ids=_id)
 @pytest.mark.parametrize("name", ["Corridor", "RectangleWheels"])
 @of_both_versions
 def test_version_has_its_decisions_unless_others_are_given(
@@ -87,7 +91,7 @@ def test_name_without_a_version_makes_the_newest_and_the_newest_without_a_warnin
         gym.make("khepera_forage/Corridor-v1")
 
 
-@pytest.mark.parametrize(("make", "kwargs"), [FORMS[0], FORMS[1], FORMS[4]], ids=str)
+@pytest.mark.parametrize(("make", "kwargs"), [FORMS[0], FORMS[1], FORMS[4]], ids=_id)
 @pytest.mark.parametrize("decisions", [None, OTHER])
 @of_both_versions
 def test_spec_makes_the_same_environment_again(
