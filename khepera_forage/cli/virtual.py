@@ -4,6 +4,8 @@ import argparse
 import signal
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -73,13 +75,13 @@ def virtual_command(arguments: argparse.Namespace) -> None:
     is_khepera = arguments.robot == KHEPERA.name
     firmware = Firmware(world.robots[0], lock) if is_khepera else EPuckFirmware(world.robots[0], lock)
     baud = arguments.baud if arguments.baud is not None else 38400 if is_khepera else 115200
-    signals: list[int] = []  # a handler that raises an error could do so while the world is locked
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda number, _: signals.append(number))
     due, overruns = time.monotonic(), 0
-    with VirtualKhepera(
-        firmware, tcp=arguments.tcp, baud=baud or None, faults=faults, rng=fault_rng
-    ) as khepera:
+    with (
+        _collected_signals() as signals,
+        VirtualKhepera(
+            firmware, tcp=arguments.tcp, baud=baud or None, faults=faults, rng=fault_rng
+        ) as khepera,
+    ):
         name = "Khepera" if is_khepera else E_PUCK.name
         print(f"a virtual {name} at {khepera.url}; Ctrl-C ends it", flush=True)
         while khepera.connected and not signals:
@@ -101,3 +103,18 @@ def virtual_command(arguments: argparse.Namespace) -> None:
     print(", ".join([f"{counts.replies} requests", *happened]))
     if overruns:
         print(f"{overruns} rounds began late")
+
+
+@contextmanager
+def _collected_signals() -> Iterator[list[int]]:
+    """Append SIGINT and SIGTERM to a list instead of raising them: a handler must not take the world's lock."""
+    signals: list[int] = []
+    before = {
+        number: signal.signal(number, lambda number, _: signals.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield signals
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

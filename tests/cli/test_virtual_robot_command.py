@@ -10,6 +10,8 @@ from contextlib import contextmanager
 import pytest
 import serial
 
+from khepera_forage.cli.main import main
+
 WAIT = 10.0
 
 
@@ -61,3 +63,10 @@ def test_virtual_robot_ends_when_unplugged() -> None:
         assert process.returncode == 0
     assert printed == "unplugged\n1 requests, 1 unplug\n"
     assert errors == ""
+
+
+def test_signals_are_as_before_after_a_mistake(capsys: pytest.CaptureFixture[str]) -> None:
+    handlers = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    assert main(["robot", "virtual", "--baud", "300"]) == 2
+    assert "300" in capsys.readouterr().err
+    assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == handlers
