@@ -1,6 +1,7 @@
 """Several robots in parallel: time of a round, and stopping all when one is lost."""
 
 import contextlib
+import threading
 import time
 from collections.abc import Iterator
 
@@ -11,6 +12,7 @@ from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.faults import Faults
 from tests.robots.rig import FORWARD, Rig, make_rig
+from tests.robots.scripted_robot import Action, NumberedReplies, ScriptedRobot
 
 
 @contextlib.contextmanager
@@ -124,3 +126,67 @@ def test_all_lost_robots_are_named() -> None:
         assert all(port.url in str(lost.value) for port in rig.ports[:2])
         assert rig.ports[2].url not in str(lost.value)
         assert rig.wheel_pulses(2) == (0, 0)
+
+
+def test_robot_that_is_done_after_the_hold_is_held_too() -> None:
+    """On a busy computer two robots reply late, one of them only a little."""
+    with make_fleet(2) as (rig, fleet):
+        run_rounds(rig, fleet, FORWARD, 2)
+        rig.ports[0].interrupted = True
+        rig.ports[1].faults = Faults(delay=1.0, lateness=(0.15, 0.15))
+        received = threading.Thread(target=fleet.receive)
+        received.start()
+        time.sleep(0.1)
+        rig.ports[1].faults = Faults()
+        while rig.firmwares[1].turning:
+            assert received.is_alive(), "it stops before the other counts as lost"
+            time.sleep(0.002)
+        rig.ports[0].interrupted = False
+        received.join()
+
+
+def test_silent_robot_stops_the_others_before_it_counts_as_lost() -> None:
+    """While requests to one robot are repeated, the other robot is stopped."""
+
+    opening = 11
+
+    def silent_after_opening(request: bytes, number: int) -> list[Action]:
+        return NumberedReplies({})(request, number) if number < opening else []
+
+    with make_rig() as rig, ScriptedRobot(silent_after_opening) as scripted:
+        robot = SerialKhepera(rig.url)
+        silent = SerialKhepera(scripted.url, timeout=0.1)
+        robot.drive(FORWARD)
+        robot.transmit()
+        assert rig.wheel_pulses() == (50, 50)
+        fleet = Fleet([robot, silent])
+        silent.drive(FORWARD)
+        losses: list[RobotLost] = []
+
+        def transmit() -> None:
+            try:
+                fleet.transmit()
+            except RobotLost as lost:
+                losses.append(lost)
+
+        waiting = threading.Thread(target=transmit)
+        waiting.start()
+        time.sleep(0.02)
+        while rig.wheel_pulses() != (0, 0):
+            assert waiting.is_alive(), "it stops before the other counts as lost"
+            time.sleep(0.01)
+        waiting.join()
+        assert losses[0].port == scripted.url
+        assert rig.wheel_pulses() == (0, 0)
+        fleet.close()
+        assert b"D,0,0" in scripted.requests[opening:], "the silent robot may still receive requests"
+
+
+def test_stop_names_robots_that_do_not_confirm() -> None:
+    with make_fleet(2) as (rig, fleet):
+        run_rounds(rig, fleet, FORWARD)
+        rig.ports[0].faults = Faults(unplug=1.0)
+        with pytest.raises(RobotLost, match="D,0,0") as lost:
+            fleet.stop()
+        assert lost.value.port == rig.ports[0].url
+        assert rig.wheel_pulses(1) == (0, 0)
