@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.cli.main import main
 from khepera_forage.envs.rendering import palette
+from khepera_forage.experience import Experience
 from khepera_forage.sim.arena_file import read_arena, write_arena
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import ARENAS, FAMILY, family_arena
@@ -127,3 +128,17 @@ def test_recall_takes_an_arena_file(tmp_path: Path) -> None:
         assert main(arguments) == 0
         texts.append(out.read_text())
     assert texts[0] == texts[1]
+
+
+def test_recall_takes_a_named_arena_and_its_food_types(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "rows.csv"
+    assert main(["recall", "--arena", "mixed_foods", "--episodes", "1", "--out", str(out)]) == 0
+    assert "mixed_foods" in out.read_text()
+
+
+def test_train_records_in_the_arena(tmp_path: Path) -> None:
+    options = ["--arena", "t_maze", "--episodes", "1", "--out", str(tmp_path)]
+    assert main(["train", *options]) == 0
+    assert Experience.load(tmp_path / "g1.csv").arena == "t_maze"

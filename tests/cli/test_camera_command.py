@@ -204,3 +204,10 @@ def test_tags_are_printed_and_calibrate_a_camera_that_is_then_watched(
         command = ["camera", "preview", "--source", f"{name}.avi", "--calibration", "c.toml", "--frames", "2"]
         assert main([*command, "--out", "picture.png"]) == 0
         assert ("the camera has moved since its calibration" in capsys.readouterr().out) is moved
+
+
+def test_preview_shows_the_margins_of_the_picture(capsys: pytest.CaptureFixture[str]) -> None:
+    assert preview("--frames", "1") == 0
+    printed = capsys.readouterr().out
+    assert re.search(r"picture: contrast 2\.\d\d \(at least 1\.68\), blur 0\.\d px \(at most", printed)
+    assert "warning" not in printed

@@ -182,3 +182,32 @@ def test_missing_port_closes_the_other_devices(tmp_path: Path) -> None:
         for _ in range(2):
             with pytest.raises(ConnectionError, match="none"):
                 Laboratory(settings, source=virtual.frame_source)
+
+
+def test_camera_with_other_frames_counts_as_lost_until_it_is_exchanged() -> None:
+    opened: list[FrameSource] = []
+
+    def camera(frames: FrameSource) -> FrameSource:
+        opened.append(frames)
+        if len(opened) == 2:
+            raise ValueError("camera 0 has frames of 640 x 360")
+        return FailingSource(frames)
+
+    with quiet_laboratory(camera=camera) as lab:
+        lab.reset(np.random.default_rng(0), LAYOUT)
+        lab.camera.close()
+        with pytest.raises(CameraLost, match="closed"):
+            lab.advance()
+        lab.reset(np.random.default_rng(1), LAYOUT)
+        reasons = [request.reason for request in lab.virtual_operator.requests]
+        assert reasons[1] == "reconnect what was lost: camera 0 has frames of 640 x 360"
+        drive_all(lab)
+
+
+def test_robot_that_was_stopped_is_not_said_to_be_moving(lab: VirtualLaboratory) -> None:
+    drive_all(lab)
+    lab.stop()
+    lab.virtual_kheperas[1].interrupted = True
+    with pytest.raises(RobotLost) as lost:
+        lab.advance()
+    assert "moving" not in str(lost.value)
