@@ -12,7 +12,7 @@ Food delivered (%), as measured by the command above, with 95 % intervals over r
     training episodes    corridor             rectangle
             1            39.0 [24.0, 56.0]    22.5 [10.5, 35.0]
             3            58.0 [41.0, 76.0]    28.0 [13.5, 43.5]
-            5            56.0 [37.0, 76.0]    28.5 [11.5, 47.5]
+            5            55.0 [37.0, 74.0]    29.5 [11.5, 49.0]
            10            57.0 [37.0, 75.0]    35.0 [20.5, 49.0]
 """
 
