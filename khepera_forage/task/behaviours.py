@@ -196,8 +196,8 @@ def _orient(raw: RawData, decisions: DecisionValues) -> Motors:
             else 0.0
         )
         return Motors(-turn, turn, ARM_RAISED, JAW_OPEN)
-    # The jaw is the memory of a missed try: closed, it means backing off until there is room for another. So does a
-    # robot that would drive into its home, where it would have to avoid that.
+    # The jaw is the memory of a missed try: closed, it means backing off until there is room for another. A robot that
+    # is about to drive into its home backs off as well: in there, it would only AVOID HOME, and come back.
     into_home = raw.home_distance < raw.home_radius + _AT_RIM and abs(raw.home_bearing) < 90.0
     missed = raw.jaw < JAW_OPEN - 5 or distance < decisions.missed_distance
     if distance < _CLEAR and (missed or into_home):
@@ -280,8 +280,8 @@ def _release(raw: RawData, decisions: DecisionValues) -> Motors:
         left, right = steer(raw, raw.home_bearing, decisions.slow_speed, decisions)
         return Motors(left, right, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
-        # Turning meanwhile finds a free place where food lies already, on which an arm does not come down: then in a
-        # small circle, because there may be none around this place.
+        # Turning meanwhile finds a free place: an arm does not come down on other food. Once it has stopped on some,
+        # the robot turns in a small circle, because there may be no free place around the present one.
         return Motors(-3.0 if raw.arm == _STALLED else -1.0, 1.0, ARM_DOWN, JAW_CLOSED)
     return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
 
@@ -388,7 +388,7 @@ _SWING = (FINGER_TIP + FOOD_RADIUS + 5.0) / MM_PER_PIXEL
 _AROUND_HOME = 6.0
 """Pixels by which a searching robot passes its home."""
 _AT_RIM = 2.0
-"""Pixels outside the home within which a robot is about to be in it."""
+"""Pixels: a robot this near to its home is about to be in it, and a way this near leads through it."""
 _SQUARE = 40.0
 """Degrees of detour from which the home counts as squarely in the way."""
 _OBSTACLE = 150
