@@ -102,7 +102,8 @@ def test_wheel_can_be_published(wheel: Path) -> None:
     with ZipFile(wheel) as archive:
         shown = archive.read(next(name for name in archive.namelist() if name.endswith("METADATA"))).decode()
     links = re.findall(r"\[([^\]]*)\]\(([^)]*)\)", shown)
-    assert links and all(link.startswith("https:") for _, link in links), links  # no files beside the page
+    assert links
+    assert all(link.startswith("https:") for _, link in links), links  # there are no files beside the page
 
 
 def test_every_module_of_the_wheel_imports_or_says_what_to_install(wheel: Path, tmp_path: Path) -> None:
