@@ -13,9 +13,8 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.noise import Noise
-from khepera_forage.policies import Policy
+from khepera_forage.policies import Neighbours, Policy
 from khepera_forage.policies.teacher import completed
-from khepera_forage.policies.votes import HasNeighbours
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import decisions_text
@@ -134,13 +133,13 @@ def recall(
     rng = np.random.default_rng((seed, 1))
     observation, info = own.reset(seed=seed)
     policy = completed(policy, own)
-    imitator = policy if isinstance(policy, HasNeighbours) else None
+    find_neighbours = getattr(policy, "neighbours", None)
     decisions, counts = own.decisions.values(), DecisionCounts()
     ties = conflicts = 0
     done = False
     while not done:
-        if imitator is not None:
-            neighbours = imitator.neighbours(observation)
+        if find_neighbours is not None:
+            neighbours: Neighbours = find_neighbours(observation)
             ties += neighbours.tie
             conflicts += neighbours.conflict
             action = neighbours.draw(rng)

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from khepera_forage.policies import KNearestImitator, NearestNeighbourImitator, Neighbours, distance
 from khepera_forage.policies.features import encoded
-from khepera_forage.policies.memories import BEHAVIOURS, memories_of
-from khepera_forage.policies.votes import draw_label, nearest_votes
+from khepera_forage.policies.memories import BEHAVIOURS, memories_of, nearest_votes
+from khepera_forage.policies.policy import draw_label
 from khepera_forage.task.states import Behaviour, StateVector
 
 Experienced = list[tuple[StateVector, int]]
