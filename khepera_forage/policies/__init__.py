@@ -6,10 +6,9 @@ What needs scikit-learn is imported when it is first used, because scikit-learn 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from khepera_forage.policies.adapters import AgentPolicy, ClassifierPolicy, as_policy
-from khepera_forage.policies.classifiers import ContiguousLabels
+from khepera_forage.policies.classifiers import ClassifierPolicy, ContiguousLabels
 from khepera_forage.policies.distance import distance
-from khepera_forage.policies.model_policy import ModelPolicy
+from khepera_forage.policies.models import AgentPolicy, ModelPolicy, as_policy
 from khepera_forage.policies.policy import (
     Listener,
     Neighbours,

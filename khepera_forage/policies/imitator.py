@@ -22,7 +22,7 @@ from khepera_forage.policies.distance import (
     rounded_distance,
     unit,
 )
-from khepera_forage.policies.policy import Neighbours, Observation, state_vector_of
+from khepera_forage.policies.policy import Neighbours, Observation, checked_generator, state_vector_of
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, EXACT, FIELDS
 from khepera_forage.task.states import Behaviour
 
@@ -203,8 +203,7 @@ class NearestNeighbourImitator(VectorClassifier):
             TypeError: `rng` is not a NumPy generator.
             ValueError: The observation holds no state vector, or what was learned are not behaviours.
         """
-        if not isinstance(rng, Generator):
-            raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator to draw from (4.6.2)")
+        rng = checked_generator(rng)
         return self.neighbours(observation).draw(rng)
 
     def confidence_levels(self, observation: Observation) -> dict[Behaviour, float]:

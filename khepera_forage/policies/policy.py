@@ -83,6 +83,23 @@ def state_vector_of(observation: Observation) -> StateVector:
         raise ValueError(f"observation has the values {tuple(values)!r}; allowed: one integer each") from None
 
 
+def checked_generator(rng: Any) -> np.random.Generator:
+    """A generator that a policy draws its actions from.
+
+    Raises:
+        TypeError: `rng` is not a NumPy generator.
+    """
+    if not isinstance(rng, np.random.Generator):
+        raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator, to draw actions from")
+    return rng
+
+
+def draw(probabilities: NDArray[np.float64], rng: np.random.Generator) -> int:
+    """The place of a number, drawn with its share of the sum as probability; draws one number from `rng`."""
+    steps = probabilities.cumsum()
+    return int(steps.searchsorted(rng.random() * steps[-1], side="right"))
+
+
 @dataclass(frozen=True, slots=True)
 class UniformPolicy:
     """Draws one of the ten behaviours and ignores the observation."""
@@ -97,9 +114,7 @@ class UniformPolicy:
         Raises:
             TypeError: `rng` is not a NumPy generator.
         """
-        if not isinstance(rng, np.random.Generator):
-            raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator to draw behaviours from")
-        return Behaviour(int(rng.integers(Behaviour.WAIT)))
+        return Behaviour(int(checked_generator(rng).integers(Behaviour.WAIT)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,9 +18,9 @@ from gymnasium.vector import AutoresetMode
 import khepera_forage  # noqa: F401 - registers the environments
 from khepera_forage.envs.arena_settings import environment_name
 from khepera_forage.envs.backends import COMPILED, check_backend
-from khepera_forage.policies.features import behaviour_features, observation_features, wheels_features
+from khepera_forage.policies.features import behaviour_features, wheels_features
 from khepera_forage.policies.learners import FromSteps
-from khepera_forage.policies.model_policy import ModelPolicy, algorithm_named
+from khepera_forage.policies.models import ModelPolicy, algorithm_named
 from khepera_forage.sim.arenas.named import ARENAS
 
 MakeEnv = Callable[[int], gym.vector.VectorEnv[Any, Any, Any]]
@@ -130,7 +130,7 @@ def reinforce(
 
         def keep(self, reached: Sequence[int]) -> None:
             """Keep a copy for each of these amounts that is reached and not kept yet."""
-            features = wheels_features if learner.wheels else observation_features
+            features = wheels_features if learner.wheels else behaviour_features
             policy = ModelPolicy(self.model, features, learner.hold, learner.sample)
             for amount in reached[len(kept) :]:
                 if self.steps >= amount:

@@ -15,7 +15,7 @@ from gymnasium.vector import AutoresetMode
 
 from khepera_forage.policies import ModelPolicy, Policy
 from khepera_forage.policies.learners import LEARNERS, FromSteps
-from khepera_forage.policies.model_policy import algorithm_named
+from khepera_forage.policies.models import algorithm_named
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.reinforcement import Trained, reinforce, vec_env
 from khepera_forage.rollouts.wheels_recall import recall_wheels, recall_wheels_env
