@@ -16,9 +16,8 @@ from gymnasium.vector import AutoresetMode
 from khepera_forage.policies import ModelPolicy, Policy
 from khepera_forage.policies.learners import LEARNERS, FromSteps
 from khepera_forage.policies.models import algorithm_named
-from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels, recall_wheels_env
 from khepera_forage.rollouts.reinforcement import Trained, reinforce, vec_env
-from khepera_forage.rollouts.wheels_recall import recall_wheels, recall_wheels_env
 from tests.contracts.suites import PolicyContract
 
 FROM_STEPS = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, FromSteps)}
