@@ -66,16 +66,14 @@ class ModelPolicy:
         features: From an observation to one row of numbers, as in `policies.features`; by default the model gets the
             environment's observations unchanged.
         hold: Rounds that an action holds.
-        sample: Whether actions are drawn from the model's distribution with the policy's `rng` (PPO only).
-        deterministic: Whether the model, without `sample`, takes its most probable action. If not, the model draws
-            from its own random numbers, which are seeded where the model is made.
+        sample: Whether actions are drawn from the model's distribution with the policy's `rng` (PPO only). If not, the
+            most probable action is taken.
     """
 
     model: Model
     features: Callable[[Any], Any] | None = None
     hold: int = 1
     sample: bool = False
-    deterministic: bool = True
     _held: tuple[Generator | None, int, Any] = field(default=(None, 0, None), init=False, repr=False)
     """The generator of the last action, for how many more rounds the action holds, and the action."""
     _memory: tuple[Generator | None, Any] = field(default=(None, None), init=False, repr=False)
@@ -122,7 +120,7 @@ class ModelPolicy:
         return Behaviour(int(numbers[0])) if len(numbers) == 1 else numbers.astype(np.float32)
 
     def _predicted(self, shown: Any, rng: Generator | None, observation: Any) -> Any:
-        options: dict[str, Any] = {"deterministic": self.deterministic}
+        options: dict[str, Any] = {"deterministic": True}
         if self._masks:
             vector = state_vector_of(observation)
             options["action_masks"] = APPLICABLE[vector.object_presence, vector.food_type]

@@ -174,18 +174,6 @@ def _result(env: TrainingEnv, resumed: int) -> Attempt:
     return Attempt(complete, rounds, separations, resumed, reason, lost)
 
 
-def training_env(env: AECEnv[str, Any, Any]) -> TrainingEnv:
-    """The paired corridors without their wrappers.
-
-    Raises:
-        TypeError: Another environment.
-    """
-    own = env.unwrapped
-    if not isinstance(own, TrainingEnv):
-        raise TypeError(f"env is {env}; allowed: a TrainingEnv, such as paired_corridors_v1.env()")
-    return own
-
-
 def train(
     env: AECEnv[str, Any, Any],
     seed: int | np.random.SeedSequence,
@@ -228,8 +216,10 @@ def train(
         IncompleteTrainingError: None of the attempts was complete.
         FileExistsError: There is a file at `path`.
     """
-    env = training_env(env)
-    rows = []
+    own = env.unwrapped
+    if not isinstance(own, TrainingEnv):
+        raise TypeError(f"env is {env}; allowed: a TrainingEnv, such as paired_corridors_v1.env()")
+    env, rows = own, []
     attempts = env.decisions.most_attempts if attempts is None else attempts
     if not isinstance(seed, np.random.SeedSequence):
         seed = np.random.SeedSequence(whole_number("seed", seed, 0))

@@ -17,7 +17,7 @@ from khepera_forage.policies import ModelPolicy, Policy
 from khepera_forage.policies.learners import LEARNERS, FromSteps
 from khepera_forage.policies.models import algorithm_named
 from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels, recall_wheels_env
-from khepera_forage.rollouts.reinforcement import Trained, reinforce, vec_env
+from khepera_forage.rollouts.reinforcement import COMPILED_MODE, Trained, recall_envs, reinforce
 from tests.contracts.suites import PolicyContract
 
 FROM_STEPS = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, FromSteps)}
@@ -152,9 +152,8 @@ def test_log_names_the_backend(caplog: pytest.LogCaptureFixture) -> None:
 
 
 def test_arena_decides_the_environment() -> None:
-    env = vec_env(FROM_STEPS["ppo_wheels"], envs=1, arena="rectangle")
-    (spec,) = env.get_attr("spec")
-    assert (spec.kwargs["limit"], spec.kwargs["foods"], env.action_space.shape) == (700, 2, (4,))
+    env: Any = recall_envs("rectangle", wheels=True, mode=COMPILED_MODE)(1)
+    assert (env.limit, env.foods, env.single_action_space.shape) == (700, 2, (4,))
     with pytest.raises(ValueError, match="arena is 'ring'; allowed: corridor, rectangle"):
         reinforce(FROM_STEPS["ppo"], [1], 0, arena="ring")
 
