@@ -48,15 +48,9 @@ def state_vector_of(observation: Observation) -> StateVector:
     Raises:
         ValueError: A key is missing, the sequence is too short, or a value is not one integer.
     """
-    if type(observation) is dict or isinstance(observation, Mapping):  # the first check is the faster one
+    if isinstance(observation, Mapping):
         try:
-            values: Sequence[Any] = (
-                observation["object_presence"],
-                observation["robot_home_distance"],
-                observation["food_type"],
-                observation["arms_height"],
-                observation["robot_food_distance"],
-            )
+            values: Sequence[Any] = [observation[name] for name in StateVector._fields]
         except KeyError as error:
             needed = ", ".join(StateVector._fields)
             raise ValueError(
@@ -73,12 +67,7 @@ def state_vector_of(observation: Observation) -> StateVector:
     if len(values) != 5:
         raise ValueError(f"observation has {len(values)} values; allowed: at least 5, {StateVector._fields}")
     try:
-        numbers = [
-            number if type(number := v.item() if type(v) is np.ndarray else v) is int else index(number)
-            for v in values
-        ]
-        # The constructor of tuples: a named tuple's own takes twice as long.
-        return tuple.__new__(StateVector, numbers)
+        return StateVector(*[index(v.item() if isinstance(v, np.ndarray) else v) for v in values])
     except (TypeError, ValueError):
         raise ValueError(f"observation has the values {tuple(values)!r}; allowed: one integer each") from None
 
