@@ -8,6 +8,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from khepera_forage.policies.distance import ARM_SPAN, STATE_WIDTH
+from khepera_forage.policies.policy import Observation, state_vector_of
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
 from khepera_forage.task.states import FoodType
 
@@ -84,11 +85,11 @@ def encoded(vectors: NDArray[Any] | Sequence[Any], diagonal: int) -> NDArray[np.
     )
 
 
-def behaviour_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
-    """Observations of `Corridor-v1` and `Rectangle-v1`, encoded.
+def behaviour_features(shown: Observation) -> NDArray[np.float32]:
+    """State vectors in observations, encoded.
 
     Args:
-        shown: One observation, or those of a vector environment.
+        shown: One observation, see `policies.policy.state_vector_of`, or those of a vector environment.
 
     Returns:
         Of shape (n, 9); see `encoded`.
@@ -96,6 +97,8 @@ def behaviour_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
     Raises:
         ValueError: An attribute is missing.
     """
+    if not isinstance(shown, Mapping):
+        return state_vector_features(np.array([state_vector_of(shown)]))
     keys = ("object_presence", "robot_home_distance", "food_type", "arms_height", "robot_food_distance")
     return state_vector_features(np.column_stack([_column(shown, key, 1)[:, 0] for key in keys]))
 
