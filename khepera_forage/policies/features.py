@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from khepera_forage.policies.distance import ARM_SPAN, STATE_WIDTH
 from khepera_forage.policies.policy import Observation, state_vector_of
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
-from khepera_forage.task.states import FoodType
+from khepera_forage.task.states import FoodType, StateVector
 
 SCALE = 138
 """Pixels by which distances are divided: the corridor's diagonal, in every arena."""
@@ -99,8 +99,7 @@ def behaviour_features(shown: Observation) -> NDArray[np.float32]:
     """
     if not isinstance(shown, Mapping):
         return state_vector_features(np.array([state_vector_of(shown)]))
-    keys = ("object_presence", "robot_home_distance", "food_type", "arms_height", "robot_food_distance")
-    return state_vector_features(np.column_stack([_column(shown, key, 1)[:, 0] for key in keys]))
+    return state_vector_features(np.hstack([_column(shown, key, 1) for key in StateVector._fields]))
 
 
 def state_vector_features(vectors: NDArray[Any]) -> NDArray[np.float32]:

@@ -54,7 +54,7 @@ def test_time_limit_adds_the_value_of_the_last_observation() -> None:
     assert not ppo.final_values(agent, {}, np.array([False, False])).any()
 
 
-def test_wrong_number_is_refused_in_one_line(tmp_path: Path) -> None:
-    assert "--num-envs: '0'; allowed: a whole number of at least 1" in refused(
-        "ppo", tmp_path, "--num-envs", "0"
-    )
+@pytest.mark.parametrize(("example", "option"), [("ppo", "--num-envs"), ("multi_agent", "--rounds")])
+def test_wrong_number_is_refused_in_one_line(example: str, option: str, tmp_path: Path) -> None:
+    message = f"{option}: '0'; allowed: a whole number of at least 1"
+    assert message in refused(example, tmp_path, option, "0")
