@@ -260,8 +260,15 @@ def form_of(space: spaces.Space[Any]) -> Form | None:
             and isinstance(flat, spaces.Box)
             and np.array_equal((space.low, space.high), (flat.low, flat.high))
         ):
-            return partial(spaces.flatten, plain)
+            return partial(_flattened, plain)
     raise ValueError(f"model was trained on observations {space}; {_ALLOWED}")
+
+
+def _flattened(space: spaces.Space[Any], observation: Observation) -> Any:
+    """One observation in one row, as Gymnasium's `FlattenObservation` shows it; categories are one-hot."""
+    if not isinstance(observation, Mapping):
+        observation = state_vector_of(observation)._asdict()
+    return spaces.flatten(space, observation)
 
 
 class Agent(Protocol):

@@ -10,7 +10,7 @@ from gymnasium import spaces
 from gymnasium.wrappers import DtypeObservation, FlattenObservation, NormalizeObservation, RescaleObservation
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.policies import ModelPolicy, as_policy
+from khepera_forage.policies import ModelPolicy, as_policy, state_vector_of
 
 OBSERVATION = (0, 60, 0, 215, 40)
 
@@ -107,6 +107,9 @@ def test_model_is_shown_the_observations_that_its_space_has(name: str) -> None:
         model = Model(space)
         as_policy(model).act(shown)
         np.testing.assert_equal(model.shown[0], expected)
+    if name == "Corridor":
+        as_policy(model).act([*state_vector_of(shown), 10, 0])
+        np.testing.assert_equal(model.shown[1], row)
 
 
 CORRIDOR: Any = FlattenObservation(gym.make("khepera_forage/Corridor-v1"))
