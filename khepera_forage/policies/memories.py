@@ -31,15 +31,13 @@ class Memories(NamedTuple):
     """The experience vectors of many imitators, in flat arrays of whole numbers.
 
     Vectors of equal ObjectPresence, FoodType and ArmsHeight are a plane of points: only the two distances in pixels are
-    left to compare. Those of equal RobotHomeDistance are a column of the plane. Everything is sorted in increasing
-    order: the planes of a memory, the columns of a plane, the vectors of a column.
+    left to compare. The planes of a memory are sorted by their keys, the vectors of a plane by their home distances.
 
     Attributes:
         planes: Number of each memory's first plane; in the end that of all planes.
         keys: ObjectPresence, FoodType and ArmsHeight of each plane as one number, see `plane_key`.
-        columns: Number of each plane's first column; in the end that of all columns.
-        home: RobotHomeDistance of each column, pixels.
-        vectors: Number of each column's first vector; in the end that of all vectors.
+        vectors: Number of each plane's first vector; in the end that of all vectors.
+        home: RobotHomeDistance of each vector, pixels.
         food: RobotFoodDistance of each vector, pixels.
         label: The behaviour heard with each vector. A vector heard with two behaviours stands there twice.
         times: How often each vector was heard with its behaviour.
@@ -47,9 +45,8 @@ class Memories(NamedTuple):
 
     planes: NDArray[np.int64]
     keys: NDArray[np.int32]
-    columns: NDArray[np.int32]
-    home: NDArray[np.int32]
     vectors: NDArray[np.int32]
+    home: NDArray[np.int32]
     food: NDArray[np.int16]
     label: NDArray[np.int8]
     times: NDArray[np.int32]
@@ -102,16 +99,15 @@ def _merged(
     numbers = (numbers << _DISTANCE_BITS) + home
     numbers = (numbers << _DISTANCE_BITS) + food
     numbers, times = np.unique((numbers << _LABEL_BITS) + heard, return_counts=True)
-    points = numbers >> _LABEL_BITS
-    columns, starts = np.unique(points >> _DISTANCE_BITS, return_index=True)
-    planes, first_columns = np.unique(columns >> _DISTANCE_BITS, return_index=True)
+    foods = numbers >> _LABEL_BITS
+    homes = foods >> _DISTANCE_BITS
+    planes, starts = np.unique(homes >> _DISTANCE_BITS, return_index=True)
     return Memories(
         planes=np.searchsorted(planes >> _KEY_BITS, np.arange(memories + 1)).astype(np.int64),
         keys=_last_bits(planes, _KEY_BITS).astype(np.int32),
-        columns=np.append(first_columns, len(columns)).astype(np.int32),
-        home=_last_bits(columns, _DISTANCE_BITS).astype(np.int32),
         vectors=np.append(starts, len(numbers)).astype(np.int32),
-        food=_last_bits(points, _DISTANCE_BITS).astype(np.int16),
+        home=_last_bits(homes, _DISTANCE_BITS).astype(np.int32),
+        food=_last_bits(foods, _DISTANCE_BITS).astype(np.int16),
         label=_last_bits(numbers, _LABEL_BITS).astype(np.int8),
         times=times.astype(np.int32),
     )
@@ -189,8 +185,8 @@ def search_plane(
 ) -> tuple[int, int, float]:
     """Let the vectors of a plane vote, too.
 
-    Columns are searched outward from the query's own, first to larger home distances, then to smaller ones, until a
-    column alone is further away than the nearest vector so far. So are the vectors of a column.
+    They are searched outward from the query's home distance, first to larger ones, then to smaller ones, until the home
+    distance alone is further away than the nearest vector so far.
 
     Args:
         memories: Of all imitators.
@@ -207,43 +203,36 @@ def search_plane(
     """
     home, food, diagonal, arithmetic = sought
     nearest, total, rounded = best
-    _, _, columns, homes, starts, foods, labels, times = memories
-    first, last = columns[plane], columns[plane + 1]
+    _, _, vectors, homes, foods, labels, times = memories
+    first, last = vectors[plane], vectors[plane + 1]
     base = scaled_distance(differing, arm_difference, 0, diagonal)
     reach = (nearest - base) // PIXEL  # pixels
     middle = bisect_left(homes, home, first, last)
     for step in (1, -1):
-        column = middle if step > 0 else middle - 1
-        while first <= column < last:
-            across = (homes[column] - home) * step
+        vector = middle if step > 0 else middle - 1
+        while first <= vector < last:
+            across = abs(homes[vector] - home)
+            along = abs(foods[vector] - food)
             if across > reach:
                 break
-            begin, end = starts[column], starts[column + 1]
-            above = bisect_left(foods, food, begin, end)
-            for side in (1, -1):
-                vector = above if side > 0 else above - 1
-                while begin <= vector < end:
-                    along = (foods[vector] - food) * side
-                    if across + along > reach:
-                        break
-                    distance = base + PIXEL * (across + along)
-                    if distance < nearest:
-                        if total > 0:
-                            clear(votes)
-                        nearest, reach, total = distance, across + along, 0
-                    counts = True
-                    if arithmetic != EXACT:
-                        own = rounded_distance(differing, arm_difference, across, along, diagonal, arithmetic)
-                        counts = total == 0 or own <= rounded
-                        if total > 0 and own < rounded:
-                            clear(votes)
-                            total = 0
-                        rounded = own if counts else rounded
-                    if counts:
-                        votes[labels[vector]] += times[vector]
-                        total += times[vector]
-                    vector += side
-            column += step
+            if across + along <= reach:
+                distance = base + PIXEL * (across + along)
+                if distance < nearest:
+                    if total > 0:
+                        clear(votes)
+                    nearest, reach, total = distance, across + along, 0
+                counts = True
+                if arithmetic != EXACT:
+                    own = rounded_distance(differing, arm_difference, across, along, diagonal, arithmetic)
+                    counts = total == 0 or own <= rounded
+                    if total > 0 and own < rounded:
+                        clear(votes)
+                        total = 0
+                    rounded = own if counts else rounded
+                if counts:
+                    votes[labels[vector]] += times[vector]
+                    total += times[vector]
+            vector += step
     return nearest, total, rounded
 
 
