@@ -147,7 +147,8 @@ def test_log_names_the_backend(caplog: pytest.LogCaptureFixture) -> None:
 
 def test_arena_decides_the_environment() -> None:
     env: Any = recall_envs("rectangle", wheels=True, mode=COMPILED_MODE)(1)
-    assert (env.limit, env.foods, env.single_action_space.shape) == (700, 2, (4,))
+    given = env.spec.kwargs
+    assert (given["limit"], given["foods"], env.single_action_space.shape) == (700, 2, (4,))
     with pytest.raises(ValueError, match="arena is 'ring'; allowed: corridor, rectangle"):
         reinforce(FROM_STEPS["ppo"], [1], 0, arena="ring")
 
