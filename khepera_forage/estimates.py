@@ -10,7 +10,7 @@ Tables are Markdown or text, with intervals in brackets, and CSV, with one numbe
 import csv
 import io
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import fill
 from typing import Any, Generic, NamedTuple, Protocol, TypeVar
@@ -39,12 +39,12 @@ UNKNOWN = Estimate(math.nan, math.nan, math.nan)
 
 
 class PercentileRank(NamedTuple):
-    """The rank of a single value among comparable experiments.
+    """The rank of a value among comparable experiments; equal experiments count half.
 
     Attributes:
-        percentile: Percent of the experiments below the value; equal experiments count half.
-        tail: Two-sided probability that one more experiment of the same kind is at least as extreme: twice the
-            smaller tail, which includes the value itself, at most 1.
+        percentile: Percent of the experiments below the value.
+        tail: Two-sided probability that one more experiment is at least as extreme: twice the smaller tail, which
+            includes the value itself, at most 1.
         experiments: Number of experiments.
     """
 
@@ -57,9 +57,7 @@ class Replicated(Protocol):
     """A row that belongs to a replication."""
 
     @property
-    def replication(self) -> int:
-        """Number of the replication."""
-        ...
+    def replication(self) -> int: ...  # noqa: D102
 
 
 RowT = TypeVar("RowT", bound=Replicated)
@@ -88,19 +86,23 @@ def sums_by_replication(
     return np.stack(sums, axis=1)
 
 
-def ratio(sums: Floats) -> Floats:
-    """First column divided by the second, as a mean or a share; nan where the second is 0."""
-    return _divide(sums[..., 0], sums[..., 1])
-
-
 def contrast(*weights: float) -> Callable[[Floats], Floats]:
-    """A weighted sum of ratios, each of two columns: `contrast(1, -1)` is the difference of two means."""
+    """A weighted sum of ratios, each of two columns: `contrast(1, -1)` is the difference of two means.
+
+    It is nan where a denominator is 0.
+    """
 
     def statistic(sums: Floats) -> Floats:
-        means = _divide(sums[..., 0::2], sums[..., 1::2])
+        numerator, denominator = sums[..., 0::2], sums[..., 1::2]
+        means = np.full(numerator.shape, np.nan)
+        np.divide(numerator, denominator, out=means, where=denominator != 0)
         return np.asarray(means @ np.array(weights), dtype=np.float64)
 
     return statistic
+
+
+ratio = contrast(1.0)
+"""First column divided by the second, as a mean or a share."""
 
 
 def bootstrap(
@@ -211,13 +213,6 @@ def _interval(draws: Floats) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _divide(numerator: Floats, denominator: Floats) -> Floats:
-    """A quotient, nan where the denominator is 0."""
-    result = np.full(np.shape(numerator), np.nan)
-    np.divide(numerator, denominator, out=result, where=denominator != 0)
-    return result
-
-
 Value = str | int | float | Estimate
 
 
@@ -314,6 +309,7 @@ def table_of(
     note: str,
     rows: Sequence[Mapping[str, Value]],
     digits: Mapping[str, int] | None = None,
+    hidden: Collection[str] = (),
 ) -> Table:
     """A table of rows that have the same columns, in the same order.
 
@@ -323,11 +319,11 @@ def table_of(
         note: Explanation.
         rows: Values by the name of their column. Estimates have three columns in CSV.
         digits: After the decimal point, by the name of the column; by default 1.
+        hidden: Names of columns that appear in CSV alone.
     """
-    first = rows[0] if rows else {}
     columns = [
-        Column(name, (digits or {}).get(name, 1), isinstance(value, Estimate))
-        for name, value in first.items()
+        Column(name, (digits or {}).get(name, 1), isinstance(value, Estimate), name not in hidden)
+        for name, value in (rows[0] if rows else {}).items()
     ]
     return Table(stem, title, note, tuple(columns), [tuple(row.values()) for row in rows])
 
@@ -360,13 +356,33 @@ def _parts(value: Value) -> tuple[str | int, ...]:
     return (value,)
 
 
+class Sample(NamedTuple, Generic[T]):
+    """Rows, and the ratio of two sums over them: by default a mean.
+
+    Attributes:
+        rows: All rows.
+        value: Of a row.
+        weight: Of a row.
+    """
+
+    rows: Sequence[T]
+    value: Callable[[T], float]
+    weight: Callable[[T], float] = lambda _: 1.0
+
+    @property
+    def ratio(self) -> float:
+        """The sum of the values divided by that of the weights; nan if that is 0."""
+        weight = sum(map(self.weight, self.rows))
+        return sum(map(self.value, self.rows)) / weight if weight else math.nan
+
+
 class Measure(NamedTuple, Generic[T]):
     """A ratio of sums over rows: a mean, or a share.
 
     Attributes:
         name: With its unit.
         value: Of a row.
-        weight: Of a row; the measure is the sum of the values divided by the sum of the weights.
+        weight: Of a row.
         digits: Shown after the decimal point.
     """
 
@@ -377,34 +393,26 @@ class Measure(NamedTuple, Generic[T]):
 
 
 def combined(
-    groups: Sequence[tuple[float, Sequence[Any]]], measure: Measure[Any], rng: np.random.Generator
+    terms: Sequence[tuple[float, Sample[Any]]], rng: np.random.Generator, resamples: int = RESAMPLES
 ) -> Estimate:
-    """A weighted sum of a measure over groups of rows, with its interval over replications.
-
-    Args:
-        groups: Weight and rows of each; the result is unknown if a group has no rows.
-        measure: What is summed.
-        rng: Draws the resamples.
-    """
-    if not all(rows for _, rows in groups):
+    """A weighted sum of means, with its interval over replications; unknown if one of them has no rows."""
+    if not all(sample.rows for _, sample in terms):
         return UNKNOWN
-    numbers = replications(*(rows for _, rows in groups))
-    sums = np.hstack(
-        [sums_by_replication(rows, numbers, measure.value, measure.weight) for _, rows in groups]
-    )
-    return bootstrap(sums, contrast(*(weight for weight, _ in groups)), rng)
+    numbers = replications(*(sample.rows for _, sample in terms))
+    sums = [sums_by_replication(sample.rows, numbers, sample.value, sample.weight) for _, sample in terms]
+    return bootstrap(np.hstack(sums), contrast(*(weight for weight, _ in terms)), rng, resamples)
 
 
 def mean(rows: Sequence[RowT], measure: Measure[RowT], rng: np.random.Generator) -> Estimate:
     """A measure with its interval."""
-    return combined([(1.0, rows)], measure, rng)
+    return combined([(1.0, Sample(rows, *measure[1:3]))], rng)
 
 
 def difference(
     rows: Sequence[RowT], others: Sequence[RowT], measure: Measure[RowT], rng: np.random.Generator
 ) -> Estimate:
     """How much greater a measure is in `rows` than in `others`."""
-    return combined([(1.0, rows), (-1.0, others)], measure, rng)
+    return combined([(1.0, Sample(rows, *measure[1:3])), (-1.0, Sample(others, *measure[1:3]))], rng)
 
 
 def pick(rows: Iterable[T], **fields: object) -> list[T]:

@@ -193,6 +193,18 @@ class Unit(Protocol):
     def run(self) -> Sequence[Any]: ...  # noqa: D102
 
 
+class Job(NamedTuple):
+    """A unit that calls a function, which any process can import."""
+
+    key: str
+    function: Callable[..., Sequence[Any]]
+    arguments: tuple[Any, ...]
+
+    def run(self) -> Sequence[Any]:
+        """The rows that the function returns."""
+        return self.function(*self.arguments)
+
+
 Done = tuple[str, Sequence[Any]]
 """Key and rows of a unit."""
 Execute = Callable[[Sequence[Unit]], Iterator[Done]]

@@ -41,7 +41,7 @@ from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.perception import RawData
-from khepera_forage.thesis.claims.claim import Claim, above, within
+from khepera_forage.thesis.claims import Claim, above, within
 
 PROGRAM, BEHAVIOURS, BOTH = "learned program", "learned behaviours", "both learned"
 TEACHER = "the teacher"

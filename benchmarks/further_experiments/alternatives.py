@@ -38,7 +38,7 @@ from khepera_forage.task.states import (
     classify,
     is_raised,
 )
-from khepera_forage.thesis.claims.claim import Claim, above, points, within
+from khepera_forage.thesis.claims import Claim, above, points, within
 
 DECISIONS = Decisions().values()
 PATIENCE = 100

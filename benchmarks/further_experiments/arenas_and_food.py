@@ -49,6 +49,7 @@ from khepera_forage.estimates import (
     MIN_REPLICATIONS,
     UNKNOWN,
     Estimate,
+    Sample,
     combined,
     percent,
     pick,
@@ -66,7 +67,7 @@ from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, DEFAULT_VALUES
 from khepera_forage.task.placement import layout_key
-from khepera_forage.thesis.claims.claim import Claim, above, at_most, percent_change, points
+from khepera_forage.thesis.claims import Claim, above, at_most, percent_change, points
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 NOTE = "Noise of the laboratory; random places, the same for every line of an arena."
@@ -124,8 +125,10 @@ def _food_claims(found: Analysis, food: str) -> Iterator[Claim]:
     # The gain of the first episodes minus that of the last ones: positive where the gain shrinks.
     early, late = 1.0 / (second - first), 1.0 / (last - before)
     weights = ((early, second), (-early, first), (-late, last), (late, before))
-    groups = [(weight, pick(rows, arena=CORRIDOR, amount=amount)) for weight, amount in weights]
-    effect = combined(groups, SCORE, found.rng)
+    terms = [
+        (weight, Sample(pick(rows, arena=CORRIDOR, amount=amount), SCORE.value)) for weight, amount in weights
+    ]
+    effect = combined(terms, found.rng)
     yield claim(f"{food}, corridor: the gain from an episode shrinks", effect, above(0.0), points)
     learned, chance = (pick(rows, arena="rectangle", amount=amount) for amount in (last, 0))
     effect = Estimate(*(value / 100 for value in found.difference(learned, chance, SETTLED)))

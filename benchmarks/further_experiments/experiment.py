@@ -22,7 +22,7 @@ from khepera_forage.estimates import (
 from khepera_forage.figures import COLOURS, MARKERS, entry, grid, mark
 from khepera_forage.study import Page, Picture
 from khepera_forage.task.states import State
-from khepera_forage.thesis.claims.claim import Claim, Rule, Unit, judged
+from khepera_forage.thesis.claims import Claim, Rule, Unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -313,7 +313,18 @@ class Experiment:
                 *(Column(name, page=False) for name in ("value", "low", "high")),
                 *map(Column, ("rule", "verdict")),
             ),
-            [(c.name, c.effect, c.value, c.low, c.high, c.rule, str(c.verdict)) for c in report.claims],
+            [
+                (
+                    c.name,
+                    c.effect,
+                    c.estimate.value,
+                    c.estimate.low,
+                    c.estimate.high,
+                    c.rule.words(c.unit),
+                    str(c.verdict),
+                )
+                for c in report.claims
+            ],
         )
         question = f"**{self.question}** (section {self.section} of the thesis)"
         picture = Picture(self.name, self.title, report.figure)
@@ -322,7 +333,7 @@ class Experiment:
 
 def claim(name: str, effect: Estimate, rule: Rule, unit: Unit) -> Claim:
     """A claim with the verdict of its rule on the effect."""
-    return judged(name, "", effect, rule, unit, "", "")
+    return Claim(name, "", effect, rule, unit)
 
 
 def conditions_of(rows: Iterable[RowT]) -> list[str]:

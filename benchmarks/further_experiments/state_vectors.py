@@ -52,7 +52,7 @@ from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.training import arrays
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, StateVector
-from khepera_forage.thesis.claims.claim import Claim, above, points, within
+from khepera_forage.thesis.claims import Claim, above, points, within
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 if TYPE_CHECKING:

@@ -40,7 +40,7 @@ from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, DecisionValues
 from khepera_forage.task.states import BEHAVIOURS, Behaviour, behaviour_for, classify
-from khepera_forage.thesis.claims.claim import Claim, Unit, above, points, within
+from khepera_forage.thesis.claims import Claim, Unit, above, points, within
 
 LENGTHS = {"1 episode": 1, "5 episodes": 5}
 """Training episodes of a generation."""

@@ -21,8 +21,8 @@ from khepera_forage.figures import (
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow, common_decisions
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR
-from khepera_forage.thesis.cells import CellResult
 from khepera_forage.thesis.design import NO_NOISE, training_distance
+from khepera_forage.thesis.tables import CellResult
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 if TYPE_CHECKING:

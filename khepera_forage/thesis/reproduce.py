@@ -23,9 +23,7 @@ from khepera_forage.rollouts.rows import (
 from khepera_forage.study import Arguments, Rows, Tables, collect, done, in_processes
 from khepera_forage.task.decisions import Decisions, decisions_text, differences
 from khepera_forage.thesis import figures, tables
-from khepera_forage.thesis.cells import cell_results
-from khepera_forage.thesis.claims import claims
-from khepera_forage.thesis.claims.evidence import Evidence, gather
+from khepera_forage.thesis.claims import Evidence, claims, gather
 from khepera_forage.thesis.design import LABORATORY
 from khepera_forage.thesis.orient_analysis import OrientRow, orient_table
 from khepera_forage.thesis.replication import (
@@ -178,8 +176,8 @@ def write_report(
         )
     for_cells, for_claims, for_tables, for_orient, for_v0_1 = rng.spawn(5)
     evidence = gather(recalls, trainings, teachers, for_tables, resamples)
-    results = cell_results(recalls, for_cells, resamples)
-    v0_1_results = cell_results(v0_1_recalls, for_v0_1, resamples) if v0_1_recalls else []
+    results = tables.cell_results(recalls, for_cells, resamples)
+    v0_1_results = tables.cell_results(v0_1_recalls, for_v0_1, resamples) if v0_1_recalls else []
     noise = tables.noise_table(noise_rows, evidence)
     measured = claims(recalls, trainings, teachers, for_claims, resamples)
     shown = [

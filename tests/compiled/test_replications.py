@@ -7,7 +7,7 @@ import pytest
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.study import Rows
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.thesis.compiled_replications import CompiledBaseline, CompiledReplications
+from khepera_forage.thesis.compiled_replications import baselines, replicate_together
 from khepera_forage.thesis.design import Cell, Subset
 from khepera_forage.thesis.orient_analysis import OrientRow
 
@@ -18,7 +18,7 @@ TEXT = "v0.1;food_to_home=200;next_to_food=22"
 
 @pytest.mark.parametrize(("decisions", "text"), [(Decisions.v0_1(), "v0.1"), (OTHER, TEXT)])
 def test_rows_of_replications_name_their_decisions(decisions: Decisions, text: str) -> None:
-    made = CompiledReplications(0, 0, 2, cells=SMALL, decisions=decisions).run()
+    made = replicate_together(0, 0, 2, cells=SMALL, decisions=decisions)
     outcome = Rows(made)
     assert {row.decisions for row in made} == {text}
     assert [row.file_id for row in outcome.of(RecallRow)] == ["g1", "g1", "g12", "g12"] * 2
@@ -28,7 +28,7 @@ def test_rows_of_replications_name_their_decisions(decisions: Decisions, text: s
 
 @pytest.mark.parametrize("learner", [TEACHER, RANDOM])
 def test_rows_of_a_baseline_name_their_decisions(learner: str) -> None:
-    rows = Rows(CompiledBaseline(0, 2, learner, "corridor", 3, decisions=OTHER).run()).of(RecallRow)
+    rows = Rows(baselines(0, 2, learner, "corridor", 3, decisions=OTHER)).of(RecallRow)
     assert {row.decisions for row in rows} == {TEXT}
     assert [row.replication for row in rows] == [0, 0, 0, 1, 1, 1]
     if learner == TEACHER:

@@ -5,13 +5,13 @@ import pytest
 
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
 from khepera_forage.thesis import reproduce as reproduction
-from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.design import (
     LABORATORY,
     NO_LOSSES,
     THESIS,
     noise_conditions,
 )
+from khepera_forage.thesis.tables import CellResult, cell_results
 from tests.thesis import synthetic
 
 REPLICATIONS = 6

@@ -12,12 +12,14 @@ from khepera_forage.estimates import UNKNOWN, Estimate
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
 from khepera_forage.task.states import State
-from khepera_forage.thesis.claims import Claim, Verdict, claims
-from khepera_forage.thesis.claims.claim import (
+from khepera_forage.thesis.claims import (
+    Claim,
     Rule,
+    Verdict,
     above,
     at_most,
     beyond,
+    claims,
     percent,
     percent_change,
     points,

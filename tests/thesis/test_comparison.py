@@ -14,10 +14,10 @@ from khepera_forage.figures import GREY, OURS
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.design import LABORATORY, THESIS
-from khepera_forage.thesis.replication import Replication, comparison_counts, pymunk_jobs
+from khepera_forage.thesis.replication import comparison_counts, pymunk_jobs
 from khepera_forage.thesis.reproduce import PAGE, SUMMARY, V0_1_RECALLS, reproduce, write_report
+from khepera_forage.thesis.tables import CellResult, cell_results
 from tests.thesis import synthetic
 from tests.thesis.synthetic import BY_EPISODES, recall
 
@@ -35,7 +35,7 @@ def v0_1_results() -> list[CellResult]:
 @pytest.mark.parametrize(("replications", "expected"), [(1, 1), (2, 2), (24, 5), (1000, 200)])
 def test_comparison_has_a_share_of_the_replications(replications: int, expected: int) -> None:
     jobs = pymunk_jobs(0, comparison_counts(replications), V0_1)
-    assert jobs == [Replication(0, i, LABORATORY, THESIS, V0_1) for i in range(expected)]
+    assert [job.arguments for job in jobs] == [(0, i, LABORATORY, THESIS, V0_1) for i in range(expected)]
 
 
 @pytest.mark.usefixtures("no_pictures")

@@ -17,7 +17,7 @@ from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.design import Cell, Subset
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
-from khepera_forage.thesis.replication import Baseline, Replication
+from khepera_forage.thesis.replication import baseline, replicate
 from khepera_forage.thesis.reproduce import write_report
 from tests.thesis.synthetic import recall, training
 
@@ -34,16 +34,16 @@ def test_arrival_vectors_follow_the_decisions() -> None:
 
 
 def test_rows_of_a_replication_name_its_decisions() -> None:
-    rows = Replication(1, 0, cells=SMALL, decisions=OTHER).run()
+    rows = replicate(1, 0, cells=SMALL, decisions=OTHER)
     assert len(Rows(rows).of(OrientRow)) == 6
     assert {row.decisions for row in rows} == {TEXT}
     defaults = decisions_text(Decisions())
-    assert {row.decisions for row in Replication(1, 0, cells=SMALL).run()} == {defaults}
+    assert {row.decisions for row in replicate(1, 0, cells=SMALL)} == {defaults}
 
 
 @pytest.mark.parametrize("learner", [TEACHER, RANDOM])
 def test_rows_of_a_baseline_name_its_decisions(learner: str) -> None:
-    (row,) = Rows(Baseline(0, 0, learner, "corridor", 1, decisions=OTHER).run()).of(RecallRow)
+    (row,) = Rows(baseline(0, 0, learner, "corridor", 1, decisions=OTHER)).of(RecallRow)
     assert row.decisions == TEXT
     assert row.score == 100 or learner == RANDOM, "the teacher classifies states with the same thresholds"
 

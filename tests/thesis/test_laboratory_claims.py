@@ -38,7 +38,7 @@ def measured() -> list[Claim]:
 def test_every_claim_is_measured_with_an_interval(measured: list[Claim]) -> None:
     assert len(measured) == 18
     for claim in measured:
-        assert claim.low <= claim.value <= claim.high, claim.name
+        assert claim.estimate.low <= claim.estimate.value <= claim.estimate.high, claim.name
     assert sum(claim.verdict != Verdict.UNDECIDED for claim in measured) > 5
 
 

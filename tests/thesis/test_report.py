@@ -14,8 +14,7 @@ from PIL import Image
 
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.thesis.cells import CellResult, cell_results
-from khepera_forage.thesis.claims.evidence import gather
+from khepera_forage.thesis.claims import gather
 from khepera_forage.thesis.design import training_distance
 from khepera_forage.thesis.figures import (
     BIN,
@@ -25,7 +24,7 @@ from khepera_forage.thesis.figures import (
     success_by_distance,
 )
 from khepera_forage.thesis.reproduce import PAGE, write_report
-from khepera_forage.thesis.tables import noise_table
+from khepera_forage.thesis.tables import CellResult, cell_results, noise_table
 from tests.figure_checks import (
     check_points_are_shown,
     check_readable,

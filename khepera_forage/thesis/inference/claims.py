@@ -68,7 +68,10 @@ class LaboratoryUnit(NamedTuple):
             found = claims_of(self.laboratory, seed, self.replications)
         except IncompleteTrainingError as error:
             reason = str(error)
-        verdicts, effects = tuple(one.verdict.value for one in found), tuple(one.value for one in found)
+        verdicts, effects = (
+            tuple(one.verdict.value for one in found),
+            tuple(one.estimate.value for one in found),
+        )
         return [LaboratoryClaims(self.number, laboratory_text(self.laboratory), reason, verdicts, effects)]
 
 
