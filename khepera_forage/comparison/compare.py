@@ -12,14 +12,14 @@ import numpy as np
 from joblib import Parallel, cpu_count, delayed, parallel_config
 
 from khepera_forage.comparison.learning import (
+    ALL_ARENAS,
     ARENAS,
     Compared,
     RecallBatch,
     Size,
     all_learners,
     check_form,
-    in_order,
-    plan,
+    learn_and_forage,
     settings_of,
     steps_up_to,
     unable,
@@ -28,11 +28,11 @@ from khepera_forage.comparison.page import SMOKE_TEST, page
 from khepera_forage.comparison.results import (
     DELIVERED,
     Curve,
-    ReadLearner,
     Results,
     as_json,
     beside,
     curves,
+    described,
     read_results,
 )
 from khepera_forage.estimates import UNKNOWN, Estimate, Table, difference, pick, table_of
@@ -44,6 +44,7 @@ from khepera_forage.study import (
     Arguments,
     Done,
     Execute,
+    Job,
     Page,
     Unit,
     collect,
@@ -181,12 +182,8 @@ def compare(given: Arguments) -> int:
         raise ValueError("no learner is left")
     rows = _rows(learners, known, range(given.seeds), _size(given), given)
     found = curves(rows, given.seed)
-    shown = {curve.learner: known[curve.learner] for curve in found}
-    results = Results(
-        f"{machine()} {command_line()}",
-        {name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in shown.items()},
-        found,
-    )
+    shown = described({curve.learner: known[curve.learner] for curve in found})
+    results = Results(f"{machine()} {command_line()}", shown, found)
     written = page(*beside(found, shown, against), missing, (given.out / TUNING).exists(), given.quick)
     write(given.out, given.name, written)
     with replacing(given.out / RESULTS) as path:
@@ -227,7 +224,12 @@ def _rows(
     given: Arguments,
 ) -> list[RecallBatch]:
     """All rows of the folder, of any known learner, after the missing ones of some learners have been made."""
-    units = plan(learners, replications, size, given.seed)
+    # Replication by replication, so that a run that is killed has rows of every learner.
+    units = [
+        Job(f"{name} {number}", learn_and_forage, (given.seed, number, name, learner, size))
+        for number in replications
+        for name, learner in learners.items()
+    ]
     settings = {f"learner {name}": settings_of(learner) for name, learner in learners.items()}
     settings["arenas"] = " ".join(size.arenas)
     with BACKENDS[given.backend](given.jobs, given.address) as execute:
@@ -236,7 +238,11 @@ def _rows(
     for row in found:
         if row.learner not in known:
             raise ValueError(f"{given.out / UNITS}: learner is {row.learner!r}; allowed: {', '.join(known)}")
-    return in_order(found, list(known))
+    place = {name: i for i, name in enumerate(known)}
+    return sorted(
+        found,
+        key=lambda row: (place[row.learner], row.replication, row.amount, ALL_ARENAS.index(row.arena)),
+    )
 
 
 def _printed(given: Arguments, written: Page) -> int:

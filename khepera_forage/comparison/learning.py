@@ -4,7 +4,7 @@ All of them learn in the corridor alone.
 """
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache, lru_cache, partial
 from importlib.util import find_spec
@@ -114,15 +114,6 @@ def steps_up_to(most: int) -> tuple[int, ...]:
     return (*(amount for amount in HALF_DECADES if amount < most), most)
 
 
-def in_order(rows: Collection[RecallBatch], names: Sequence[str]) -> list[RecallBatch]:
-    """Rows by learner, replication, amount and arena."""
-    place = {name: i for i, name in enumerate(names)}
-    return sorted(
-        rows,
-        key=lambda row: (place[row.learner], row.replication, row.amount, ALL_ARENAS.index(row.arena)),
-    )
-
-
 def _require(fine: bool, name: str, value: object, allowed: str) -> None:
     if not fine:
         raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
@@ -171,13 +162,9 @@ def learn(learner: Compared, amounts: Sequence[int], seeds: np.random.SeedSequen
             yield from _query(learner, amounts, seed)
         case FromSteps():
             for policy, steps, seconds in reinforce(learner, amounts, seed):
-                yield Learned(steps, 0, seconds, partial(_always, policy))
+                yield Learned(steps, 0, seconds, partial(lambda policy, env: policy, policy))
         case Reference():
             yield Learned(0, 0, 0.0, Teacher.of if learner.expert else lambda _: UniformPolicy())
-
-
-def _always(policy: Any, env: object) -> Any:
-    return policy
 
 
 def _imitate(
@@ -236,78 +223,57 @@ def _policy(
     return lambda env: fitted(env.diagonal if learner.diagonal else corridor), seconds
 
 
-_SHOWN = ("title", "algorithm", "settings")
-"""Fields of a reinforcement learner that `settings_of` does not list."""
+def learn_and_forage(
+    seed: int, replication: int, name: str, learner: Compared, size: Size
+) -> list[RecallBatch]:
+    """One learner in one replication learns and is tested; the rows by amount, then arena.
 
+    Linear algebra runs on one thread, because sums depend on the number of threads.
 
-class LearnerUnit(NamedTuple):
-    """One learner in one replication; seed and size are those of the whole run."""
-
-    seed: int
-    replication: int
-    name: str
-    learner: Compared
-    size: Size
-
-    @property
-    def key(self) -> str:
-        """Learner and replication."""
-        return f"{self.name} {self.replication}"
-
-    def run(self) -> list[RecallBatch]:
-        """Learn and be tested; the rows by amount, then arena.
-
-        Linear algebra runs on one thread, because sums depend on the number of threads.
-        """
-        learning, *testing = np.random.SeedSequence(self.seed, spawn_key=(self.replication,)).spawn(
-            1 + len(ALL_ARENAS)
-        )
-        amounts = self.size.amounts(self.learner.needs)
-        with threadpool_limits(1), own_errors(f"learner {self.name}"):
-            return [
-                self._batch(amount, arena, learned, testing[ALL_ARENAS.index(arena)])
-                for amount, learned in zip(amounts, learn(self.learner, amounts, learning), strict=True)
-                for arena in self.size.arenas
-            ]
-
-    def _batch(self, amount: int, arena: str, learned: Learned, seeds: np.random.SeedSequence) -> RecallBatch:
-        # The same places for every learner and after every amount.
-        numbers, level = (
-            seeds.generate_state(self.size.recalls).tolist(),
-            self.replication * self.size.recalls,
-        )
-        wheels = isinstance(self.learner, FromSteps) and self.learner.wheels
-        done = [_forage(learned, arena, seed, level + i, wheels) for i, seed in enumerate(numbers)]
-        rows = [row for row, _ in done]
-        return RecallBatch(
-            learner=self.name,
-            replication=self.replication,
-            amount=amount,
-            arena=arena,
-            steps=learned.steps,
-            vectors=learned.vectors,
-            recalls=len(rows),
-            score=float(np.mean([row.score for row in rows])),
-            delivered=sum(row.delivered for row in rows),
-            foods=sum(foods for _, foods in done),
-            recall_steps=sum(row.steps for row in rows),
-            seconds=learned.seconds,
-        )
-
-
-def _forage(
-    learned: Learned, arena: str, seed: int, level: int, wheels: bool
-) -> tuple[RecallRow | WheelsRecall, int]:
-    """One recall in a named arena, or in a level of a difficulty; and the food objects that are not poisonous."""
-    env: Any
-    row: RecallRow | WheelsRecall
-    if wheels:
-        env = _wheels_env(arena)
-        row = recall_wheels(env, learned.policy(env), seed)
-    else:
-        env = _recall_env(arena, level if arena in DIFFICULTIES else 0)
-        row = recall(env, learned.policy(env), seed)
-    return row, sum(food.type != FoodType.POISONOUS for food in env.forager.tracker.foods)
+    Args:
+        seed: Of the whole run.
+        replication: Number.
+        name: Of the learner.
+        learner: The learner.
+        size: Of the whole run.
+    """
+    sequence = np.random.SeedSequence(seed, spawn_key=(replication,))
+    learning, *testing = sequence.spawn(1 + len(ALL_ARENAS))
+    # The same places for every learner and after every amount.
+    seeds = {
+        arena: testing[ALL_ARENAS.index(arena)].generate_state(size.recalls).tolist() for arena in size.arenas
+    }
+    amounts = size.amounts(learner.needs)
+    batches = []
+    with threadpool_limits(1), own_errors(f"learner {name}"):
+        for amount, learned in zip(amounts, learn(learner, amounts, learning), strict=True):
+            for arena in size.arenas:
+                foods, rows = 0, list[RecallRow | WheelsRecall]()
+                for level, own in enumerate(seeds[arena], replication * size.recalls):
+                    if isinstance(learner, FromSteps) and learner.wheels:
+                        env: Any = _wheels_env(arena)
+                        rows.append(recall_wheels(env, learned.policy(env), own))
+                    else:
+                        env = _recall_env(arena, level if arena in DIFFICULTIES else 0)
+                        rows.append(recall(env, learned.policy(env), own))
+                    foods += sum(food.type != FoodType.POISONOUS for food in env.forager.tracker.foods)
+                batches.append(
+                    RecallBatch(
+                        learner=name,
+                        replication=replication,
+                        amount=amount,
+                        arena=arena,
+                        steps=learned.steps,
+                        vectors=learned.vectors,
+                        recalls=len(rows),
+                        score=float(np.mean([row.score for row in rows])),
+                        delivered=sum(row.delivered for row in rows),
+                        foods=foods,
+                        recall_steps=sum(row.steps for row in rows),
+                        seconds=learned.seconds,
+                    )
+                )
+    return batches
 
 
 @lru_cache(maxsize=len(ALL_ARENAS))
@@ -370,18 +336,10 @@ def settings_of(learner: Compared) -> str:
         case FromQueries():
             return f"{settings_of(learner.learner)}; {_arguments(learner.settings)}"
         case FromSteps():
-            own = {f.name: getattr(learner, f.name) for f in fields(learner) if f.name not in _SHOWN}
+            apart = ("title", "algorithm", "settings")
+            own = {f.name: getattr(learner, f.name) for f in fields(learner) if f.name not in apart}
             return f"{learner.algorithm}({_arguments(learner.settings)}); {_arguments(own)}"
     return "learns nothing"
-
-
-def plan(learners: Mapping[str, Compared], replications: range, size: Size, seed: int) -> list[LearnerUnit]:
-    """All work, replication by replication, so that a run that is killed has rows of every learner."""
-    return [
-        LearnerUnit(seed, number, name, learner, size)
-        for number in replications
-        for name, learner in learners.items()
-    ]
 
 
 def _arguments(values: Mapping[str, Any]) -> str:

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from textwrap import wrap
 from typing import TYPE_CHECKING, NamedTuple
 
-from khepera_forage.comparison.learning import ARENAS, settings_of
-from khepera_forage.comparison.results import SUCCESS, Curve, ReadLearner, Shown
+from khepera_forage.comparison.learning import ARENAS
+from khepera_forage.comparison.results import SUCCESS, Curve, ReadLearner
 from khepera_forage.estimates import Column, Table, Value, table_of
 from khepera_forage.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure, padded
 from khepera_forage.policies.learners import Needs
@@ -30,7 +30,7 @@ imitator, which are fixed, and of reinforcement learners, whose trainings take l
 SMOKE_TEST = "A run with --quick is a smoke test: it supports no claim about any learner."
 
 
-def main_table(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> Table:
+def main_table(curves: Sequence[Curve], learners: Mapping[str, ReadLearner]) -> Table:
     """Every learner in both arenas, after all of its learning."""
     rows: list[dict[str, Value]] = []
     for curve in curves:
@@ -90,7 +90,7 @@ def amounts_table(curves: Sequence[Curve]) -> Table:
 
 def page(
     curves: Sequence[Curve],
-    learners: Mapping[str, Shown],
+    learners: Mapping[str, ReadLearner],
     missing: Mapping[str, str],
     tuned: bool,
     quick: bool = False,
@@ -111,17 +111,19 @@ def page(
         f"{TUNING} See [all settings](tuning/tuning.md)." if tuned else TUNING,
         (Column("name"), Column("learner"), Column("settings")),
         [
-            (f"`{name}`", learners[name].title, f"`{_settings(learners[name])}`")
+            (f"`{name}`", learners[name].title, f"`{learners[name].settings}`")
             for name in names
             if learners[name].needs is not None
         ],
     )
+    drawn = [curve for curve in curves if curve.arena in STYLES]
+    caption = "food delivered against steps of learning"
     absent = [f"`{name}` was left out: {why}." for name, why in missing.items() if name not in names]
     return Page(
         "All learners side by side",
         [
             "**How much experience does a learner need to forage?**",
-            *_pictures(curves, learners),
+            *([Picture("learners", caption, figure(drawn, learners))] if drawn else []),
             *absent,
             *([SMOKE_TEST] if quick else []),
             METHOD,
@@ -131,16 +133,6 @@ def page(
         ],
         (amounts_table(curves),),
     )
-
-
-def _pictures(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> list[Picture]:
-    shown = [curve for curve in curves if curve.arena in STYLES]
-    caption = "food delivered against steps of learning"
-    return [Picture("learners", caption, figure(shown, learners))] if shown else []
-
-
-def _settings(learner: Shown) -> str:
-    return learner.settings if isinstance(learner, ReadLearner) else settings_of(learner)
 
 
 FAMILIES = {
@@ -171,9 +163,10 @@ _PANEL, _HEADING, _LEGEND = 1.7, 0.34, 1.0
 """Inches: height of a line of panels, of the heading of a kind with its label of the steps, and of the rest."""
 
 
-def figure(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> "Figure":
+def figure(curves: Sequence[Curve], learners: Mapping[str, ReadLearner]) -> "Figure":
     """A block of panels for each kind of learner, and a panel for each learner with its curve in each arena."""
-    families = {needs: _names(curves, learners, needs) for needs in FAMILIES}
+    shown = dict.fromkeys(curve.learner for curve in curves)
+    families = {needs: [name for name in shown if learners[name].needs is needs] for needs in FAMILIES}
     families = {needs: names for needs, names in families.items() if names}
     heights = [_HEADING + _PANEL * math.ceil(len(names) / COLUMNS) for names in families.values()]
     drawn = new_figure(WIDTH, _LEGEND + sum(heights))
@@ -187,12 +180,6 @@ def figure(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> "Figure":
             own = [curve for curve in curves if curve.learner in names]
             _block(block, {name: learners[name].title for name in names}, own, references)
     return drawn
-
-
-def _names(curves: Sequence[Curve], learners: Mapping[str, Shown], needs: Needs) -> list[str]:
-    return [
-        name for name in dict.fromkeys(curve.learner for curve in curves) if learners[name].needs is needs
-    ]
 
 
 def _block(
@@ -266,7 +253,7 @@ def _points(curve: Curve) -> tuple[list[float], list[float]]:
     return [point.steps.value for point in curve.points], [point.delivered.value for point in curve.points]
 
 
-def _key(drawn: "Figure", references: Sequence[Curve], learners: Mapping[str, Shown]) -> None:
+def _key(drawn: "Figure", references: Sequence[Curve], learners: Mapping[str, ReadLearner]) -> None:
     """One legend for all panels."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch

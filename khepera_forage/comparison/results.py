@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from khepera_forage.comparison.learning import ALL_ARENAS, Compared, RecallBatch
+from khepera_forage.comparison.learning import ALL_ARENAS, Compared, RecallBatch, settings_of
 from khepera_forage.estimates import UNKNOWN, Estimate, Measure, bootstrap_quantile, difference, mean, pick
 from khepera_forage.files import utf8
 from khepera_forage.policies.learners import Needs
@@ -76,6 +76,19 @@ class Point(NamedTuple):
     seconds: Estimate
 
 
+class ReadLearner(NamedTuple):
+    """A learner as tables, figures and results files have it; `needs` is None if it learns nothing."""
+
+    title: str
+    needs: Needs | None
+    settings: str
+
+
+def described(learners: Mapping[str, Compared]) -> dict[str, ReadLearner]:
+    """Learners as tables, figures and results files have them."""
+    return {name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in learners.items()}
+
+
 @dataclass(frozen=True, slots=True)
 class Curve:
     """One learner in one arena.
@@ -119,40 +132,23 @@ def _curve(rows: Sequence[RecallBatch], rng: np.random.Generator) -> Curve:
         for amount, own in parts.items()
     )
     first, *_, last = (*parts.values(), *parts.values())
-    to_success = bootstrap_quantile(_firsts(rows), lambda row: row.steps, 0.5, rng)
+    firsts = {row.replication: math.inf for row in rows}
+    for row in rows:
+        if row.delivered >= SUCCESS * row.foods:
+            firsts[row.replication] = min(firsts[row.replication], row.steps)
+    to_success = bootstrap_quantile([_First(*own) for own in firsts.items()], lambda row: row.steps, 0.5, rng)
     gain = difference(last, first, DELIVERED, rng) if len(parts) > 1 else UNKNOWN
     return Curve(rows[0].learner, rows[0].arena, points, to_success, gain)
 
 
 class _First(NamedTuple):
+    """Steps to the first success of a replication; infinite without success."""
+
     replication: int
     steps: float
 
 
-def _firsts(rows: Sequence[RecallBatch]) -> list[_First]:
-    """Steps to the first success of each replication; infinite without success."""
-    firsts = {row.replication: math.inf for row in rows}
-    for row in rows:
-        if row.delivered >= SUCCESS * row.foods:
-            firsts[row.replication] = min(firsts[row.replication], row.steps)
-    return [_First(*item) for item in firsts.items()]
-
-
-@dataclass(frozen=True, slots=True)
-class ReadLearner:
-    """A learner of a results file; `needs` is None if it learns nothing."""
-
-    title: str
-    needs: Needs | None
-    settings: str
-
-
-Shown = Compared | ReadLearner
-"""What tables and figures show."""
-
-
-@dataclass(frozen=True, slots=True)
-class Results:
+class Results(NamedTuple):
     """What a results file holds.
 
     Attributes:
@@ -200,12 +196,10 @@ def read_results(source: str) -> Results:
         content = json.loads(utf8(path.read_bytes()))
         if not isinstance(content, dict) or content.get("format") != FORMAT:
             raise ValueError(f"no results of a comparison; allowed: a file with the format {FORMAT!r}")
-        learners = {
-            name: ReadLearner(
-                one["title"], Needs(one["learns_from"]) if one["learns_from"] else None, one["settings"]
-            )
-            for name, one in content["learners"].items()
-        }
+        learners = {}
+        for name, one in content["learners"].items():
+            needs = Needs(one["learns_from"]) if one["learns_from"] else None
+            learners[name] = ReadLearner(one["title"], needs, one["settings"])
         curves = [_curve_of(value, learners) for value in content["curves"]]
         return Results(str(content["made_with"]), learners, curves, origin)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
@@ -214,15 +208,16 @@ def read_results(source: str) -> Results:
 
 
 def beside(
-    own: Sequence[Curve], learners: Mapping[str, Compared], other: Results | None
-) -> tuple[list[Curve], dict[str, Shown]]:
+    own: Sequence[Curve], learners: Mapping[str, ReadLearner], other: Results | None
+) -> tuple[list[Curve], dict[str, ReadLearner]]:
     """The curves and learners of a run, and behind them those of a results file, with its origin in their titles."""
     if other is None:
         return list(own), dict(learners)
     mark = f"({other.origin})"
-    names = {name: f"{name} {mark}" for name in other.learners}
-    read = {names[name]: replace(one, title=f"{one.title} {mark}") for name, one in other.learners.items()}
-    behind = [replace(curve, learner=names[curve.learner]) for curve in other.curves]
+    behind = [replace(curve, learner=f"{curve.learner} {mark}") for curve in other.curves]
+    read = {
+        f"{name} {mark}": one._replace(title=f"{one.title} {mark}") for name, one in other.learners.items()
+    }
     return [*own, *behind], {**learners, **read}
 
 
@@ -232,15 +227,16 @@ def _plain(curve: Curve) -> dict[str, Any]:
     def numbers(estimate: Estimate) -> list[float | str | None]:
         return [None if math.isnan(v) else "inf" if math.isinf(v) else float(f"{v:.6g}") for v in estimate]
 
-    def point(one: Point) -> dict[str, Any]:
-        return {k: numbers(v) if isinstance(v, Estimate) else v for k, v in one._asdict().items()}
-
+    points = [
+        {k: numbers(v) if isinstance(v, Estimate) else v for k, v in point._asdict().items()}
+        for point in curve.points
+    ]
     return {
         "learner": curve.learner,
         "arena": curve.arena,
         "steps_to_success": numbers(curve.steps_to_success),
         "gain": numbers(curve.gain),
-        "points": [point(one) for one in curve.points],
+        "points": points,
     }
 
 
