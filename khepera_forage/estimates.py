@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import fill
-from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,6 +110,7 @@ def bootstrap(
     statistic: Callable[[Floats], Floats],
     rng: np.random.Generator,
     resamples: int = RESAMPLES,
+    method: Literal["linear", "inverted_cdf"] = "linear",
 ) -> Estimate:
     """A statistic of all replications, with its percentile interval over resampled replications.
 
@@ -121,14 +122,23 @@ def bootstrap(
         statistic: Takes sums (..., columns) and returns (...).
         rng: Draws the resamples.
         resamples: Number of resamples.
+        method: Of the percentiles, as in `numpy.quantile`.
     """
     count = len(sums)
     if not count:
         return UNKNOWN
     value = float(statistic(sums.sum(axis=0)))
-    if count < MIN_REPLICATIONS or not math.isfinite(value):
-        return Estimate(value, math.nan, math.nan)
-    return Estimate(value, *_interval(statistic(_draw(count, rng, resamples) @ sums)))
+    if count < MIN_REPLICATIONS or math.isnan(value):
+        return plain(value)
+    # How often each replication is drawn in each resample.
+    drawn = rng.integers(count, size=(resamples, count)) + count * np.arange(resamples)[:, None]
+    counts = np.bincount(drawn.ravel(), minlength=resamples * count).reshape(resamples, count)
+    draws = statistic(counts.astype(np.float64) @ sums)
+    defined = draws[~np.isnan(draws)]
+    if 2 * len(defined) < len(draws):
+        return plain(value)
+    low, high = np.quantile(defined, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2], method=method)
+    return Estimate(value, float(low), float(high))
 
 
 def bootstrap_quantile(
@@ -142,8 +152,6 @@ def bootstrap_quantile(
 
     The quantile is the smallest value that at least this share of the rows does not exceed. It may be infinite.
     """
-    if not rows:
-        return UNKNOWN
     numbers = replications(rows)
     values = np.array([measure(row) for row in rows])
     order = np.argsort(values)
@@ -154,12 +162,7 @@ def bootstrap_quantile(
         reached = shares >= quantile * shares[..., -1:] - 1e-9
         return np.asarray(values[order][np.argmax(reached, axis=-1)], dtype=np.float64)
 
-    value = float(statistic(np.ones(len(numbers))))
-    if len(numbers) < MIN_REPLICATIONS:
-        return Estimate(value, math.nan, math.nan)
-    draws = statistic(_draw(len(numbers), rng, resamples))
-    low, high = np.quantile(draws, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2], method="inverted_cdf")
-    return Estimate(value, float(low), float(high))
+    return bootstrap(np.eye(len(numbers)), statistic, rng, resamples, "inverted_cdf")
 
 
 def percentile_rank(value: float, experiments: Sequence[float]) -> PercentileRank:
@@ -177,15 +180,12 @@ def percentile_rank(value: float, experiments: Sequence[float]) -> PercentileRan
 
 def wilson(successes: int, trials: int) -> Estimate:
     """A share with Wilson's 95 % score interval, for independent trials."""
+    from scipy.stats import binomtest
+
     if trials == 0:
         return UNKNOWN
-    z = 1.959964
-    share = successes / trials
-    spread = z * math.sqrt(share * (1 - share) / trials + z * z / (4 * trials * trials))
-    centre = share + z * z / (2 * trials)
-    scale = 1 + z * z / trials
-    low, high = (centre - spread) / scale, (centre + spread) / scale
-    return Estimate(share, max(0.0, low), min(1.0, high))  # rounding errors may exceed the range
+    test = binomtest(successes, trials)
+    return Estimate(test.statistic, *map(float, test.proportion_ci(COVERAGE, "wilson")))
 
 
 def holm(values: Sequence[float]) -> list[float]:
@@ -195,22 +195,6 @@ def holm(values: Sequence[float]) -> list[float]:
         highest = max(highest, min(1.0, (len(values) - rank) * values[place]))
         adjusted[place] = highest
     return adjusted
-
-
-def _draw(count: int, rng: np.random.Generator, resamples: int) -> Floats:
-    """How often each replication is drawn in each resample."""
-    drawn = rng.integers(count, size=(resamples, count)) + count * np.arange(resamples)[:, None]
-    return (
-        np.bincount(drawn.ravel(), minlength=resamples * count).reshape(resamples, count).astype(np.float64)
-    )
-
-
-def _interval(draws: Floats) -> tuple[float, float]:
-    defined = draws[np.isfinite(draws)]
-    if 2 * len(defined) < len(draws):
-        return math.nan, math.nan
-    low, high = np.quantile(defined, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2])
-    return float(low), float(high)
 
 
 Value = str | int | float | Estimate
@@ -440,18 +424,20 @@ def means_table(
         measures: One a column.
         rng: Draws the resamples.
     """
-    places = {name: _order(getattr(row, name) for row in rows) for name in by}
     groups: dict[tuple[Any, ...], list[RowT]] = {}
     for row in rows:
         groups.setdefault(tuple(getattr(row, name) for name in by), []).append(row)
-    lines: list[tuple[Value, ...]] = [
-        (*key, len(own), *(mean(own, measure, rng) for measure in measures))
-        for key, own in sorted(
-            groups.items(), key=lambda item: [places[n][v] for n, v in zip(by, item[0], strict=True)]
-        )
-    ]
+    seen = [list(dict.fromkeys(values)) for values in zip(*groups, strict=True)]
+    for values in seen:
+        if not any(isinstance(value, str) for value in values):
+            values.sort()
+    places = [{value: place for place, value in enumerate(values)} for values in seen]
     columns = [*map(Column, by.values()), Column("rows")]
     columns += [Column(measure.name, measure.digits, estimate=True) for measure in measures]
+    lines = [
+        (*key, len(groups[key]), *(mean(groups[key], measure, rng) for measure in measures))
+        for key in sorted(groups, key=lambda key: [own[v] for own, v in zip(places, key, strict=True)])
+    ]
     return Table(stem, title, note, tuple(columns), lines)
 
 
@@ -476,11 +462,3 @@ def extremes(values: Sequence[float]) -> Estimate:
 def plain(value: float) -> Estimate:
     """A value without an interval."""
     return Estimate(value, math.nan, math.nan)
-
-
-def _order(values: Iterable[Any]) -> dict[Any, int]:
-    """The place of every value that occurs."""
-    distinct = list(dict.fromkeys(values))
-    if not any(isinstance(value, str) for value in distinct):
-        distinct.sort()
-    return {value: place for place, value in enumerate(distinct)}

@@ -400,8 +400,8 @@ class Page(NamedTuple):
         return [part for part in self.parts if isinstance(part, Table)]
 
 
-def write(folder: Path, name: str, page: Page) -> None:
-    """Write `<name>.md` with the command and the machine that made it, and its tables and pictures."""
+def rendered(folder: Path, page: Page) -> list[str]:
+    """Write the tables and pictures of a page, and return its paragraphs."""
     folder.mkdir(parents=True, exist_ok=True)
     text = [f"# {page.title}"]
     for part in page.parts:
@@ -410,10 +410,21 @@ def write(folder: Path, name: str, page: Page) -> None:
             text.append(f"![{part.caption}]({part.name}.png)")
         else:
             text.append(part.markdown().rstrip("\n") if isinstance(part, Table) else part)
-    text += ["## Command", f"    {command_line()}", machine()]
-    (folder / f"{name}.md").write_text("\n\n".join(text) + "\n", encoding="utf-8")
     for table in (*page.tables, *page.attachments):
-        (folder / f"table_{table.stem}.csv").write_text(table.csv(), encoding="utf-8")
+        write_text(folder / f"table_{table.stem}.csv", table.csv())
+    return text
+
+
+def write(folder: Path, name: str, page: Page) -> None:
+    """Write `<name>.md` with the command and the machine that made it, and its tables and pictures."""
+    text = [*rendered(folder, page), "## Command", f"    {command_line()}", machine()]
+    write_text(folder / f"{name}.md", "\n\n".join(text) + "\n")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file; an error names it."""
+    with NamingFile(path):
+        path.write_text(text, encoding="utf-8")
 
 
 def finish(given: Arguments, page: Page) -> int:
