@@ -20,7 +20,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.learner_registry import LearnerError, installed_learners, own_errors
-from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner, Needs
+from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner
 from khepera_forage.policies.policy import UniformPolicy
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env
@@ -37,7 +37,6 @@ ARENAS = THESIS_ARENAS
 """Where learners are tested by default; all of them learn in the first."""
 ALL_ARENAS = (*NAMED, *DIFFICULTIES)
 """Where they can be tested: named arenas, and procedural test arenas of a difficulty."""
-HALF_DECADES = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,35 +82,6 @@ class RecallBatch:
         _require(math.isfinite(self.score) and self.score <= 100, "score", self.score, "up to 100")
         _require(0 <= self.delivered <= self.foods, "delivered", self.delivered, f"0..{self.foods} foods")
         _require(self.recall_steps >= self.recalls, "recall_steps", self.recall_steps, "1 a recall or more")
-
-
-class Size(NamedTuple):
-    """How much is done.
-
-    Attributes:
-        recalls: Recall episodes in each arena, after each amount of learning.
-        episodes: Training episodes after which imitators are tested.
-        queries: Answers of the teacher after which learners that query it are tested.
-        steps: Environment steps after which reinforcement learners are tested.
-        arenas: Where learners are tested.
-    """
-
-    recalls: int
-    episodes: tuple[int, ...]
-    queries: tuple[int, ...]
-    steps: tuple[int, ...]
-    arenas: tuple[str, ...] = ARENAS
-
-    def amounts(self, needs: Needs | None) -> tuple[int, ...]:
-        """The amounts of learning after which a learner is tested; None learns nothing."""
-        if needs is None:
-            return (0,)
-        return {Needs.VECTORS: self.episodes, Needs.QUERIES: self.queries, Needs.STEPS: self.steps}[needs]
-
-
-def steps_up_to(most: int) -> tuple[int, ...]:
-    """Half decades of steps below the most, and the most."""
-    return (*(amount for amount in HALF_DECADES if amount < most), most)
 
 
 def _require(fine: bool, name: str, value: object, allowed: str) -> None:
@@ -224,7 +194,13 @@ def _policy(
 
 
 def learn_and_forage(
-    seed: int, replication: int, name: str, learner: Compared, size: Size
+    seed: int,
+    replication: int,
+    name: str,
+    learner: Compared,
+    amounts: Sequence[int],
+    recalls: int,
+    arenas: Sequence[str],
 ) -> list[RecallBatch]:
     """One learner in one replication learns and is tested; the rows by amount, then arena.
 
@@ -235,21 +211,20 @@ def learn_and_forage(
         replication: Number.
         name: Of the learner.
         learner: The learner.
-        size: Of the whole run.
+        amounts: Of learning, after which it is tested: training episodes, queries or steps, in increasing order.
+        recalls: Recall episodes in each arena, after each amount.
+        arenas: Where it is tested.
     """
     sequence = np.random.SeedSequence(seed, spawn_key=(replication,))
     learning, *testing = sequence.spawn(1 + len(ALL_ARENAS))
     # The same places for every learner and after every amount.
-    seeds = {
-        arena: testing[ALL_ARENAS.index(arena)].generate_state(size.recalls).tolist() for arena in size.arenas
-    }
-    amounts = size.amounts(learner.needs)
+    seeds = {arena: testing[ALL_ARENAS.index(arena)].generate_state(recalls).tolist() for arena in arenas}
     batches = []
     with threadpool_limits(1), own_errors(f"learner {name}"):
         for amount, learned in zip(amounts, learn(learner, amounts, learning), strict=True):
-            for arena in size.arenas:
+            for arena in arenas:
                 foods, rows = 0, list[RecallRow | WheelsRecall]()
-                for level, own in enumerate(seeds[arena], replication * size.recalls):
+                for level, own in enumerate(seeds[arena], replication * recalls):
                     if isinstance(learner, FromSteps) and learner.wheels:
                         env: Any = _wheels_env(arena)
                         rows.append(recall_wheels(env, learned.policy(env), own))

@@ -39,13 +39,12 @@ from khepera_forage.comparison.compiled_learning import (
 from khepera_forage.comparison.learning import (
     REFERENCES,
     Compared,
-    Size,
     learn_and_forage,
     settings_of,
     unable,
 )
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.estimates import UNKNOWN, Estimate, Measure, Table, Value, mean, pick, plain, table_of
+from khepera_forage.estimates import Estimate, Measure, Table, Value, mean, pick, plain, table_of
 from khepera_forage.experience import Experience
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.features import wheels_features
@@ -91,11 +90,9 @@ class Track(NamedTuple):
         question: That it asks.
         learners: Those of the package that take part.
         amounts: Amounts of learning in each condition: episodes, or steps of reinforcement learning.
-        places: Of the recalls.
+        places: Of the recalls, `recalls` in each group.
         seeds: Replications.
-        slow: Replications of learners whose replication takes seconds, that is, all but the thesis's imitator and the
-            references.
-        recalls: In each group of places.
+        slow: Replications of learners that take seconds: all but the thesis's imitator and the references.
     """
 
     question: str
@@ -160,19 +157,12 @@ def track_of(name: str, quick: bool) -> Track:
 
 @dataclass(frozen=True, slots=True)
 class Tested:
-    """Recalls of one learner in one place.
+    """Recalls of one learner in one place; fields that are not explained are those of `RecallBatch`.
 
     Attributes:
-        track: One of `TRACKS`.
-        learner: Its name; `teacher` and `random` learn nothing.
         condition: One of the track's, or a learner for which the demonstrations were searched; empty without learning.
-        amount: Training episodes or steps.
         replication: With seeds and training of its own. For demonstrations that were searched for, the search.
         place: A named arena or a difficulty.
-        recalls: How many.
-        score: Their mean (equation 5.1), in percent.
-        delivered: Food brought home that is not poisonous.
-        foods: Food objects that are not poisonous.
         vectors: What was learned from: experience vectors, or rounds.
         seconds: Learning and recalls in all places, wall time.
     """
@@ -217,16 +207,12 @@ def find_demonstrations(seed: int, name: str, number: int, budget: Budget) -> li
 
 
 class Learning(NamedTuple):
-    """A unit of work: one learner learns once, and forages.
+    """A unit of work: one learner learns once, and forages; fields that are not explained are those of `Tested`.
 
     Attributes:
         seed: Of the whole run.
-        track: Its name.
         name: Of the learner.
         learner: An entry of `LEARNERS`, a reference, or None for an offline learner on wheels.
-        condition: As in `Tested`.
-        amount: Likewise.
-        replication: Likewise.
         recalls: In each group of places.
         test: Number of the training with the same demonstrations.
         marks: Demonstrations that were searched for.
@@ -273,8 +259,10 @@ class Learning(NamedTuple):
                     self.learner, training, seeds, own % 2**31, CORRIDOR_DIAGONAL
                 )
             case FromSteps():
-                size = Size(self.recalls, (), (), (self.amount,), TRACKS[self.track].places)
-                rows = learn_and_forage(self.seed, self.replication, self.name, self.learner, size)
+                rows = learn_and_forage(
+                    *(self.seed, self.replication, self.name, self.learner),
+                    *((self.amount,), self.recalls, TRACKS[self.track].places),
+                )
                 found = {
                     row.arena: Foraged(
                         np.full(row.recalls, row.score), np.array([row.delivered]), np.array([row.foods])
@@ -516,8 +504,8 @@ def page(rows: Sequence[Tested], seed: int, quick: bool) -> Page:
     return Page(NAME, tables)
 
 
-def _mean(rows: Sequence[Tested], seed: int) -> Estimate:
-    return mean(rows, SHARE, np.random.default_rng(seed)) if rows else UNKNOWN
+def _share(rows: Sequence[Tested], seed: int) -> Estimate:
+    return mean(rows, SHARE, np.random.default_rng(seed))
 
 
 def _table(name: str, question: str, rows: Sequence[Tested], seed: int) -> Table:
@@ -533,7 +521,7 @@ def _table(name: str, question: str, rows: Sequence[Tested], seed: int) -> Table
                 "amount": amount,
                 "trainings": len({(row.replication, row.seconds) for row in own}),
                 **{
-                    f"{g} (%)": _mean([r for r in own if r.place in group], seed)
+                    f"{g} (%)": _share([row for row in own if row.place in group], seed)
                     for g, group in groups.items()
                 },
                 "vectors": plain(float(np.mean([row.vectors for row in own]))),
@@ -553,8 +541,8 @@ def _transfer(rows: Sequence[Tested], seed: int) -> Table:
     lines: list[dict[str, Value]] = []
     for learner, condition, amount in _kinds(rows):
         if learner not in REFERENCES and amount == few and condition != THESIS:
-            share = _mean(pick(rows, learner=learner, condition=condition, amount=amount), seed)
-            usual = _mean(pick(rows, learner=learner, condition=THESIS, amount=amount), seed).value
+            share = _share(pick(rows, learner=learner, condition=condition, amount=amount), seed)
+            usual = _share(pick(rows, learner=learner, condition=THESIS, amount=amount), seed).value
             lines.append(
                 {
                     "learner": learner,

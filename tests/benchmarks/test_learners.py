@@ -13,7 +13,6 @@ import pytest
 from khepera_forage.comparison.compare import CANDIDATES, candidates, differences, unavailable
 from khepera_forage.comparison.learning import (
     RecallBatch,
-    Size,
     settings_of,
 )
 from khepera_forage.comparison.results import curves
@@ -23,7 +22,6 @@ from tests.benchmarks.running import quick, quick_here, read, refused
 from tests.benchmarks.test_scripts import LEARNERS_RUN
 
 NAMES = ("teacher", "random", "imitator", "tree", "dagger_tree")
-SIZE = Size(1, (1, 2), (100,), (1_000,))
 
 
 @pytest.fixture(scope="module")
