@@ -42,10 +42,8 @@ class PercentileRank(NamedTuple):
     """The rank of a value among comparable experiments; equal experiments count half.
 
     Attributes:
-        percentile: Percent of the experiments below the value.
         tail: Two-sided probability that one more experiment is at least as extreme: twice the smaller tail, which
             includes the value itself, at most 1.
-        experiments: Number of experiments.
     """
 
     percentile: float
@@ -205,7 +203,6 @@ class Column:
     """One column.
 
     Attributes:
-        name: Heading with the unit.
         digits: Digits after the decimal point in Markdown; CSV always has six significant digits.
         estimate: Whether the values are estimates, each with an interval.
         page: Whether the column appears in Markdown; all columns appear in CSV.
@@ -223,7 +220,6 @@ class Table:
 
     Attributes:
         stem: Name of the table in file names.
-        title: Heading.
         note: Explanation of the contents and their computation.
         columns: One for each value of a row.
         rows: Values; nan for a missing number.
@@ -341,13 +337,7 @@ def _parts(value: Value) -> tuple[str | int, ...]:
 
 
 class Sample(NamedTuple, Generic[T]):
-    """Rows, and the ratio of two sums over them: by default a mean.
-
-    Attributes:
-        rows: All rows.
-        value: Of a row.
-        weight: Of a row.
-    """
+    """Rows, and the ratio of two sums over them: by default a mean."""
 
     rows: Sequence[T]
     value: Callable[[T], float]
@@ -361,14 +351,7 @@ class Sample(NamedTuple, Generic[T]):
 
 
 class Measure(NamedTuple, Generic[T]):
-    """A ratio of sums over rows: a mean, or a share.
-
-    Attributes:
-        name: With its unit.
-        value: Of a row.
-        weight: Of a row.
-        digits: Shown after the decimal point.
-    """
+    """A ratio of sums over rows: a mean, or a share."""
 
     name: str
     value: Callable[[T], float]

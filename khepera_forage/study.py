@@ -84,13 +84,7 @@ class Arguments(argparse.Namespace):
 
     Attributes:
         name: Of the study; its page and its folder of results have it, too.
-        program: What error messages begin with.
-        seed: Of the whole run.
-        out: Folder for the results.
-        quick: Whether the work is done in small.
-        jobs: Processes, as joblib counts them.
         fresh: Whether rows of earlier runs in the folder are deleted.
-        counts: Every count by its name.
         settings: Everything that the rows of a unit depend on, as text.
     """
 
@@ -385,7 +379,6 @@ class Page(NamedTuple):
     """What a study found.
 
     Attributes:
-        title: Heading.
         parts: Paragraphs of Markdown, tables (each a section of its own) and pictures, in the order of the page.
         attachments: Tables that are written as CSV and do not stand on the page.
     """

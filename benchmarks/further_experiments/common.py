@@ -48,12 +48,8 @@ class TrainingEpisode:
 
     Attributes:
         replication: Number of the repetition of the whole experiment.
-        condition: Of the experiment.
         amount: Number of learners, generation or delay, where the experiment varies one of these; otherwise 1.
-        file: Number of the experience file.
         attempts: Up to the complete one.
-        rounds: MultiSteps of the complete attempt.
-        all_rounds: MultiSteps of all attempts.
         vectors: Experience vectors recorded in the complete attempt.
         true: Vectors among them whose behaviour the teacher of section 4.4 would have chosen on the same state vector.
         separations: Separations in the complete attempt, of all learners together.
@@ -77,13 +73,10 @@ class RecallEpisode:
 
     Attributes:
         replication: Number of the repetition of the whole experiment.
-        condition: Of the experiment.
         amount: Training episodes, or the generation or delay; 0 for a policy that learned nothing.
-        number: Of the recall.
         seed: Of the episode; the same places for every condition and amount.
         avoided: Objects known to be poisonous and not brought home.
         beyond: Distance of the first object from home minus that in training, in pixels.
-        vectors: Experience vectors of the learner.
         distinct: Different state vectors among them.
     """
 
@@ -185,7 +178,6 @@ class Size(NamedTuple):
     Attributes:
         files: Most training episodes of a learner.
         recalls: Recall episodes of each learner in each arena.
-        generations: Of a chain.
         attempts: At a training episode, before the experiment gives it up.
         patience: Attempts at a training episode, after which a simulated person gives up. An assumption, not measured.
         steps: Time limit of a recall; by default that of its arena.
@@ -431,13 +423,8 @@ class Experiment(NamedTuple):
     """One item of the thesis's further work.
 
     Attributes:
-        name: For `--only` and file names.
-        title: Heading of its page.
         section: Of the thesis, where the question stands.
-        question: Under test.
-        method: How it is tested.
         conditions: One trial each in every replication.
-        run: Does one trial.
         report: Turns all rows into a report.
     """
 

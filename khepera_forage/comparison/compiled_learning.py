@@ -216,8 +216,6 @@ class Budget(NamedTuple):
     """How much a search does.
 
     Attributes:
-        sets: Of demonstrations, in each generation.
-        generations: How many.
         trainings: With each set.
         recalls: After all trainings with a set.
     """

@@ -50,7 +50,6 @@ class RecallBatch:
         arena: One of `ALL_ARENAS`.
         steps: Environment steps of the learning: rounds of all training attempts, queries, or steps of the trials.
         vectors: Experience vectors or answers of the teacher that the learner used; 0 for reinforcement learning.
-        recalls: Recall episodes in this batch.
         score: Their mean (equation 5.1), in percent.
         delivered: Food objects carried home in all of them, without poisonous ones.
         foods: Food objects in all of them that are not poisonous.
@@ -108,9 +107,6 @@ class Learned(NamedTuple):
 
     Attributes:
         steps: Environment steps of the learning.
-        vectors: That it learned from.
-        seconds: Wall time so far.
-        policy: Its policy in an environment.
     """
 
     steps: int

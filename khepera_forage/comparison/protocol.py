@@ -87,11 +87,9 @@ class Track(NamedTuple):
     """One question.
 
     Attributes:
-        question: That it asks.
         learners: Those of the package that take part.
         amounts: Amounts of learning in each condition: episodes, or steps of reinforcement learning.
         places: Of the recalls, `recalls` in each group.
-        seeds: Replications.
         slow: Replications of learners that take seconds: all but the thesis's imitator and the references.
     """
 
@@ -186,8 +184,6 @@ class Demonstrations:
     """Demonstrations that a search found.
 
     Attributes:
-        learner: For which.
-        search: Number of the search.
         marks: Of each demonstration: x, y (mm), heading (degrees) of the start, x, y of the food.
     """
 
@@ -211,7 +207,6 @@ class Learning(NamedTuple):
 
     Attributes:
         seed: Of the whole run.
-        name: Of the learner.
         learner: An entry of `LEARNERS`, a reference, or None for an offline learner on wheels.
         recalls: In each group of places.
         test: Number of the training with the same demonstrations.

@@ -57,13 +57,6 @@ class Point(NamedTuple):
 
     Attributes:
         amount: Requested training episodes, queries or steps.
-        batches: Replications.
-        steps: Environment steps of the learning.
-        vectors: Learned from.
-        score: Equation 5.1, in percent.
-        delivered: Percent of the food.
-        recall_steps: A recall.
-        seconds: Wall time of learning.
     """
 
     amount: int
@@ -94,8 +87,6 @@ class Curve:
     """One learner in one arena.
 
     Attributes:
-        learner: Its name.
-        arena: One of `ALL_ARENAS`.
         points: In increasing order of the amount.
         steps_to_success: Steps after which a replication first delivered the share `SUCCESS` of the food; the median
             over replications, infinite if more than half never did.
@@ -153,8 +144,6 @@ class Results(NamedTuple):
 
     Attributes:
         made_with: Version and command, in one line.
-        learners: By name.
-        curves: One a learner and arena.
         origin: Where they were read, in one word: `published`, or the name of the folder or file.
     """
 

@@ -31,14 +31,9 @@ class PrintedRecall:
     Attributes:
         table: `A.1` to `A.7`.
         line: Number of the line in the table, from 1; not printed in the thesis.
-        arena: `corridor` or `rectangle`.
-        episodes: Training episodes of the learner.
         file_id: The experience files used, as the thesis names them.
-        correct: Steps with a correct behaviour.
-        total: Steps.
         percent: Correct steps in percent, truncated to an integer.
         penalty: `-20`, `-5` or `-`.
-        score: In percent.
     """
 
     table: str
@@ -81,16 +76,10 @@ class PrintedTable:
 
     Attributes:
         table: `A.1` to `A.7`.
-        arena: `corridor` or `rectangle`.
-        episodes: Training episodes of the learner.
-        foods: Food objects in the arena.
-        limit: Time limit in steps.
         average: "Total Average", in percent.
         collected: "Food Collected".
         available: Food objects in all recalls of the table.
         text_average: Mean score in the text; None if only the table has it.
-        text_collected: Food collected in the text.
-        text_available: Food objects in all recalls, in the text.
     """
 
     table: str
@@ -160,8 +149,6 @@ class Erratum(NamedTuple):
         place: The line of the table, counted from 1, or the average.
         kind: `share`, `percent`, `rounding` (rounded, where the tables cut fractions off), `score`,
             `penalty`, `series`, `average`, `food` or `text`.
-        printed: The value in the thesis.
-        expected: The value that would follow.
     """
 
     table: str

@@ -72,7 +72,6 @@ class Rule(NamedTuple):
 
     Attributes:
         kind: `above`, `below` or `at most` a threshold; `within` or `beyond` a margin around 0.
-        threshold: Or margin.
     """
 
     kind: str
@@ -114,11 +113,7 @@ class Claim(NamedTuple):
     """One claim of the thesis, measured.
 
     Attributes:
-        name: The claim in words.
-        thesis_section: Section of the thesis that makes it.
         estimate: The measured effect with its 95 % interval; nan if there are no rows for it.
-        rule: Gives the verdict.
-        unit: Of the estimate and the rule.
         thesis: The same effect in the thesis: its figure, or its words.
         sentence: The measurement in words, with its figures.
     """

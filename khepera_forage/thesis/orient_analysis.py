@@ -33,14 +33,8 @@ class OrientRow:
     """Mean confidence levels of one imitator on arriving next to food at one place.
 
     Attributes:
-        replication: Number of the repetition of the whole design.
-        episodes: Training episodes of the imitator.
-        file_id: The thesis's name of its training files.
         beyond: Pixels by which the food lies further from home than in training.
         orient: Confidence level of ORIENT WITH FOOD, which is correct.
-        move_slowly: Confidence level of MOVE SLOWLY.
-        search: Confidence level of SEARCH FOR FOOD.
-        decisions: As in `RecallRow`.
     """
 
     replication: int

@@ -129,7 +129,6 @@ class JobCounts(NamedTuple):
     Attributes:
         replications: Of the whole design under the laboratory's noise.
         noise_replications: Of `noise_cells` under each other noise condition.
-        noise_conditions: Names of these conditions.
         baseline_blocks: Blocks of forages of the teacher, and of a random policy, in each arena; may be 0.
         block_forages: Forages of the teacher in a block; a random policy has a fifth of them.
         noise_cells: Cells under each other noise condition; without any, only the training files.

@@ -37,15 +37,12 @@ class CellResult:
     """One table of appendix A and our replications of it.
 
     Attributes:
-        cell: The arena and the amount of training.
         thesis_printed: The thesis's printed mean score, in percent.
         thesis_score: The mean of the scores in the thesis's lines; it differs where the printed mean is wrong.
         thesis_food: Food objects carried home in the thesis, of `cell.available`.
-        score: Our mean score, in percent.
         food: Our mean number of food objects carried home, per experiment of the thesis's size.
         scores: Our mean score in each complete replication, an experiment of the thesis's size.
         foods: Food objects carried home in each complete replication.
-        recalls: Number of our recall episodes.
     """
 
     cell: Cell

@@ -32,8 +32,6 @@ class LaboratoryClaims:
     """The claims under one laboratory.
 
     Attributes:
-        number: Of the laboratory.
-        laboratory: As text.
         reason: Why they could not be measured; empty if they were.
         verdicts: One a claim; empty if not measured.
         effects: One a claim, in its unit; not a number where the rows are not enough.

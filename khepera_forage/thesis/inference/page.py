@@ -59,7 +59,6 @@ class Predictions(NamedTuple):
     """What one or many laboratories predict for experiments of the thesis's size.
 
     Attributes:
-        name: For headings.
         experiments: Statistics, shape (experiments, statistics); they may be missing.
         weights: One an experiment.
     """
@@ -427,7 +426,6 @@ class Explained(NamedTuple):
     """Of one decision.
 
     Attributes:
-        name: Of the field.
         share: Of the posterior variance of the fourteen means that knowing it would remove on average; not a number
             with too few sets.
         chance: The largest share of 95 % of decisions without any influence.

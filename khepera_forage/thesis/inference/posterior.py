@@ -54,7 +54,6 @@ class Parameter:
     """A field that the prior draws, and its values in some sets.
 
     Attributes:
-        name: Of the field of `Decisions` or `Noise`.
         readings: Its named readings; empty if it is a number.
         values: One a set; a reading is its place among the readings.
     """
@@ -174,7 +173,6 @@ class Calibration:
     """Of one decision.
 
     Attributes:
-        name: Of the field.
         ranks: Of the true values in their posteriors, 0 to 1, shape (held-out sets,).
         half: Percent of true values in the 50 % interval: the shortest one of a number, the central one of a reading.
         most: The same for 90 %.

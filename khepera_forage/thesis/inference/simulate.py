@@ -151,7 +151,6 @@ class SetRow:
     """One set of decisions from the prior.
 
     Attributes:
-        number: Of the set, from 0.
         laboratory: Decisions and noise as text.
         reason: Why it is not admissible; empty if it is.
         statistics: Of the experiments under it, one after the other; empty if it is not admissible.
@@ -204,7 +203,6 @@ class Sets(NamedTuple):
     """Admissible sets, and the fitted statistics of the experiments under them.
 
     Attributes:
-        parameters: What the prior draws.
         statistics: Shape (sets, experiments, fitted statistics); they may be missing.
         draws: Sets that were drawn to find as many admissible ones.
     """
@@ -251,7 +249,6 @@ class Drawn(NamedTuple):
 
     Attributes:
         reasons: Why each set is not admissible; empty if it is.
-        laboratories: The admissible sets.
         statistics: Of the admissible sets, shape (sets, experiments, statistics).
     """
 

@@ -20,7 +20,6 @@ class CellSummary(NamedTuple):
     """One table of appendix A in numbers; of ours, each is an array with one element an experiment.
 
     Attributes:
-        score: Mean score, percent.
         food: Share of the food that was brought home.
         right_failed: Mean share of correct steps in recalls that left food, percent. Not a number without any.
         right_successful: The same for recalls that left none.
@@ -51,8 +50,6 @@ class CellRecalls(NamedTuple):
     """Recalls of a cell in some experiments; each array has the shape (experiments, sets of files, recalls).
 
     Attributes:
-        correct: Correct steps.
-        steps: Steps.
         delivered: Food objects brought home.
         penalty: For food that was left, percentage points.
     """
