@@ -189,15 +189,26 @@ def _block(
     lines = math.ceil(len(titles) / COLUMNS)
     panels = block.subplots(lines, COLUMNS, sharex=True, sharey=True, squeeze=False)
     for axes, (name, title) in zip(panels.flat, titles.items(), strict=False):
-        _axes(axes, "\n".join(wrap(title, _TITLE)))
+        axes.set_title("\n".join(wrap(title, _TITLE)), fontsize=SMALL)
+        axes.set_xscale("log")
+        axes.set_ylim(*padded(0, 100))
+        axes.set_yticks(range(0, 101, 20))
+        axes.tick_params(labelsize=SMALL)
+        axes.axhline(100 * SUCCESS, color="0.6", lw=0.8, zorder=1)
+        grid(axes)
         for reference in references:
             value = reference.end.delivered.value
             axes.axhline(value, color=GREY, lw=1, ls=STYLES[reference.arena].reference, zorder=1)
         for curve in curves:
-            if curve.learner == name:
-                _line(axes, curve)
-            else:
-                axes.plot(*_points(curve), color="0.85", lw=0.8, ls=STYLES[curve.arena].line, zorder=1)
+            style, steps = STYLES[curve.arena], [point.steps.value for point in curve.points]
+            food, low, high = zip(*(point.delivered for point in curve.points), strict=True)
+            if curve.learner != name:
+                axes.plot(steps, food, color="0.85", lw=0.8, ls=style.line, zorder=1)
+                continue
+            look = {"color": style.colour, "marker": style.marker, "ls": style.line}
+            axes.plot(steps, food, **look, ms=4.5, lw=1.6, mec="white", mew=0.5)
+            if all(map(math.isfinite, low)):
+                axes.fill_between(steps, low, high, color=style.colour, alpha=0.15, lw=0)
     for axes in panels.flat[len(titles) :]:
         axes.set_axis_off()
     _step_axis(panels[0, 0])
@@ -208,49 +219,15 @@ def _block(
         axes.set_ylabel("food delivered (%)", fontsize=SMALL)
 
 
-def _axes(axes: "Axes", title: str) -> None:
-    axes.set_title(title, fontsize=SMALL)
-    axes.set_xscale("log")
-    axes.set_ylim(*padded(0, 100))
-    axes.set_yticks(range(0, 101, 20))
-    axes.tick_params(labelsize=SMALL)
-    axes.axhline(100 * SUCCESS, color="0.6", lw=0.8, zorder=1)
-    grid(axes)
-
-
 def _step_axis(axes: "Axes") -> None:
     """Numbers along the axis of steps, which all panels of a block share."""
-    from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
+    from matplotlib.ticker import EngFormatter, LogLocator, MaxNLocator, NullLocator
 
     low, high = axes.get_xlim()
     few = LogLocator(subs=(1, 2, 5) if high < _DENSE * low else (1,))
     axes.xaxis.set_major_locator(few if high > 3 * low else MaxNLocator(2))
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter(lambda steps, _: _short(steps))
-
-
-def _short(steps: float) -> str:
-    """A number of steps: 500, 2k, 1M."""
-    for unit, suffix in ((1e6, "M"), (1e3, "k")):
-        if steps >= unit:
-            return f"{steps / unit:g}{suffix}"
-    return f"{steps:g}"
-
-
-def _line(axes: "Axes", curve: Curve) -> None:
-    style = STYLES[curve.arena]
-    x, y = _points(curve)
-    low, high = ([getattr(point.delivered, end) for point in curve.points] for end in ("low", "high"))
-    axes.plot(
-        x, y, color=style.colour, marker=style.marker, ls=style.line, ms=4.5, lw=1.6, mec="white", mew=0.5
-    )
-    if all(map(math.isfinite, low)):
-        axes.fill_between(x, low, high, color=style.colour, alpha=0.15, lw=0)
-
-
-def _points(curve: Curve) -> tuple[list[float], list[float]]:
-    """Steps of learning, and percent of the food delivered."""
-    return [point.steps.value for point in curve.points], [point.delivered.value for point in curve.points]
+    axes.xaxis.set_major_formatter(EngFormatter(sep=""))  # 500, 2k, 1M
 
 
 def _key(drawn: "Figure", references: Sequence[Curve], learners: Mapping[str, ReadLearner]) -> None:

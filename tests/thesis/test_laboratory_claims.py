@@ -23,7 +23,7 @@ from khepera_forage.thesis.inference.claims import (
 from khepera_forage.thesis.inference.prior import Laboratory
 from khepera_forage.thesis.replication import JobCounts, compiled_jobs
 
-numba = pytest.importorskip("numba")
+pytest.importorskip("numba")
 
 REPLICATIONS = 5
 """As few as give intervals."""
@@ -41,15 +41,6 @@ def test_every_claim_is_measured_with_an_interval(measured: list[Claim]) -> None
     for claim in measured:
         assert claim.estimate.low <= claim.estimate.value <= claim.estimate.high, claim.name
     assert sum(claim.verdict != Verdict.UNDECIDED for claim in measured) > 5
-
-
-def test_claims_are_the_same_with_one_thread(measured: list[Claim]) -> None:
-    threads = numba.get_num_threads()
-    numba.set_num_threads(1)
-    try:
-        assert claims_of(DEFAULT, 3, REPLICATIONS) == measured
-    finally:
-        numba.set_num_threads(threads)
 
 
 def test_another_seed_or_laboratory_gives_other_claims(measured: list[Claim]) -> None:
