@@ -21,7 +21,6 @@ infinite.
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -82,22 +81,21 @@ def described(learners: Mapping[str, Compared]) -> dict[str, ReadLearner]:
     return {name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in learners.items()}
 
 
-@dataclass(frozen=True, slots=True)
-class Curve:
+class Curve(NamedTuple):
     """One learner in one arena.
 
     Attributes:
-        points: In increasing order of the amount.
         steps_to_success: Steps after which a replication first delivered the share `SUCCESS` of the food; the median
             over replications, infinite if more than half never did.
         gain: Percentage points of the food delivered after all of the learning, minus those after the first amount.
+        points: In increasing order of the amount.
     """
 
     learner: str
     arena: str
-    points: tuple[Point, ...]
     steps_to_success: Estimate
     gain: Estimate
+    points: tuple[Point, ...]
 
     @property
     def end(self) -> Point:
@@ -106,7 +104,7 @@ class Curve:
 
 
 def curves(rows: Sequence[RecallBatch], seed: int) -> list[Curve]:
-    """A curve for each learner and arena, in the order of the rows, which is that of `in_order`.
+    """A curve for each learner and arena, in the order of the rows.
 
     The resamples of every curve have the same seed, so that it does not depend on which others there are.
     """
@@ -129,7 +127,7 @@ def _curve(rows: Sequence[RecallBatch], rng: np.random.Generator) -> Curve:
             firsts[row.replication] = min(firsts[row.replication], row.steps)
     to_success = bootstrap_quantile([_First(*own) for own in firsts.items()], lambda row: row.steps, 0.5, rng)
     gain = difference(last, first, DELIVERED, rng) if len(parts) > 1 else UNKNOWN
-    return Curve(rows[0].learner, rows[0].arena, points, to_success, gain)
+    return Curve(rows[0].learner, rows[0].arena, to_success, gain, points)
 
 
 class _First(NamedTuple):
@@ -203,30 +201,20 @@ def beside(
     if other is None:
         return list(own), dict(learners)
     mark = f"({other.origin})"
-    behind = [replace(curve, learner=f"{curve.learner} {mark}") for curve in other.curves]
+    behind = [curve._replace(learner=f"{curve.learner} {mark}") for curve in other.curves]
     read = {
         f"{name} {mark}": one._replace(title=f"{one.title} {mark}") for name, one in other.learners.items()
     }
     return [*own, *behind], {**learners, **read}
 
 
-def _plain(curve: Curve) -> dict[str, Any]:
-    """A curve as JSON has it."""
-
-    def numbers(estimate: Estimate) -> list[float | str | None]:
-        return [None if math.isnan(v) else "inf" if math.isinf(v) else float(f"{v:.6g}") for v in estimate]
-
-    points = [
-        {k: numbers(v) if isinstance(v, Estimate) else v for k, v in point._asdict().items()}
-        for point in curve.points
-    ]
-    return {
-        "learner": curve.learner,
-        "arena": curve.arena,
-        "steps_to_success": numbers(curve.steps_to_success),
-        "gain": numbers(curve.gain),
-        "points": points,
-    }
+def _plain(value: Any) -> Any:
+    """A curve, or a part of it, as JSON has it."""
+    if isinstance(value, Estimate):
+        return [None if math.isnan(v) else "inf" if math.isinf(v) else float(f"{v:.6g}") for v in value]
+    if isinstance(value, Curve | Point):
+        return {name: _plain(part) for name, part in value._asdict().items()}
+    return [_plain(part) for part in value] if isinstance(value, tuple) else value
 
 
 def _curve_of(value: Any, learners: Mapping[str, ReadLearner]) -> Curve:
@@ -235,17 +223,14 @@ def _curve_of(value: Any, learners: Mapping[str, ReadLearner]) -> Curve:
         raise ValueError(f"learner is {name!r}; allowed: {', '.join(learners)}")
     if arena not in ALL_ARENAS:
         raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ALL_ARENAS)}")
+    means = Point._fields[2:]
     points = tuple(
-        Point(
-            _count(one, "amount"),
-            _count(one, "batches"),
-            *(_estimate(one, key) for key in Point._fields[2:]),
-        )
+        Point(_count(one, "amount"), _count(one, "batches"), *(_estimate(one, key) for key in means))
         for one in value["points"]
     )
     if not points:
         raise ValueError(f"points of {name} are empty; allowed: one or more")
-    return Curve(name, arena, points, _estimate(value, "steps_to_success"), _estimate(value, "gain"))
+    return Curve(name, arena, _estimate(value, "steps_to_success"), _estimate(value, "gain"), points)
 
 
 def _count(value: Any, key: str) -> int:
