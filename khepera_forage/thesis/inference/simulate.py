@@ -29,7 +29,6 @@ from khepera_forage.thesis.inference.posterior import Parameter, parameters_of
 from khepera_forage.thesis.inference.prior import (
     PRIOR,
     Laboratory,
-    Prior,
     laboratory_from_text,
     laboratory_text,
 )
@@ -162,13 +161,13 @@ class SetRow:
     statistics: tuple[float, ...]
 
 
-def simulate(prior: Prior, seed: int, number: int, experiments: int) -> SetRow:
+def simulate(seed: int, number: int, experiments: int) -> SetRow:
     """Draw a set from the prior, check it, and replicate the thesis under it if it is admissible.
 
     The set depends on the seed of all sets and on its number alone.
     """
     rng = np.random.default_rng((seed, number))
-    laboratory = prior.draw(rng)
+    laboratory = PRIOR.draw(rng)
     first = int(rng.integers(2**62))
     reason = reason_against(laboratory, first)
     statistics = np.zeros(0) if reason else replicate(laboratory, first + 1, experiments)
@@ -305,4 +304,4 @@ def draw(given: Arguments, wanted: int, experiments: int) -> Drawn:
 
 
 def _chunk(seed: int, numbers: range, experiments: int) -> list[SetRow]:
-    return [simulate(PRIOR, seed, number, experiments) for number in numbers]
+    return [simulate(seed, number, experiments) for number in numbers]
