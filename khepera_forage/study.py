@@ -8,18 +8,13 @@ class Forage:                                     # a table of rows is a frozen 
     seed: int
     steps: int
 
-class Start(NamedTuple):                          # a unit is work for any process, in any order
-    seed: int
-
-    @property
-    def key(self) -> str: return str(self.seed)   # names the unit among the results
-
-    def run(self) -> list[Forage]: ...            # its rows; tables of several types may be mixed
+def forages(seed: int) -> list[Forage]: ...       # rows; tables of several types may be mixed
 
 if __name__ == "__main__":
     given = parse("forages", __doc__, Count("starts", 500, 5, "random starts", adds_units=True))
     seeds = np.random.SeedSequence(given.seed).generate_state(given.starts).tolist()
-    rows = collect(given, [Start(seed) for seed in seeds], {Forage: "forages"}).of(Forage)
+    jobs = [Job(f"start {seed}", forages, (seed,)) for seed in seeds]      # done in any process, in any order
+    rows = collect(given, jobs, {Forage: "forages"}).of(Forage)
     table = Table("forages", "Steps of a forage", "Median and ...", columns, [quantiles(...)])
     finish(given, Page("Forages", ["What a reader learns.", table, Picture("forages", "steps", figure)]))
 ```
