@@ -99,9 +99,7 @@ def workers(backend: str, jobs: int, address: str | None) -> Iterator[Execute]:
             cluster = address or stack.enter_context(LocalCluster(**here))
             client = stack.enter_context(Client(cluster))
             threads = list(client.nthreads().values())
-            if (
-                max(threads, default=1) > 1
-            ):  # learners whose libraries use global random numbers would share them
+            if max(threads, default=1) > 1:  # they would share global random numbers
                 raise ValueError(
                     f"a worker of Dask has {max(threads)} threads; allowed: 1 (dask worker --nthreads 1)"
                 )
