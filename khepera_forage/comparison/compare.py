@@ -63,39 +63,24 @@ HALF_DECADES = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000)
 """Amounts of learning after which learners are tested: training episodes, queries, and steps up to `--steps`."""
 
 
-def _execute(title: str, number: int, streams: bool, units: Sequence[Unit]) -> Iterator[Done]:
-    """Do units with joblib's present backend, which streams rows as soon as they are there, or returns all at once."""
+def _execute(title: str, number: int, units: Sequence[Unit]) -> Iterator[Done]:
+    """Do units with joblib's present backend, which streams rows as soon as they are there."""
     print(f"{len(units)} units for {number} {title}", flush=True)
-    if streams:
-        yield from Parallel(return_as="generator_unordered", batch_size=1)(map(delayed(done), units))
-        return
-    with Parallel(batch_size=1) as workers:
-        # In portions: a run that is killed loses one portion at most.
-        for start in range(0, len(units), 2 * number):
-            yield from workers(map(delayed(done), units[start : start + 2 * number]))
+    yield from Parallel(return_as="generator_unordered", batch_size=1)(map(delayed(done), units))
 
 
 @contextmanager
 def workers(backend: str, jobs: int, address: str | None) -> Iterator[Execute]:
-    """What does units with a backend; with Ray and Dask on the cluster at an address, or on a temporary one here.
+    """What does units with a backend; with Dask on the cluster at an address, or on a temporary one here.
 
     The workers of a cluster need `khepera_forage` installed, and the packages of all learners.
     """
     number, title = effective_n_jobs(jobs), "processes of this machine"
     with ExitStack() as stack:
-        if backend == "ray":
-            import ray
-            from ray.util.joblib import register_ray
-
-            register_ray()
-            here: dict[str, Any] = {} if address else {"num_cpus": number, "include_dashboard": False}
-            ray.init(address=address, log_to_driver=False, logging_level="error", **here)
-            stack.callback(ray.shutdown)
-            number, title = int(ray.cluster_resources()["CPU"]), "workers of Ray"
-        elif backend == "dask":
+        if backend == "dask":
             from distributed import Client, LocalCluster
 
-            here = {"n_workers": number, "threads_per_worker": 1, "dashboard_address": None}
+            here: dict[str, Any] = {"n_workers": number, "threads_per_worker": 1, "dashboard_address": None}
             cluster = address or stack.enter_context(LocalCluster(**here))
             client = stack.enter_context(Client(cluster))
             threads = list(client.nthreads().values())
@@ -105,14 +90,14 @@ def workers(backend: str, jobs: int, address: str | None) -> Iterator[Execute]:
                 )
             number, title = len(threads), "workers of Dask"
         stack.enter_context(parallel_config(backend, n_jobs=number))
-        yield partial(_execute, title, number, backend != "ray")
+        yield partial(_execute, title, number)
 
 
 def unavailable(backend: str, address: str | None) -> str:
     """Why a backend cannot be used with this address; empty if it can."""
     if backend == "loky":
-        return "" if address is None else f"--address is {address!r}; allowed: with --backend ray or dask"
-    if find_spec(backend) is None or (backend == "dask" and find_spec("distributed") is None):
+        return "" if address is None else f"--address is {address!r}; allowed: with --backend dask"
+    if find_spec("distributed") is None:
         return f"--backend {backend} needs the extra {backend}: pip install 'khepera-forage[{backend}]'"
     return ""
 

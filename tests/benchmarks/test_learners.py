@@ -159,13 +159,9 @@ def test_learners_are_tested_in_the_arenas_that_are_named(tmp_path: Path) -> Non
 
 def test_unavailable_backends_have_a_reason() -> None:
     assert unavailable("loky", None) == ""
-    assert (
-        unavailable("loky", "tcp://here:1")
-        == "--address is 'tcp://here:1'; allowed: with --backend ray or dask"
-    )
-    for backend in ("ray", "dask"):
-        missing = f"--backend {backend} needs the extra {backend}: pip install 'khepera-forage[{backend}]'"
-        assert unavailable(backend, None) == ("" if find_spec(backend) else missing)
+    assert unavailable("loky", "tcp://here:1") == "--address is 'tcp://here:1'; allowed: with --backend dask"
+    missing = "--backend dask needs the extra dask: pip install 'khepera-forage[dask]'"
+    assert unavailable("dask", None) == ("" if find_spec("distributed") else missing)
 
 
 @pytest.fixture(scope="module")
