@@ -202,18 +202,3 @@ def test_teacher_takes_as_many_steps_as_on_pymunk() -> None:
     in_0_1 = run_teacher("corridor", 4000, 7, decisions=V0_1)
     assert in_0_1.delivered.mean() > 0.998
     assert in_0_1.score.mean() > 99.9
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"foods": 17}, "foods is 17"),
-        ({"limit": 0}, "limit is 0"),
-        ({"episodes": 0}, "episodes is 0"),
-        ({"arena": "moon"}, "arena is 'moon'"),
-        ({"decisions": 17}, "decisions is 17"),
-    ],
-)
-def test_bad_arguments_are_quoted(arguments: Any, message: Any) -> None:
-    with pytest.raises(ValueError, match=message):
-        run_teacher(**arguments)

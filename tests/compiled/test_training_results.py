@@ -16,7 +16,7 @@ from khepera_forage.rollouts.compiled.training_results import HEARD
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError, train
 from khepera_forage.task.states import Behaviour, FoodType
-from tests.version_0_1 import CORRIDOR, V0_1
+from tests.version_0_1 import V0_1
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 ROUGH = Noise(placement_error=15.0, placement_heading_error=20.0, wheel_bias=0.1, wheel_slip=0.2)
@@ -98,27 +98,6 @@ def test_training_that_is_never_complete_raises_the_same_error_as_on_pymunk() ->
     with pytest.raises(IncompleteTrainingError) as single:
         train(TrainingEnv(max_cycles=9), np.random.SeedSequence(0), attempts=3)
     assert str(compiled.value) == str(single.value)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"n": 0}, "n is 0"),
-        ({"episodes": 0}, "episodes is 0"),
-        ({"seed": -1}, "seed is -1"),
-        ({"patience": 0}, "patience is 0"),
-        ({"max_cycles": 1.5}, "max_cycles is 1.5"),
-        ({"arena": "moon"}, "arena is 'moon'"),
-        ({"arena": CORRIDOR.shifted(3000.0, 0.0)}, "what the camera sees"),
-        ({"options": {"foods": [(90.0, 115.0)]}, "decisions": V0_1}, "overlaps"),
-        ({"options": {"place": 1}}, "reset option 'place'"),
-        ({"noise": Noise(placement_error=1e6)}, "too near a wall for a placement error"),
-        ({"decisions": 17}, "decisions is 17"),
-    ],
-)
-def test_bad_arguments_are_quoted(arguments: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        train_learners(**{"n": 1, **arguments})
 
 
 @pytest.mark.parametrize(("learner", "episode", "name"), [(1, None, "learner"), (0, 2, "episode")])

@@ -5,13 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher, UniformPolicy
-from khepera_forage.sim.arena import Point, Pose
-from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import Layout
+from tests.arenas import POOL
 from tests.contracts.suites import CameraContract, PolicyContract, RobotContract, SimulationContract, Stage
-from tests.version_0_1 import RECTANGLE, TIMING
+from tests.version_0_1 import RECTANGLE, V0_1
 
 
 @pytest.fixture(params=["none", "laboratory"])
@@ -19,16 +18,23 @@ def noise(request: pytest.FixtureRequest) -> Noise:
     return Noise.none() if request.param == "none" else Noise.laboratory()
 
 
-@pytest.fixture(params=["pymunk", "compiled"])
+@pytest.fixture(params=["pymunk", "compiled", "pymunk in a pool", "compiled in a pool"])
 def stage(request: pytest.FixtureRequest, noise: Noise) -> Stage:
-    kind: Any = PymunkWorld
-    if request.param == "compiled":
+    """A world that was made for this episode, or one that has been in another arena before."""
+    if request.param.startswith("compiled"):
         pytest.importorskip("numba")
-        from khepera_forage.sim.compiled.world import CompiledWorld as kind  # noqa: N813
-    world = kind([RECTANGLE], (2,), noise, timing=TIMING)
-    layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))
-    world.reset(np.random.default_rng(3), layout)
-    return Stage(world, layout)
+    env: Any = BehavioursEnv(
+        arena=POOL if "pool" in request.param else RECTANGLE,
+        foods=1,
+        noise=noise,
+        backend=request.param.split()[0],
+        decisions=V0_1,
+    )
+    for seed in (1, 0):  # episodes in the third and the second arena of the pool
+        env.reset(seed=seed, options={"start": (200, 300, 29), "foods": [(500, 150)]})
+    assert env.world.arenas[0] == (POOL[1] if "pool" in request.param else RECTANGLE)
+    env.world.reset(np.random.default_rng(3), env.layout)
+    return Stage(env.world, env.layout)
 
 
 class TestSimulatedKhepera(RobotContract):

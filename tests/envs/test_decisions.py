@@ -3,7 +3,7 @@
 import pickle
 import warnings
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Any
 
 import gymnasium as gym
@@ -121,21 +121,6 @@ def test_paired_corridors_have_the_decisions_of_their_version(module: Any, versi
         assert raw.decisions == decisions
         assert all(forager.decisions.separation == decisions.separation for forager in raw.foragers)
         assert env.metadata["name"] == f"paired_corridors_{version}"
-
-
-@pytest.mark.parametrize(
-    "decisions",
-    [17, "next_to_food=17", {}, {"next_to_food": 17}, asdict(V0_1) | {"next_to_foot": 17}, Noise.none(), Decisions],
-)  # fmt: skip
-def test_decisions_of_the_wrong_type_are_refused(decisions: Any) -> None:
-    makers: list[Callable[..., Any]] = [TrainingEnv, paired_corridors_v1.env]
-    makers += [
-        lambda decisions, b=b: made(gym.make, "Corridor", backend=b, decisions=decisions) for b in BACKENDS
-    ]
-    for make in makers:
-        with pytest.raises(ValueError, match=r"allowed: a khepera_forage\.Decisions, or None") as error:
-            make(decisions=decisions)
-        assert repr(decisions) in str(error.value)
 
 
 # ---------------------------------------------------------------- the set-up of figure 5.1

@@ -193,15 +193,6 @@ def test_experience_names_the_arena_of_its_attempt(tmp_path: Path) -> None:
     assert len(names) > 1
 
 
-def test_several_arenas_need_a_number_of_rounds() -> None:
-    env = paired_arenas_v1.raw_env(arena=["t_maze", "doors"], max_cycles=2500)
-    assert env.metadata["name"] == "paired_arenas_v1"
-    env.reset(seed=0)
-    assert env.view().title == f"Training in the {env.arenas[0].name.replace('_', ' ')}"
-    with pytest.raises(ValueError, match="max_cycles is None; allowed with several arenas: a whole number"):
-        paired_arenas_v1.raw_env(arena=["t_maze", "doors"])
-
-
 # ---------------------------------------------------------------- on both backends
 
 
