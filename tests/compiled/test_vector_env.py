@@ -11,11 +11,13 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers.vector import RecordEpisodeStatistics
 
 import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage import Decisions
 from khepera_forage.noise import Noise
 from khepera_forage.wrappers import HoldAction, HoldVectorAction
 from tests.arenas import POOL
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
+SLOW = Decisions(round_duration=0.2, arm_travel_time=0.4, jaw_travel_time=2.0)
 IN_POOL: dict[str, Any] = {"arena": POOL, "limit": 120, "food_types": MIXED, "foods": 2}
 
 
@@ -27,7 +29,7 @@ def make(name: str = "Corridor", num_envs: int = 5, **kwargs: Any) -> Any:
     ("name", "kwargs"),
     [
         ("Corridor", {"limit": 20, "max_episode_steps": 7}),
-        ("Rectangle", {"limit": 60}),
+        ("Rectangle", {"limit": 60, "decisions": SLOW}),
         ("Corridor", IN_POOL),
         ("CorridorWheels", IN_POOL),
     ],

@@ -70,12 +70,10 @@ def test_paired_environment_passes_the_api_tests(arena: str) -> None:
 def test_paired_environment_has_the_settings_of_its_arena() -> None:
     env: Any = paired_arenas_v1.raw_env("mixed_foods")
     assert env.max_cycles == FAMILY["mixed_foods"].limit * 1.2
+    pool: Any = paired_arenas_v1.raw_env(arena=["t_maze", "doors"], max_cycles=2500)
+    assert pool.metadata["name"] == "paired_arenas_v1"
     other: Any = paired_arenas_v1.raw_env("corridor", max_cycles=70, num_learners=2)
     assert (other.max_cycles, other.arenas[0].name, len(other.arenas)) == (70, "corridor", 3)
-    with pytest.raises(
-        ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor', 'rectangle', 't_maze'"
-    ):
-        paired_arenas_v1.env(arena="circle")
 
 
 # ---------------------------------------------------------------- procedural arenas
