@@ -2,8 +2,11 @@
 
 import argparse
 import re
+import runpy
 import shlex
 import tomllib
+from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -246,17 +249,37 @@ def test_decision_table_has_no_empty_cell() -> None:
         assert "|" not in "".join(row), row.name
 
 
-@pytest.mark.parametrize("page", [page for page, text in PAGES.items() if "\nkhepera-forage " in text])
-def test_commands_of_page_and_their_options_exist(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
+SCRIPTS = "|".join(path.stem for path in (DOCS.parent / "benchmarks").glob("*.py"))
+"""Pages also name scripts of earlier versions."""
+COMMANDS = [
+    (page, command)
+    for page, text in PAGES.items()
+    for command in re.findall(
+        rf"^(?: {{4}})?((?:khepera-forage|python benchmarks/(?:{SCRIPTS})\.py) .*)$",
+        text.replace("\\\n", " "),
+        flags=re.MULTILINE,
+    )
+]
+
+
+@pytest.mark.parametrize(("page", "command"), COMMANDS)
+def test_command_of_page_and_its_options_exist(
+    page: str, command: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def parse_only(parser: OneLineParser, *args: Any) -> None:
         argparse.ArgumentParser.parse_args(parser, *args)
         parser.exit()
 
     monkeypatch.setattr(OneLineParser, "parse_args", parse_only)
-    lines = PAGES[page].replace("\\\n", " ")
-    for command in re.findall(r"^(?: {4})?khepera-forage (.*)$", lines, flags=re.MULTILINE):
-        with pytest.raises(SystemExit, match=r"^0$"):
-            main(shlex.split(command, comments=True))
+    program, *arguments = shlex.split(command, comments=True)
+    run: Callable[[], object] = partial(main, arguments)
+    if program == "python":
+        script = DOCS.parent / arguments[0]
+        monkeypatch.syspath_prepend(script.parent)
+        monkeypatch.setattr("sys.argv", [str(script), *arguments[1:]])
+        run = partial(runpy.run_path, str(script), run_name="__main__")
+    with pytest.raises(SystemExit, match=r"^0$"):
+        run()
 
 
 @pytest.mark.parametrize(("page", "link"), LINKS)
