@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from khepera_forage import Decisions, Noise
-from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING, run_recalls
-from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
-from khepera_forage.thesis.inference.simulate import reason_against, replicate, simulate
+from khepera_forage.thesis.inference.prior import Laboratory
+from khepera_forage.thesis.inference.simulate import reason_against, replicate
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 from tests.version_0_1 import V0_1
 
@@ -17,16 +16,6 @@ from tests.version_0_1 import V0_1
 def laboratory(**decisions: Any) -> Laboratory:
     """Version 0.1 with some changes."""
     return Laboratory(replace(V0_1, **decisions), Noise.laboratory())
-
-
-def test_teacher_without_orienting_searches_beside_food() -> None:
-    policies = np.array([TEACHER] * 20 + [WITHOUT_ORIENTING] * 20)
-    played = run_recalls("corridor", None, policies, np.tile(np.arange(20), 2), decisions=V0_1)
-    assert played.delivered[:20].all()
-    assert not played.delivered[20:].any()
-    wrong = played.wrong_by_state[20:].sum(axis=0)
-    assert wrong[2] == played.rounds_by_state[20:, 2].sum() > 0
-    assert wrong.sum() == wrong[2], "only ORIENT is replaced"
 
 
 @pytest.mark.parametrize("decisions", [Decisions(), V0_1])
@@ -59,9 +48,3 @@ def test_replications_give_the_statistics_of_every_table() -> None:
     assert by_name["corridor 10 food"].mean() == pytest.approx(0.8, abs=0.2)
     assert np.nanmean(by_name["corridor 1 right_failed"]) < 15
     assert np.array_equal(replicate(laboratory(), 5, 3), statistics, equal_nan=True)
-
-
-def test_a_set_depends_on_seed_and_number_alone() -> None:
-    one, again, other = (simulate(PRIOR, 0, number, 1) for number in (3, 3, 4))
-    assert repr(one) == repr(again)
-    assert one.laboratory != other.laboratory
