@@ -161,8 +161,8 @@ class Block(NamedTuple):
         for number, seed in enumerate(self.seeds, self.first):
             row = recall(env, policies[number % len(policies)], seed, learner=self.policy)
             deliverable = sum(food.type != FoodType.POISONOUS for food in env.forager.tracker.foods)
-            results = row.score, row.steps, row.foods, deliverable, row.delivered, row.poison_home
-            rows.append(Recall(*self[:5], seed, PYMUNK, *results))
+            counts = row.steps, row.foods, deliverable, row.delivered, row.poison_home
+            rows.append(Recall(*self[:5], seed, PYMUNK, row.score, *counts))
         env.close()
         return rows if self.part == RECALLS else [*rows, *self._compiled(settings, rows)]
 

@@ -15,6 +15,18 @@ from khepera_forage.study import UNITS
 from tests.benchmarks.conftest import APART, QuickRun
 from tests.benchmarks.running import ROOT, is_picture, quick, quick_here, read, refused
 
+EXPERIMENTS = (
+    *(
+        "push_and_avoid",
+        "attribute_weights",
+        "spatial_variety",
+        "state_vector",
+        "action_level",
+        "different_robots",
+    ),
+    *("chains_of_learners", "human_teacher", "alternatives", "several_learners"),
+)
+"""Of `further_work.py`."""
 LEARNERS_RUN = tuple(
     part for name in ("teacher", "random", "imitator", "tree", "dagger_tree") for part in ("--only", name)
 )

@@ -37,7 +37,7 @@ def test_without_numba_compiled_worlds_are_refused(name: str, monkeypatch: pytes
     message = r"'compiled' needs numba: pip install 'khepera-forage\[fast\]'.*vectorization_mode='sync'"
     for make, kwargs in ((gym.make, {"backend": "compiled"}), (gym.make_vec, {"num_envs": 2})):
         with pytest.raises(ImportError, match=message):
-            make(_id(name), **kwargs)  # type: ignore[operator]
+            make(_id(name), **kwargs)
     gym.make(_id(name))
     gym.make_vec(_id(name), num_envs=2, vectorization_mode="sync").close()
 

@@ -86,7 +86,8 @@ def run(
     for _ in range(rounds):
         world.robots[robot].drive(Motors(left, right, arm, jaw))
         world.advance()
-    return world.robots[robot].sense()
+    senses: Senses = world.robots[robot].sense()
+    return senses
 
 
 def holding(
