@@ -164,10 +164,10 @@ def _pymunk_steps(episodes: int) -> Any:
 
 def test_teacher_takes_as_many_steps_as_on_pymunk() -> None:
     """Some hundred episodes here; thousands, with all scores, in benchmarks."""
-    single = _pymunk_steps(250)
+    single = _pymunk_steps(120)
     compiled = run_teacher("corridor", 4000, 7)
     assert stats.ks_2samp(single, compiled.steps).pvalue > 1e-3
-    assert abs(single.mean() - compiled.steps.mean()) < 4 * single.std() / math.sqrt(250)
+    assert abs(single.mean() - compiled.steps.mean()) < 4 * single.std() / math.sqrt(120)
     in_0_1 = run_teacher("corridor", 4000, 7, decisions=V0_1)
     assert in_0_1.delivered.mean() > 0.998
     assert in_0_1.score.mean() > 99.9

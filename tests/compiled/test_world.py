@@ -19,16 +19,8 @@ from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
+from tests.sim.worlds import FIELD
 from tests.version_0_1 import CORRIDOR, TIMING
-
-HALL = Arena(
-    name="hall",
-    walls=(Point(0, 0), Point(2300, 0), Point(2300, 2300), Point(0, 2300)),
-    home=Point(1150, 1150),
-    home_radius=100,
-    start=Pose(1150, 1150, 0),
-    foods=(Point(100, 100),),
-)
 
 
 def compiled_world(arena: Arena, start: tuple[float, ...], *foods: tuple[float, ...]) -> CompiledWorld:
@@ -42,7 +34,7 @@ def test_both_backends_report_the_same_to_the_last_bit_while_nothing_touches_any
     """Under all noise, with the arm up and down and the jaw on its way; food is seen, hidden and lost."""
     noise, rng = Noise(loss_rate_food=0.02, loss_rate_two_holes=0.02), np.random.default_rng(0)
     start, foods = Pose(150, 150, 0.8), (Point(700, 700), Point(221.2, 78.8), Point(78.8, 221.2))
-    worlds = [kind([HALL], (2,), noise, timing=TIMING) for kind in (PymunkWorld, CompiledWorld)]
+    worlds = [kind([FIELD], (2,), noise, timing=TIMING) for kind in (PymunkWorld, CompiledWorld)]
     for world in worlds:
         world.reset(np.random.default_rng(7), Layout((start,), foods))
     reported = []
@@ -111,7 +103,7 @@ def test_picking_up_carrying_and_releasing_is_that_of_pymunk_within_3_mm() -> No
 def test_food_before_a_fingertip_stays_within_the_cone_of_friction(off: float, stays: bool) -> None:
     """At 0.04 a tip carries food along that is up to 0.78 mm off its middle; further off, it slips aside."""
     aside, ahead = half_gap(JAW_OPEN) + FINGER_THICKNESS / 2 + off, FINGER_TIP + FOOD_RADIUS
-    world = compiled_world(HALL, HALL.start, (HALL.start.x + ahead + 3.0, HALL.start.y + aside))
+    world = compiled_world(FIELD, FIELD.start, (FIELD.start.x + ahead + 3.0, FIELD.start.y + aside))
     for motors in [Motors(0, 0, 255, 200)] * 11 + [Motors(8, 8, 255, 200)] * 30:
         world.robots[0].drive(motors)
         world.advance()

@@ -11,21 +11,12 @@ from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.layouts import random_layout
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS, Motors
-from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.task.decisions import DEFAULT_VALUES
-from tests.sim.worlds import Kind, of_both_kinds
+from tests.sim.worlds import ELL, Kind, of_both_kinds
 from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
-WITH_BLOCK = Arena(
-    name="block",
-    walls=(Point(0, 0), Point(600, 0), Point(600, 300), Point(350, 300), Point(350, 600), Point(0, 600)),
-    home=Point(120.0, 480.0),
-    home_radius=100.0,
-    start=Pose(500.0, 150.0, 3.0),
-    foods=(Point(200.0, 120.0),),
-    obstacles=((Point(40, 40), Point(100, 60), Point(60, 110)),),
-)
 COMMANDS = st.tuples(
     st.integers(-20, 20) | st.sampled_from((-1e9, -20, 20, 1e9)),
     st.integers(-20, 20) | st.sampled_from((-1e9, -20, 20, 1e9)),
@@ -37,7 +28,7 @@ TOUCH = 1.0
 
 
 @of_both_kinds
-@pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, WITH_BLOCK], ids=lambda a: a.name)
+@pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, ELL], ids=lambda a: a.name)
 @settings(max_examples=40, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate))
 @given(seed=st.integers(0, 10_000), commands=st.lists(COMMANDS, min_size=10, max_size=25))
 def test_bodies_stay_inside_the_walls_apart_and_move_at_their_speed(

@@ -21,9 +21,8 @@ Check = Callable[[Any], None]
 
 def forage(name: str, seed: int = 0, **kwargs: Any) -> Any:
     """An environment on pymunk after its reset."""
-    env: Any = gym.make(
-        f"khepera_forage/{name}-v1", **({"decisions": V0_1, "limit": 2000} | kwargs)
-    ).unwrapped
+    kwargs.setdefault("decisions", V0_1)
+    env: Any = gym.make(f"khepera_forage/{name}-v1", limit=2000, **kwargs).unwrapped
     env.reset(seed=seed)
     return env
 
