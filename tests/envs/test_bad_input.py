@@ -70,6 +70,7 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (RECALLS, {"foods": 0}, f"foods is 0; {FOODS}"),
     (RECALLS, {"foods": 17}, f"foods is 17; {FOODS}"),
     (RECALLS, {"foods": 1.5}, f"foods is 1.5; {FOODS}"),
+    (("kernel",), {"foods": 16}, "no room for a robot and 16 food objects"),
     (RECALLS, {"limit": -3}, f"limit is -3; {LEAST_1}"),
     (("class",), {"render_mode": "ansi"}, "'ansi'; allowed: .*rgb_array"),
     (("vector",), {"render_mode": "human"}, "render_mode is 'human'"),
