@@ -1,38 +1,30 @@
 """The contracts, for worlds of both backends and for policies."""
 
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pytest
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher, UniformPolicy
 from tests.arenas import POOL
 from tests.contracts.suites import CameraContract, PolicyContract, RobotContract, SimulationContract, Stage
 from tests.version_0_1 import RECTANGLE, V0_1
 
 
-@pytest.fixture(params=["none", "laboratory"])
-def noise(request: pytest.FixtureRequest) -> Noise:
-    return Noise.none() if request.param == "none" else Noise.laboratory()
-
-
-@pytest.fixture(params=["pymunk", "compiled", "pymunk in a pool", "compiled in a pool"])
-def stage(request: pytest.FixtureRequest, noise: Noise) -> Stage:
-    """A world that was made for this episode, or one that has been in another arena before."""
-    if request.param.startswith("compiled"):
+@pytest.fixture(params=product(["pymunk", "compiled"], [True, False]), ids=str)
+def stage(request: pytest.FixtureRequest) -> Stage:
+    """A world that was made for this episode, with noise, or one without that has been in another arena before."""
+    backend, moved = request.param
+    if backend == "compiled":
         pytest.importorskip("numba")
-    env: Any = BehavioursEnv(
-        arena=POOL if "pool" in request.param else RECTANGLE,
-        foods=1,
-        noise=noise,
-        backend=request.param.split()[0],
-        decisions=V0_1,
-    )
+    arena = POOL if moved else RECTANGLE
+    noise = "none" if moved else "laboratory"
+    env: Any = BehavioursEnv(arena=arena, foods=1, noise=noise, backend=backend, decisions=V0_1)
     for seed in (1, 0):  # episodes in the third and the second arena of the pool
         env.reset(seed=seed, options={"start": (200, 300, 29), "foods": [(500, 150)]})
-    assert env.world.arenas[0] == (POOL[1] if "pool" in request.param else RECTANGLE)
+    assert env.world.arenas[0] == (POOL[1] if moved else RECTANGLE)
     env.world.reset(np.random.default_rng(3), env.layout)
     return Stage(env.world, env.layout)
 
