@@ -316,10 +316,14 @@ def compared(a: Floats, b: Floats) -> tuple[Value, ...]:
 
     value = float(b.mean() - a.mean())
     change, p = Estimate(value, value, value), float(value == 0.0)
-    if a.std() or b.std():  # otherwise all values of a sample are equal
-        welch = stats.ttest_ind(b, a, equal_var=False)
-        interval = welch.confidence_interval()
-        change, p = Estimate(value, float(interval.low), float(interval.high)), float(welch.pvalue)
+    parts = a.var(ddof=1) / len(a), b.var(ddof=1) / len(b)
+    if spread := math.sqrt(sum(parts)):  # otherwise all values of a sample are equal
+        freedom = sum(parts) ** 2 / (parts[0] ** 2 / (len(a) - 1) + parts[1] ** 2 / (len(b) - 1))
+        half = float(stats.t.ppf(1 - LEVEL / 2, freedom)) * spread
+        change, p = (
+            Estimate(value, value - half, value + half),
+            float(2 * stats.t.sf(abs(value) / spread, freedom)),
+        )
     same = float(stats.ks_2samp(a, b, method="asymp").pvalue)
     return mean_of(a), mean_of(b), change, p, same
 
