@@ -30,12 +30,12 @@ from further_experiments.experiment import (
     curves,
     spent,
 )
+from further_experiments.learned_behaviours import LearnedBehaviours
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import pick
 from khepera_forage.figures import legend, panels
 from khepera_forage.policies import Teacher
-from khepera_forage.policies.learned_behaviours import LearnedBehaviours
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.task.behaviours import command

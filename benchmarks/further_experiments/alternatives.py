@@ -24,8 +24,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.estimates import UNKNOWN, pick
 from khepera_forage.experience import Experience
 from khepera_forage.figures import legend, levels, panels
-from khepera_forage.policies import Observation, Policy, Teacher
-from khepera_forage.policies.adapters import ClassifierPolicy
+from khepera_forage.policies import ClassifierPolicy, Observation, Policy, Teacher
 from khepera_forage.policies.policy import state_vector_of
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.task.decisions import Decisions

@@ -44,9 +44,13 @@ from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import Measure, pick
 from khepera_forage.figures import COLOURS, MARKERS, SMALL, entry, grid, legend, levels, mark, panels
 from khepera_forage.geometry.plane import length
-from khepera_forage.policies import NearestNeighbourImitator, Observation, Policy
-from khepera_forage.policies.adapters import ClassifierPolicy
-from khepera_forage.policies.brute_force import WeightedImitator
+from khepera_forage.policies import (
+    ClassifierPolicy,
+    NearestNeighbourImitator,
+    Observation,
+    Policy,
+    WeightedImitator,
+)
 from khepera_forage.robots.khepera import FINGER_TIP
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.training import arrays

@@ -23,11 +23,10 @@ from khepera_forage.policies.learner_registry import LearnerError, installed_lea
 from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner, Needs
 from khepera_forage.policies.policy import UniformPolicy
 from khepera_forage.rollouts.dagger import dagger
-from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.rollouts.recall import WheelsRecall, recall, recall_env, recall_wheels, recall_wheels_env
 from khepera_forage.rollouts.reinforcement import reinforce
 from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.rollouts.training import arrays, train
-from khepera_forage.rollouts.wheels_recall import WheelsRecall, recall_wheels, recall_wheels_env
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import ARENAS as NAMED
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS

@@ -45,8 +45,8 @@ from khepera_forage.policies.features import wheels_features
 from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.raw_episodes import LearnerRecorder, RawEpisode, teacher_alone
+from khepera_forage.rollouts.recall import recall_wheels_env
 from khepera_forage.rollouts.training import IncompleteTrainingError, train
-from khepera_forage.rollouts.wheels_recall import recall_wheels_env
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE

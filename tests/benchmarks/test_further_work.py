@@ -16,8 +16,7 @@ from further_experiments.teachers import SimulatedPerson
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
-from khepera_forage.policies import Teacher
-from khepera_forage.policies.brute_force import WeightedImitator
+from khepera_forage.policies import Teacher, WeightedImitator
 from khepera_forage.policies.distance import distance
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.rollouts.recall import recall, recall_env

@@ -15,10 +15,12 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import applicable
 from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import NUM_BEHAVIOURS
 from tests.arenas import BLOCKS
 from tests.compiled.decisions import DECISIONS, IDS
 from tests.version_0_1 import V0_1
@@ -147,6 +149,34 @@ def test_an_episode_is_that_on_pymunk_bit_for_bit_until_something_is_touched(nam
             np.testing.assert_equal((obs, info), (other, other_info))
             action = info["correct_behaviour"] if options else np.zeros(4)
             (obs, *_, info), (other, *_, other_info) = (env.step(action) for env in envs)
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "least"),
+    [("Doors", {}, 60), ("Rectangle", {"foods": 5, "food_types": {"pickable": 1, "poisonous": 1}}, 10)],
+    ids=["around walls", "past poison"],
+)
+def test_robots_that_do_not_go_straight_home_are_commanded_by_the_rules(
+    name: str, arguments: dict[str, Any], least: int
+) -> None:
+    """They look up the way home when a behaviour uses it."""
+    env: Any = gym.make(f"khepera_forage/{name}-v1", backend="compiled", **arguments).unwrapped
+    rng, around = np.random.default_rng(2), 0
+    for seed in range(6):
+        _, info = env.reset(seed=seed)
+        for step in range(250):
+            behaviour = int(rng.integers(NUM_BEHAVIOURS)) if step % 4 == 0 else info["correct_behaviour"]
+            known = env.forager
+            straight = known.raw.home_bearing
+            motors = applicable(known.motors_for(behaviour))
+            around += abs(straight - known.raw.home_bearing) > 1.0
+            _, _, terminated, _, info = env.step(behaviour)
+            robot = env._recalls._batch.worlds.robots[0, 0]
+            given = [float(robot[name]) for name in ("left", "right", "arm_target", "jaw_target")]
+            assert given == pytest.approx(list(motors))
+            if terminated:
+                break
+    assert around > least
 
 
 def _pymunk_steps(episodes: int) -> Any:
