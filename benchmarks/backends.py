@@ -2,9 +2,9 @@
 
     python benchmarks/backends.py --help
 
-Four parts, of which `--only` selects some. teacher: the teacher alone in corridor and rectangle with each type of food;
-with SEARCH in the place of ORIENT it must deliver nothing. arenas: teacher and imitator in the named and in procedural
-arenas, the same seeds on both backends. recalls: independent recalls of both in corridor and rectangle, compared by
+Four parts, of which `--only` selects some. teacher: the teacher in corridor and rectangle with each type of food; with
+SEARCH in the place of ORIENT it must deliver nothing. arenas: teacher and imitator in the named and in procedural
+arenas. Both have the same seeds on both backends. recalls: independent recalls in corridor and rectangle, compared by
 two-sample tests. design: the thesis's experiments, training included. Needs numba (the extra `fast`).
 """
 
@@ -27,31 +27,16 @@ from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import (
     Column,
     Estimate,
-    Measure,
     Table,
     Value,
-    difference,
     holm,
-    mean,
     percent,
     pick,
     quantiles,
     replications,
     sums_by_replication,
 )
-from khepera_forage.figures import (
-    OURS,
-    SMALL,
-    THESIS,
-    WIDTH,
-    entry,
-    grid,
-    legend,
-    levels,
-    mark,
-    new_figure,
-    panels,
-)
+from khepera_forage.figures import OURS, THESIS, WIDTH, grid, legend, levels, new_figure, panels
 from khepera_forage.policies import NearestNeighbourImitator, Observation, Teacher
 from khepera_forage.policies.memories import memories_of
 from khepera_forage.rollouts.compiled import recalls
@@ -63,7 +48,6 @@ from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.study import Count, Page, Picture, Rows, Unit, collect, finish, parse
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
-from khepera_forage.task.food_tracking import is_finished
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.thesis.design import THESIS as DESIGN
 from khepera_forage.thesis.replication import JobCounts, compiled_jobs, replicate
@@ -79,18 +63,14 @@ COUNTS = (
 ONLY_TEACHER, ARENAS, RECALLS, EXPERIMENTS = PARTS = ("teacher", "arenas", "recalls", "design")
 PYMUNK, COMPILED = BACKENDS = ("pymunk", "compiled")
 TEACHER, NO_ORIENT, IMITATOR = "teacher", "SEARCH for ORIENT", "imitator"
-PICKABLE, PUSHABLE, POISONOUS = (
-    kind.name for kind in (FoodType.PICKABLE, FoodType.PUSHABLE, FoodType.POISONOUS)
-)
+KERNELS = {TEACHER: recalls.TEACHER, NO_ORIENT: recalls.WITHOUT_ORIENTING}
+"""Policies in the kernel that are not imitators."""
+PICKABLE, PUSHABLE, POISONOUS = "PICKABLE", "PUSHABLE", "POISONOUS"
 ONE_THIRD_EACH = "a third each"
-ODDS: dict[str, Any] = {
-    PICKABLE: FoodType.PICKABLE,
-    PUSHABLE: FoodType.PUSHABLE,
-    ONE_THIRD_EACH: {FoodType.PICKABLE: 1.0, FoodType.PUSHABLE: 1.0, FoodType.POISONOUS: 1.0},
-}
+ODDS: dict[str, Any] = {ONE_THIRD_EACH: {PICKABLE: 1.0, PUSHABLE: 1.0, POISONOUS: 1.0}}
 GOALS = {PICKABLE: 98.0, PUSHABLE: 95.0}
 """Percent of the food that the teacher is to deliver in every arena."""
-GROUPS, PROCEDURAL = (*FAMILY, *DIFFICULTIES), "all procedural"
+PROCEDURAL = "all procedural"
 TRAININGS, IMITATORS, QUICK_IMITATORS = 3, 20, 5
 """Training episodes of an imitator; imitators that take turns, the same on both backends."""
 COMPILED_FACTOR, DESIGN_FACTOR = 10, 20
@@ -121,8 +101,6 @@ class Recall:
         deliverable: Those that are not poisonous.
         delivered: Those that were brought home.
         poison_home: Poisonous food brought home.
-        left: Food known to be poisonous and left where it was; not known of compiled recalls.
-        finished: Whether all food was delivered or known to be poisonous within the limit.
     """
 
     part: str
@@ -138,16 +116,6 @@ class Recall:
     deliverable: int
     delivered: int
     poison_home: int
-    left: int | None
-    finished: bool
-
-    @property
-    def replication(self) -> int:
-        """Intervals resample procedural arenas; of a single arena, recalls."""
-        return self.seed if self.arena in FAMILY else self.level
-
-
-DELIVERED = Measure[Recall]("delivered (%)", lambda row: 100.0 * row.delivered, lambda row: row.deliverable)
 
 
 class WithoutOrienting(NamedTuple):
@@ -162,7 +130,7 @@ class WithoutOrienting(NamedTuple):
 
 
 class Block(NamedTuple):
-    """Recalls of one policy in one arena, with pymunk, and compiled where `both`. Imitators take turns."""
+    """Recalls of one policy in one arena, with pymunk, and compiled but for `RECALLS`. Imitators take turns."""
 
     part: str
     policy: str
@@ -172,7 +140,6 @@ class Block(NamedTuple):
     first: int
     seeds: tuple[int, ...]
     imitators: tuple[Vectors, ...] = ()
-    both: bool = False
 
     @property
     def key(self) -> str:
@@ -181,52 +148,36 @@ class Block(NamedTuple):
 
     def run(self) -> list[Recall]:
         """Recall with every seed."""
-        settings = {**_settings(self.arena, self.level), "food_types": ODDS.get(self.food, self.food)}
+        settings = settings_of(self.arena) if self.arena not in DIFFICULTIES else {}
+        if not settings:
+            settings = procedural_settings(self.arena, "test", 1, self.level)
+            settings["arena"] = settings["arena"][0]
+        settings["food_types"] = ODDS.get(self.food, self.food)
         env = BehavioursEnv(**settings)
         teacher = Teacher.of(env)
-        policies: dict[int, Any] = {-1: teacher if self.policy != NO_ORIENT else WithoutOrienting(teacher)}
+        policies: list[Any] = [NearestNeighbourImitator(env.diagonal).fit(*own) for own in self.imitators]
+        policies = policies or [WithoutOrienting(teacher) if self.policy == NO_ORIENT else teacher]
         rows = []
         for number, seed in enumerate(self.seeds, self.first):
-            which = number % len(self.imitators) if self.imitators else -1
-            if which not in policies:
-                policies[which] = NearestNeighbourImitator(env.diagonal).fit(*self.imitators[which])
-            row = recall(env, policies[which], seed, learner=self.policy)
-            foods = env.forager.tracker.foods
-            known = sum(food.known == FoodType.POISONOUS for food in foods)
-            rows.append(
-                Recall(
-                    *(*self[:5], seed, PYMUNK, row.score, row.steps, row.foods),
-                    sum(food.type != FoodType.POISONOUS for food in foods),
-                    *(row.delivered, row.poison_home, known - row.poison_home),
-                    is_finished(env.forager.tracker),
-                )
-            )
+            row = recall(env, policies[number % len(policies)], seed, learner=self.policy)
+            deliverable = sum(food.type != FoodType.POISONOUS for food in env.forager.tracker.foods)
+            counts = row.steps, row.foods, deliverable, row.delivered, row.poison_home
+            rows.append(Recall(*self[:5], seed, PYMUNK, row.score, *counts))
         env.close()
-        return rows + (self._compiled(settings, rows) if self.both else [])
+        return rows if self.part == RECALLS else [*rows, *self._compiled(settings, rows)]
 
     def _compiled(self, settings: dict[str, Any], rows: Sequence[Recall]) -> list[Recall]:
         """The same seeds compiled: the same places and types of the food."""
-        policies = np.full(len(rows), 0 if self.imitators else recalls.TEACHER)
-        memories = memories_of(self.imitators[:1]) if self.imitators else None
-        more = {name: value for name, value in settings.items() if name != "arena"}
+        which = np.full(len(rows), KERNELS.get(self.policy, 0))
+        memories = memories_of(self.imitators) if self.imitators else None
         done = recalls.run_recalls(
-            settings["arena"], memories, policies, np.array(self.seeds, np.int64), **more
+            settings.pop("arena"), memories, which, np.array(self.seeds, np.int64), **settings
         )
-        columns = (done.score, done.steps, done.delivered, done.poison_home, done.penalty == 0)
+        names = ("score", "steps", "delivered", "poison_home")
+        columns = [getattr(done, name).tolist() for name in names]
         return [
-            replace(
-                row,
-                backend=COMPILED,
-                score=score,
-                steps=steps,
-                delivered=delivered,
-                poison_home=home,
-                left=None,
-                finished=finished,
-            )
-            for row, score, steps, delivered, home, finished in zip(
-                rows, *(column.tolist() for column in columns), strict=True
-            )
+            replace(row, backend=COMPILED, **dict(zip(names, values, strict=True)))
+            for row, *values in zip(rows, *columns, strict=True)
         ]
 
 
@@ -248,13 +199,6 @@ class Experiment(NamedTuple):
         return Rows(replicate(self.seed, self.number, cells=cells)).of(RecallRow)
 
 
-def _settings(arena: str, level: int) -> dict[str, Any]:
-    if arena not in DIFFICULTIES:
-        return settings_of(arena)
-    settings = procedural_settings(arena, "test", 1, level)
-    return {**settings, "arena": settings["arena"][0]}
-
-
 def _trained(seed: int, imitator: int) -> Vectors:
     """The experience of an imitator, from training with pymunk."""
     env = TrainingEnv()
@@ -265,195 +209,142 @@ def _trained(seed: int, imitator: int) -> Vectors:
 
 
 def blocks(part: str, seed: int, imitators: tuple[Vectors, ...], counts: dict[str, int]) -> list[Block]:
-    """All recalls of a part with pymunk."""
+    """All recalls of a part."""
+    if part == ARENAS:
+        lines = [(TEACHER, food, ()) for food in (*GOALS, ONE_THIRD_EACH)] + [
+            (IMITATOR, ONE_THIRD_EACH, imitators[:1])
+        ]
+        many = tuple(range(seed, seed + counts["recalls"]))
+        places = [(arena, 0, many) for arena in FAMILY]
+        places += [
+            (arena, level, (seed + level,)) for arena in DIFFICULTIES for level in range(counts["levels"])
+        ]
+        return [
+            Block(part, policy, arena, level, food, 0, seeds, own)
+            for policy, food, own in lines
+            for arena, level, seeds in places
+        ]
     work = []
-    if part == ONLY_TEACHER:
-        foods = ((PICKABLE, TEACHER), (PUSHABLE, TEACHER), (POISONOUS, TEACHER), (PICKABLE, NO_ORIENT))
-        for number, arena in enumerate(THESIS_ARENAS):
-            starts = (
-                np.random.SeedSequence(seed, spawn_key=(number,)).generate_state(counts["forages"]).tolist()
-            )
-            for food, policy in foods:
-                for i in range(0, len(starts), BLOCK):
-                    work.append(Block(part, policy, arena, 0, food, i, tuple(starts[i : i + BLOCK])))
-    elif part == RECALLS:
-        for number, (policy, arena) in enumerate(CONDITIONS):
-            key = np.random.SeedSequence(seed, spawn_key=(1, number))
-            seeds, own = key.generate_state(counts["episodes"]).tolist(), imitators * (policy == IMITATOR)
-            for i in range(0, len(seeds), BLOCK):
-                work.append(Block(part, policy, arena, 0, PICKABLE, i, tuple(seeds[i : i + BLOCK]), own))
-    elif part == ARENAS:
-        lines = [(TEACHER, food, ()) for food in ODDS] + [(IMITATOR, ONE_THIRD_EACH, imitators[:1])]
-        for policy, food, own in lines:
-            many = tuple(range(seed, seed + counts["recalls"]))
-            work += [Block(part, policy, arena, 0, food, 0, many, own, True) for arena in FAMILY]
+    of_teacher = [(TEACHER, PICKABLE), (TEACHER, PUSHABLE), (TEACHER, POISONOUS), (NO_ORIENT, PICKABLE)]
+    for number, arena in enumerate(THESIS_ARENAS):
+        for line, (policy, food) in enumerate(
+            of_teacher if part == ONLY_TEACHER else [(TEACHER, PICKABLE), (IMITATOR, PICKABLE)]
+        ):
+            key = (number,) if part == ONLY_TEACHER else (1, 2 * number + line)
+            count = counts["forages" if part == ONLY_TEACHER else "episodes"]
+            seeds = np.random.SeedSequence(seed, spawn_key=key).generate_state(count).tolist()
+            own = imitators * (policy == IMITATOR)
             work += [
-                Block(part, policy, arena, level, food, 0, (seed + level,), own, True)
-                for arena in DIFFICULTIES
-                for level in range(counts["levels"])
+                Block(part, policy, arena, 0, food, i, tuple(seeds[i : i + BLOCK]), own)
+                for i in range(0, count, BLOCK)
             ]
     return work
 
 
-def teacher_parts(rows: Sequence[Recall]) -> list[str | Table | Picture]:
-    """Shares and steps of the teacher alone."""
-    own: dict[tuple[str, str, str], list[Recall]] = {}
+def paired_parts(rows: Sequence[Recall]) -> list[str | Table | Picture]:
+    """Recalls with the same seeds on both backends: what is delivered, and which end differently."""
+    groups: dict[tuple[str, str, str], list[Recall]] = {}
     for row in rows:
-        own.setdefault((row.arena, row.food, row.policy), []).append(row)
-
-    def shares(group: Sequence[Recall]) -> tuple[Estimate, Estimate]:
-        foods, delivered = sum(row.foods for row in group), sum(row.delivered for row in group)
-        return percent(delivered, foods), percent(delivered + sum(row.left or 0 for row in group), foods)
-
-    lines = [
-        (
-            *(*names, len(group), sum(row.foods for row in group), *shares(group)),
-            percent(sum(row.finished for row in group), len(group)),
-            sum(row.poison_home for row in group),
-            quantiles([row.steps for row in group]),
-        )
-        for names, group in own.items()
-    ]
-    note = (
-        "pymunk; noise of the laboratory; the thesis's limits of 500 and 700 steps; the same random starts for every "
-        "line of an arena. Shares: Wilson's 95 % interval, as if two objects in one arena were independent. Settled: "
-        "delivered, or known to be poisonous and left. Finished: all food is settled, or poison was brought home. "
-        "Steps: median [5th, 95th percentile]. The lines without ORIENT are a check: they must deliver nothing."
-    )
-    shown = ("food delivered (%)", "food settled (%)", "forages finished (%)")
-    columns = (
-        *map(Column, ("arena", "food", "policy", "forages", "food objects")),
-        *(Column(name, estimate=True) for name in shown),
-        Column("poison brought home"),
-        Column("steps", digits=0, estimate=True),
-    )
-    figure = new_figure(WIDTH, 1.1 + 0.42 * len(own))
-    left, right = figure.subplots(1, 2, sharey=True)
-    for place, ((_, food, policy), group) in enumerate(reversed(own.items())):
-        colour, marker = (THESIS, "s") if policy == NO_ORIENT else (OURS, "o")
-        for axes, value in (
-            (left, shares(group)[food == POISONOUS]),
-            (right, quantiles([row.steps for row in group])),
-        ):
-            mark(axes, value.value, place, value, colour, level=True, marker=marker)
-    left.set_yticks(range(len(own)), [f"{arena}, {food.lower()} food" for arena, food, _ in reversed(own)])
-    left.tick_params(labelsize=SMALL)
-    left.set_ylim(-0.6, len(own) - 0.4)
-    left.set_xlim(-4, 104)
-    left.set_xlabel("food delivered, poison left alone (%)\nbars: Wilson's 95 % interval", fontsize=9)
-    right.set_xlim(left=0)
-    right.set_xlabel("steps of a forage (median)\nbars: 5th to 95th percentile", fontsize=9)
-    entry(left, "teacher", OURS, "o")
-    entry(left, "teacher that searches in place of orienting", THESIS, "s")
-    for axes in (left, right):
-        grid(axes, "x")
-    legend(figure, left)
-    picture = Picture("teacher", "food delivered and steps of a forage", figure)
-    return [Table("teacher", "The teacher alone", note, columns, lines), picture]
-
-
-def arena_parts(rows: Sequence[Recall], rng: np.random.Generator) -> list[str | Table | Picture]:
-    """Food delivered in every arena, poison, and recalls that end differently on the two backends."""
-
-    def sides(policy: str, food: str) -> list[tuple[str, list[Recall], list[Recall]]]:
-        line = pick(rows, policy=policy, food=food)
-        groups = [(group, pick(line, arena=group)) for group in GROUPS]
-        groups.append((PROCEDURAL, [row for row in line if row.arena in DIFFICULTIES]))
-        return [(group, pick(own, backend=PYMUNK), pick(own, backend=COMPILED)) for group, own in groups]
-
+        groups.setdefault((row.policy, row.food, row.arena), []).append(row)
+    for row in rows:
+        if row.arena in DIFFICULTIES:
+            groups.setdefault((row.policy, row.food, PROCEDURAL), []).append(row)
     delivered: list[tuple[Value, ...]] = []
-    for food, goal in GOALS.items():
-        for group, *both in sides(TEACHER, food):
-            shares = [mean(side, DELIVERED, rng) for side in both]
-            medians = [float(np.median([row.steps for row in side])) for side in both]
-            met = "yes" if min(share.value for share in shares) >= goal else "no"
-            delivered.append((food, group, *shares, goal, met, *medians))
-    names = ("deliverable", "delivered", "poisonous", "poison_home")
-    poison: list[tuple[Value, ...]] = []
-    for group, *both in sides(TEACHER, ONE_THIRD_EACH):
-        for backend, side in zip(BACKENDS, both, strict=True):
-            foods, deliverable = sum(row.foods for row in side), sum(row.deliverable for row in side)
-            delivered_home = sum(row.delivered for row in side)
-            home = sum(row.poison_home for row in side)
-            poison.append((group, backend, deliverable, delivered_home, foods - deliverable, home))
     tested: list[tuple[Value, ...]] = []
-    for food in ODDS:
-        for group, *both in sides(TEACHER, food):
-            ends = [[row.delivered == row.deliverable for row in side] for side in both]
-            pairs = list(zip(*ends, strict=True))
-            counts = [
-                pairs.count(end) for end in ((True, True), (True, False), (False, True), (False, False))
-            ]
-            fewer, more = counts[1:3]
-            p = float(stats.binomtest(fewer, fewer + more).pvalue) if fewer + more else 1.0
-            tested.append((food, group, *counts, p))
-    corrected = holm([float(str(line[-1])) for line in tested])
-    imitator: list[tuple[Value, ...]] = []
     shown: dict[str, list[Estimate]] = {}
-    for group, one, other in sides(IMITATOR, ONE_THIRD_EACH):
-        shown[group] = [mean(side, DELIVERED, rng) for side in (one, other)]
-        imitator.append((group, *shown[group], difference(other, one, DELIVERED, rng)))
+    for (policy, food, arena), own in groups.items():
+        sides = [pick(own, backend=backend) for backend in BACKENDS]
+        shares = [percent(sum(r.delivered for r in side), sum(r.deliverable for r in side)) for side in sides]
+        goal = GOALS.get(food, math.nan) if policy == TEACHER else math.nan
+        met = "" if math.isnan(goal) else "yes" if min(share.value for share in shares) >= goal else "no"
+        poison = [
+            sum(r.foods - r.deliverable for r in sides[0]),
+            *(sum(r.poison_home for r in s) for s in sides),
+        ]
+        steps = [quantiles([row.steps for row in side]) for side in sides]
+        delivered.append((policy, food, arena, len(sides[0]), *shares, goal, met, *steps, *poison))
+        if food != POISONOUS and (policy == IMITATOR or arena in THESIS_ARENAS):
+            shown[f"{policy}: {food.lower()}, {arena}"] = shares
+        ends = list(zip(*([r.delivered == r.deliverable for r in side] for side in sides), strict=True))
+        counts = [ends.count(end) for end in ((True, True), (True, False), (False, True), (False, False))]
+        fewer, more = counts[1:3]
+        p = float(stats.binomtest(fewer, fewer + more).pvalue) if fewer + more else 1.0
+        tested.append((policy, food, arena, *counts, p))
+    corrected = holm([float(str(line[-1])) for line in tested])
     figure = new_figure(WIDTH, 1.2 + 0.4 * len(shown))
     axes = figure.subplots()
-    levels(axes, shown, "food delivered by the imitator (%)", BACKENDS)
+    levels(axes, shown, "food delivered (%); bars: Wilson's 95 % interval", BACKENDS)
     legend(figure, axes)
-    two = [Column(f"{backend}: delivered (%)", 2, estimate=True) for backend in BACKENDS]
-    ends_of = ("both", "pymunk only", "compiled only", "neither")
+    names = tuple(map(Column, ("policy", "food", "arenas")))
+    shares_of = (Column(f"{backend}: delivered (%)", 2, estimate=True) for backend in BACKENDS)
+    steps_of = (Column(f"{backend}: steps", 0, estimate=True) for backend in BACKENDS)
+    home = (Column(f"{backend}: poison brought home") for backend in BACKENDS)
+    ends_of = map(Column, ("both", "pymunk only", "compiled only", "neither"))
     return [
         Table(
             "deliveries",
-            "Food that the teacher delivers",
-            "Noise of the laboratory in named arenas, that of the difficulty in procedural ones, with one recall in "
-            "each; the same seeds on both backends. Brackets: 95 % intervals, over arenas, or over recalls in one.",
+            "Food that is delivered",
+            "Noise of the laboratory in named arenas, that of the difficulty in procedural ones, with one recall each; "
+            "the same seeds on both backends, and for all lines of an arena. Limits are 500 and 700 steps in corridor "
+            "and rectangle. Shares: Wilson's 95 % interval, as if objects of one recall were independent. "
+            "Steps: median [5th, 95th percentile]. With SEARCH in the place of ORIENT nothing must be delivered. The "
+            f"imitator has {TRAININGS} training episodes in the corridor.",
             (
-                *map(Column, ("food", "arenas")),
-                *(*two, Column("goal (%)", 0), Column("met")),
-                *(Column(f"{backend}: median steps", 0) for backend in BACKENDS),
+                *(*names, Column("recalls"), *shares_of, Column("goal (%)", 0), Column("met"), *steps_of),
+                *(Column("poisonous objects"), *home),
             ),
             delivered,
         ),
-        Table(
-            "poison",
-            "Poisonous food",
-            "Food objects of all recalls of the teacher, when each is of any type with equal odds.",
-            tuple(map(Column, ("arenas", "backend", *names[:3], "poison brought home"))),
-            poison,
-        ),
+        Picture("deliveries", "food delivered on both backends", figure),
         Table(
             "backends",
-            "Recalls of the teacher that deliver everything",
+            "Recalls that deliver everything",
             "Noise is drawn independently on the two backends. p: McNemar's exact test, corrected by Holm's rule for "
             f"the {len(tested)} lines; the backends differ below 0.05.",
-            (*map(Column, ("food", "arenas", *ends_of)), Column("p", 3), Column("corrected p", 3)),
+            (*names, *ends_of, Column("p", 3), Column("corrected p", 3)),
             [(*line, p) for line, p in zip(tested, corrected, strict=True)],
         ),
-        Table(
-            "imitator",
-            "Food that the imitator delivers",
-            f"One imitator of {TRAININGS} training episodes in the corridor, food {ONE_THIRD_EACH}; the same seeds.",
-            (Column("arenas"), *two, Column("compiled minus pymunk (points)", 2, estimate=True)),
-            imitator,
-        ),
-        Picture("imitator", "food delivered by the imitator in every arena, on both backends", figure),
     ]
 
 
-def welch(a: Floats, b: Floats) -> tuple[Estimate, float]:
-    """Mean of b minus mean of a with its 95 % interval, and the p-value of Welch's test."""
+def compared(a: Floats, b: Floats) -> tuple[Value, ...]:
+    """Means with 95 % intervals, their difference, and p of Welch's and of the Kolmogorov-Smirnov test."""
+
+    def mean_of(values: Floats) -> Estimate:
+        value, half = float(values.mean()), 1.96 * float(values.std(ddof=1)) / math.sqrt(len(values))
+        return Estimate(value, value - half, value + half)
+
     value = float(b.mean() - a.mean())
+    change, p = Estimate(value, value, value), float(value == 0.0)
     parts = a.var(ddof=1) / len(a), b.var(ddof=1) / len(b)
-    spread = math.sqrt(sum(parts))
-    if spread == 0.0:  # all values of a sample are equal
-        return Estimate(value, value, value), 1.0 if value == 0.0 else 0.0
-    freedom = sum(parts) ** 2 / (parts[0] ** 2 / (len(a) - 1) + parts[1] ** 2 / (len(b) - 1))
-    half = float(stats.t.ppf(1 - LEVEL / 2, freedom)) * spread
-    return Estimate(value, value - half, value + half), float(2 * stats.t.sf(abs(value) / spread, freedom))
+    if spread := math.sqrt(sum(parts)):  # otherwise all values of a sample are equal
+        freedom = sum(parts) ** 2 / (parts[0] ** 2 / (len(a) - 1) + parts[1] ** 2 / (len(b) - 1))
+        half = float(stats.t.ppf(1 - LEVEL / 2, freedom)) * spread
+        change, p = (
+            Estimate(value, value - half, value + half),
+            float(2 * stats.t.sf(abs(value) / spread, freedom)),
+        )
+    same = float(stats.ks_2samp(a, b, method="asymp").pvalue)
+    return mean_of(a), mean_of(b), change, p, same
 
 
-def mean_of(values: Floats) -> Estimate:
-    """The mean with its 95 % interval."""
-    value, half = float(values.mean()), 1.96 * float(values.std(ddof=1)) / math.sqrt(len(values))
-    return Estimate(value, value - half, value + half)
+def tested_table(stem: str, title: str, lines: Sequence[tuple[Value, ...]], note: str) -> Table:
+    """Policy, arena, measure and what `compared` returns, with p-values corrected for all tests of the table."""
+    corrected = np.reshape(holm([float(str(p)) for line in lines for p in line[-2:]]), (-1, 2)).tolist()
+    rows = [(*line, *ps) for line, ps in zip(lines, corrected, strict=True)]
+    found = [" ".join(map(str, row[:3])) for row in rows if min(map(float, map(str, row[-2:]))) < LEVEL]
+    verdict = f"Differences: {', '.join(found)}." if found else "No test detects a difference."
+    columns = (
+        *map(Column, ("policy", "arena", "measure")),
+        *(Column(name, 2, estimate=True) for name in (*BACKENDS, "difference")),
+        *(Column(name, 3) for name in ("p of means", "p of distributions")),
+        *(Column(f"corrected: {name}", 3) for name in ("means", "distributions")),
+    )
+    text = (
+        f"{note} Brackets: 95 % intervals. Means: Welch's test. Distributions: Kolmogorov-Smirnov test, whose p-value "
+        f"is too large for counts with many ties, never too small. {2 * len(rows)} tests. {verdict}"
+    )
+    return Table(stem, title, text, columns, rows)
 
 
 def recall_parts(
@@ -462,23 +353,22 @@ def recall_parts(
     """Independent recalls on both backends, and two-sample tests."""
     lines: list[tuple[Value, ...]] = []
     figure, axes = panels(2 * len(CONDITIONS), "Recalls on both backends")
+    count = COMPILED_FACTOR * episodes
     for number, (policy, arena) in enumerate(CONDITIONS):
         key = np.random.SeedSequence(seed, spawn_key=(2, number, 0)).generate_state(1)
-        count = COMPILED_FACTOR * episodes
         which = np.arange(count) % len(imitators) if policy == IMITATOR else np.full(count, recalls.TEACHER)
         memories = memories_of(imitators) if policy == IMITATOR else None
-        settings = settings_of(arena)
-        more = {name: value for name, value in settings.items() if name != "arena"}
-        done = recalls.run_recalls(arena, memories, which, int(key[0]), **more)
-        own = pick(rows, policy=policy, arena=arena)
-        for measure in ("score", "steps", "delivered"):
-            a = np.array([getattr(row, measure) for row in own], np.float64)
+        done = recalls.run_recalls(
+            memories=memories, memory_of_episode=which, seed=int(key[0]), **settings_of(arena)
+        )
+        for place, measure in enumerate(("score", "steps", "delivered")):
+            a = np.array(
+                [getattr(row, measure) for row in pick(rows, policy=policy, arena=arena)], np.float64
+            )
             b = getattr(done, measure).astype(np.float64)
-            change, p = welch(a, b)
-            same = float(stats.ks_2samp(a, b, method="asymp").pvalue)
-            lines.append((policy, arena, measure, mean_of(a), mean_of(b), change, p, same))
+            lines.append((policy, arena, measure, *compared(a, b)))
             if measure != "delivered":
-                panel = axes[2 * number + (measure == "score")]
+                panel = axes[2 * number + place]
                 for values, backend, colour in ((a, PYMUNK, THESIS), (b, COMPILED, OURS)):
                     panel.ecdf(values, color=colour, lw=1.2, label=backend)
                 panel.set_title(f"{policy} in the {arena}", fontsize=10)
@@ -486,44 +376,14 @@ def recall_parts(
                 panel.set_ylabel("share of recalls\nup to the value", fontsize=9)
                 grid(panel, "both")
     legend(figure, axes[0])
+    note = (
+        "Noise of the laboratory, the thesis's food and limits, independent random starts; ten times as many recalls "
+        f"compiled. Imitators of {TRAININGS} training episodes take turns, the same on both backends."
+    )
     return [
-        _tested("agreement", "Corridor and rectangle", lines, 3, _RECALLS),
+        tested_table("agreement", "Corridor and rectangle", lines, note),
         Picture("agreement", "", figure),
     ]
-
-
-_RECALLS = (
-    "Noise of the laboratory, the thesis's food and limits, independent random starts; ten times as many recalls "
-    f"compiled. Imitators of {TRAININGS} training episodes take turns, the same on both backends. Distributions: "
-    "Kolmogorov-Smirnov test, whose p-value is too large for counts with many ties, never too small."
-)
-_DESIGN = (
-    "Replications of the thesis's design, each with training files of its own backend; twenty times as many compiled. "
-    "Score, food and steps: per recall. Vectors: in the imitator's experience. Intervals are over replications."
-)
-
-
-def _tested(stem: str, title: str, lines: Sequence[tuple[Value, ...]], names: int, note: str) -> Table:
-    """Means on both backends, with p-values corrected by Holm's rule for all tests of the table."""
-    tests = len(lines[0]) - names - 3
-    ps = holm([float(str(p)) for line in lines for p in line[-tests:]])
-    rows = [(*line, *ps[tests * i : tests * (i + 1)]) for i, line in enumerate(lines)]
-    found = [
-        " ".join(map(str, row[:names])) for row in rows if min(map(float, map(str, row[-tests:]))) < LEVEL
-    ]
-    verdict = f"Differences: {', '.join(found)}." if found else "No test detects a difference."
-    of = ("means", "distributions")[:tests]
-    columns = (
-        *map(
-            Column,
-            ("policy", "arena", "measure") if names == 3 and tests == 2 else ("arena", "episodes", "measure"),
-        ),
-        *(Column(name, 2, estimate=True) for name in (*BACKENDS, "difference")),
-        *(Column(f"p of {name}" if tests == 2 else "p", 3) for name in of),
-        *(Column(f"corrected: {name}" if tests == 2 else "corrected p", 3) for name in of),
-    )
-    text = f"{note} Brackets: 95 % intervals. Means: Welch's test. {len(ps)} tests. {verdict}"
-    return Table(stem, title, text, columns, rows)
 
 
 def design_table(pymunk: Sequence[RecallRow], seed: int, experiments: int) -> Table:
@@ -538,8 +398,13 @@ def design_table(pymunk: Sequence[RecallRow], seed: int, experiments: int) -> Ta
             for rows in (in_cell(pymunk, cell), in_cell(compiled, cell)):
                 sums = sums_by_replication(rows, replications(rows), attrgetter(field), lambda _: 1.0)
                 means.append(sums[:, 0] / sums[:, 1])
-            lines.append((cell.arena, cell.episodes, name, *map(mean_of, means), *welch(*means)))
-    return _tested("experiments", "The thesis's experiments", lines, 3, _DESIGN)
+            lines.append((f"imitator, {cell.episodes} episodes", cell.arena, name, *compared(*means)))
+    note = (
+        "Replications of the thesis's design, each with training files of its own backend; twenty times as many "
+        "compiled. Score, food and steps: per recall. Vectors: in the imitator's experience. Intervals are over "
+        "replications."
+    )
+    return tested_table("experiments", "The thesis's experiments", lines, note)
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -555,21 +420,19 @@ def main() -> int:
     if {ARENAS, RECALLS} & set(chosen):
         numbers = range(QUICK_IMITATORS if given.quick else IMITATORS)
         imitators = tuple(Parallel(n_jobs=given.jobs)(delayed(_trained)(seed, number) for number in numbers))
-    units: list[Unit] = [unit for part in chosen for unit in blocks(part, seed, imitators, given.counts)]
+    units: list[Unit] = [
+        unit for part in chosen if part != EXPERIMENTS for unit in blocks(part, seed, imitators, given.counts)
+    ]
     if EXPERIMENTS in chosen:
         units += [Experiment(seed, number, given.quick) for number in range(given.experiments)]
     rows = collect(given, units, {Recall: "recalls", RecallRow: "experiments"})
     parts: list[str | Table | Picture] = []
-    for part in chosen:
-        own = pick(rows.of(Recall), part=part)
-        if part == ONLY_TEACHER:
-            parts += teacher_parts(own)
-        elif part == ARENAS:
-            parts += arena_parts(own, np.random.default_rng(seed))
-        elif part == RECALLS:
-            parts += recall_parts(own, seed, imitators, given.episodes)
-        else:
-            parts.append(design_table(rows.of(RecallRow), seed, given.experiments))
+    if {ONLY_TEACHER, ARENAS} & set(chosen):
+        parts += paired_parts([row for row in rows.of(Recall) if row.part != RECALLS])
+    if RECALLS in chosen:
+        parts += recall_parts(pick(rows.of(Recall), part=RECALLS), seed, imitators, given.episodes)
+    if EXPERIMENTS in chosen:
+        parts.append(design_table(rows.of(RecallRow), seed, given.experiments))
     return finish(given, Page("The teacher, and the two backends", parts))
 
 

@@ -3,6 +3,8 @@
 With --beside, this checkout and the commit run the same cases alternately; targets are of the ratio to a0e33ed, the
 last commit whose kernels worked on blocks of worlds. Each measurement has a process of its own. All cases but pymunk,
 import and paired need numba. With --quick some minutes, nearly all of them compilation.
+
+Modules of the package are imported in functions: their time counts in first calls, and an older commit has others.
 """
 
 import argparse
@@ -13,6 +15,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
@@ -21,12 +24,10 @@ from statistics import median
 from tempfile import TemporaryDirectory
 from time import perf_counter
 from timeit import repeat
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple
 
 import gymnasium as gym
 import numpy as np
-from matplotlib.figure import Figure
-from tqdm import tqdm
 
 ROOT, PACKAGE = Path(__file__).resolve().parents[1], "khepera_forage"
 CORRIDOR = "khepera_forage:khepera_forage/Corridor-v1"
@@ -55,20 +56,17 @@ def paired(rounds: int, seed: int) -> float:
     """Rounds a second of the paired corridors, resets included."""
     from khepera_forage.envs import paired_corridors_v1
     from khepera_forage.policies import Teacher
-    from khepera_forage.policies.policy import Listener
 
-    env = paired_corridors_v1.env()
-    policies: Any = {"teacher_0": Teacher.of(env), "learner_0": Listener()}
-    done, start = 0, perf_counter()
-    env.reset(seed=seed)
-    while done < rounds:
-        for agent in env.agent_iter():
-            observation, _, terminated, truncated, _ = env.last()
-            over = terminated or truncated
-            env.step(None if over else int(policies[agent].act(observation)))
-            done += agent == "teacher_0" and not over
-        env.reset()
-    return done / (perf_counter() - start)
+    env = paired_corridors_v1.parallel_env()
+    teacher, start = Teacher.of(env), perf_counter()
+    shown, _ = env.reset(seed=seed)
+    for _ in range(rounds):
+        shown, *_ = env.step(
+            {"teacher_0": teacher.act(shown["teacher_0"]), "learner_0": shown["learner_0"][5]}
+        )
+        if not env.agents:
+            shown, _ = env.reset()
+    return rounds / (perf_counter() - start)
 
 
 def decisions(count: int, seed: int) -> float:
@@ -192,13 +190,13 @@ class Case(NamedTuple):
     size: int
     quick: int
     goal: float  # of this checkout
-    target: float | None = None  # of the ratio to a0e33ed; without, the commit is not measured
+    target: float | None = None  # of the ratio to a0e33ed; without, --beside leaves the case out
     first_call: bool = False  # the value is the time of it all, import and compilation included
     one_core: bool = False  # one thread, so that both processes of a pair can run on the same core
 
-    def factor(self, value: float, bound: float) -> float:
-        """How many times as good as a goal or target a value is."""
-        return bound / value if self.unit in ("s", "bytes") else value / bound
+    def met(self, value: float, bound: float) -> bool:
+        """Whether a value is as good as a goal or target."""
+        return value <= bound if self.unit in ("s", "bytes") else value >= bound
 
 
 one_world = partial(pymunk, act=lambda _, info: info["correct_behaviour"], backend="compiled")
@@ -220,7 +218,7 @@ CASES = (
     Case("decisions", decisions, "imitator in Python", "decisions/s", 20_000, 200, 4e4, one_core=True),
     Case("memory", memory, "memory of a world", "bytes", 128, 128, 2_000),
 )
-ALONE = ("import", "paired", "decisions", "memory")  # which --beside leaves out
+BY_NAME = {case.name: case for case in CASES}
 Pairs = list[dict[str, float]]  # the repeats of a case: the value of each checkout
 
 
@@ -228,41 +226,64 @@ def measure_here(name: str, size: str, seed: str, core: str) -> None:
     """In a fresh process: print the value of a case, and where its package is."""
     if core:
         os.sched_setaffinity(0, [int(core)])
-    case = next(case for case in CASES if case.name == name)
-    start = perf_counter()
+    case, start = BY_NAME[name], perf_counter()
     value = case.measure(int(size), int(seed))
     print(perf_counter() - start if case.first_call else value, __import__(PACKAGE).__file__, sep="\n")
 
 
 def measure(case: Case, folder: Path, size: int, seed: int, core: str) -> float:
-    """The value of a case for the package in a folder."""
+    """The value of a case for the package in a folder, measured in a process of its own."""
     code = "import sys; sys.path.append(sys.argv[1]); import throughput as t; t.measure_here(*sys.argv[2:])"
     command = [sys.executable, "-P", "-c", code, str(ROOT / "benchmarks"), case.name]
+    command += [str(size), str(seed), core]
     with TemporaryDirectory(dir=folder) as empty:
         kernels = empty if case.first_call else str(folder / "kernels")
         kept = {"NUMBA_CACHE_DIR": kernels, "XDG_CACHE_HOME": kernels, "PYTHONPATH": str(folder)}
-        command += [str(size), str(seed), core]
         done = subprocess.run(command, env=os.environ | kept, capture_output=True, text=True)
     if done.returncode:
         last = (done.stderr.strip().splitlines() or [f"status {done.returncode}"])[-1]
-        refuse(f"case {case.name} failed in {folder.name}: {last}; --only measures other cases")
+        raise RuntimeError(f"case {case.name} failed in {folder.name}: {last}; --only measures other cases")
     value, package = done.stdout.splitlines()[-2:]
     if not Path(package).is_relative_to(folder):
-        refuse(f"case {case.name} measured the package in {package}; allowed: the one in {folder}")
+        raise RuntimeError(
+            f"case {case.name} measured the package in {package}; allowed: the one in {folder}"
+        )
     return float(value)
 
 
-def measure_all(cases: Sequence[Case], given: argparse.Namespace, found: dict[str, Path]) -> dict[str, Pairs]:
-    """Measure all cases once, then again, each time with another seed, core and order of the checkouts."""
-    values: dict[str, Pairs] = {case.name: [] for case in cases}
-    repeats = [(n, case) for n in range(given.repeats) for case in cases if n < 3 or case.unit != "s"]
-    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
-    for number, case in tqdm(repeats, disable=None):
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """The value of a case in one repeat."""
+
+    case: str
+    unit: str
+    repeat: int
+    checkout: str
+    value: float
+
+
+class Repeat(NamedTuple):
+    """One case, once in each checkout: each time with another seed, core and order of the checkouts."""
+
+    number: int
+    case: Case
+    size: int
+    seed: int
+    found: dict[str, Path]
+
+    @property
+    def key(self) -> str:
+        """The case and the repeat."""
+        return f"{self.case.name} {self.number}"
+
+    def run(self) -> list[Measured]:
+        """Measure."""
+        case, number = self.case, self.number
+        cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
         core = str(cores[number % len(cores)]) if case.one_core and cores else ""
-        size, seed = case.quick if given.quick else case.size, given.seed + number
-        names = [name for name in (found if number % 2 else reversed(found)) if case.target or name == "here"]
-        values[case.name].append({name: measure(case, found[name], size, seed, core) for name in names})
-    return values
+        names = list(self.found)[:: 1 if number % 2 else -1]
+        values = [measure(case, self.found[name], self.size, self.seed + number, core) for name in names]
+        return [Measured(case.name, case.unit, number, *one) for one in zip(names, values, strict=True)]
 
 
 def git(*arguments: str) -> str:
@@ -296,108 +317,69 @@ def spread(values: Sequence[float], text: Callable[[float], str]) -> str:
     return f"{text(median(values))} [{text(min(values))}, {text(max(values))}]"
 
 
-def line(case: Case, size: int, pairs: Pairs, commit: str | None) -> tuple[list[str], list[float]]:
-    """The case's line in the table; how many times as good as the target, else the goal, each repeat is."""
+def line(case: Case, size: int, pairs: Pairs, commit: str | None) -> tuple[str, ...]:
+    """The case's line in the table."""
     now = [pair["here"] for pair in pairs]
-    cells, limits = ["", short(median(now)), ""] if commit else [spread(now, short)], [case.goal]
-    factors = [[case.factor(value, case.goal) for value in now]]
+    sign = "≤" if case.unit in ("s", "bytes") else "≥"
+    cells, bounds, met = [spread(now, short)], f"{sign} {short(case.goal)}", case.met(median(now), case.goal)
     if commit and case.target:
         ratios = [pair["here"] / pair[commit] for pair in pairs]
-        cells = [short(median(pair[commit] for pair in pairs)), cells[1], spread(ratios, "{:.2f}".format)]
-        limits.insert(0, case.target)
-        factors.insert(0, [case.factor(value, case.target) for value in ratios])
-    met = "yes" if all(median(each) >= 1 for each in factors) else "no"
+        cells = [
+            short(median(pair[commit] for pair in pairs)),
+            short(median(now)),
+            spread(ratios, "{:.2f}".format),
+        ]
+        bounds, met = f"{sign} {case.target}; {bounds}", met and case.met(median(ratios), case.target)
     label = case.label.format(size) + (case.unit and f", {case.unit}")
-    bounds = [f"{'≤' if case.unit in ('s', 'bytes') else '≥'} {short(limit)}" for limit in limits]
-    return [label, *cells, "; ".join(bounds), met], factors[0]
+    return label, *cells, bounds, "yes" if met else "no"
 
 
-def markdown(table: Sequence[Sequence[str]]) -> str:
-    """A table that can be read in a terminal, too."""
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    rule = ["-" * width for width in widths]
-    return "\n".join(f"| {' | '.join(map(str.ljust, row, widths))} |" for row in (table[0], rule, *table[1:]))
-
-
-def picture(labels: Sequence[str], factors: Sequence[Sequence[float]]) -> Figure:
-    """How many times as good as its target or goal each case is: median, lowest and highest."""
-    figure = Figure(figsize=(8, 1 + 0.3 * len(factors)), dpi=150, layout="constrained")
-    axes = figure.subplots()
-    for place, own in enumerate(factors):
-        axes.semilogx([min(own), median(own), max(own)], [place] * 3, "o-", markevery=[1], color="C0", base=2)
-    axes.axvline(1, color="#6E6E6E", ls="--")
-    axes.set_yticks(range(len(labels)), labels)
-    axes.invert_yaxis()
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.set_xlabel("times as good as the target, or as the goal without one")
-    return figure
-
-
-def page(table: str, commit: str | None, name: str) -> str:
-    """The Markdown page."""
-    beside, shown = (f" beside commit {commit}", "medians, and ratio") if commit else ("", "median")
-    return f"""# Throughput{beside}
-
-Speed of this checkout ({git("describe", "--always", "--dirty") or "not in git"}){beside}: {shown} [lowest, highest].
-Targets are of the ratio, goals of this checkout. Only first calls include import and compilation.
-
-{table}
-
-![Each case against its target, or its goal.]({name}.png)
-
-## Command
-
-    python benchmarks/throughput.py {" ".join(sys.argv[1:])}
-
-{os.cpu_count()} cores, Python {sys.version.split()[0]}, numpy {np.__version__}, gymnasium {gym.__version__}.
-"""
-
-
-def refuse(reason: str) -> NoReturn:
-    """End the program with one line, and status 2."""
-    print(f"throughput.py: {reason}", file=sys.stderr)
-    sys.exit(2)
-
-
-def main() -> None:
-    """Measure, print the table, and write page, picture and rows."""
-    parser = argparse.ArgumentParser("throughput.py", description=__doc__)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.error = refuse  # type: ignore[method-assign, assignment]
-    names, out = [case.name for case in CASES], Path("results/throughput")
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--beside", metavar="COMMIT", help="also measure this commit, such as a0e33ed")
-    parser.add_argument("--only", action="append", choices=names, help="a case; may be given several times")
-    parser.add_argument("--repeats", type=int, metavar="N", help="(5, with --quick 1); 3 at most of seconds")
-    parser.add_argument("--quick", action="store_true", help="the same work in small")
-    parser.add_argument("--seed", type=int, default=0, help="of the first repeat (0)")
-    parser.add_argument("--out", type=Path, default=out, help=f"folder for the results ({out})")
-    given = parser.parse_args()
-    given.repeats = (1 if given.quick else 5) if given.repeats is None else given.repeats
-    if given.repeats < 1 or given.seed < 0:
-        refuse(f"--repeats {given.repeats}, --seed {given.seed}; allowed: at least 1, and at least 0")
+    parser.add_argument("--only", action="append", choices=BY_NAME, help="a case; may be given several times")
+
+
+def main() -> int:
+    """Measure, print the table, and write page, picture and rows."""
+    from khepera_forage.estimates import Column, Table
+    from khepera_forage.study import Count, Page, collect, finish, parse
+
+    count = Count("repeats", 5, 1, "repeats; of seconds 3 at most")
+    given = parse("throughput", __doc__, count, jobs=None, add=_add_arguments)
     commit = git("rev-parse", "--short", f"{given.beside}^{{commit}}") if given.beside is not None else None
     if commit is not None and not git("ls-tree", commit, "--", PACKAGE):
-        refuse(f"commit {given.beside!r} is unknown; allowed: one of a git clone in {ROOT}, with {PACKAGE}")
-    only = given.only or [name for name in names if commit is None or name not in ALONE]
-    cases = [case for case in CASES if case.name in only]
+        given.refuse(
+            f"commit {given.beside!r} is unknown; allowed: one of a git clone in {ROOT}, with {PACKAGE}"
+        )
+    only = given.only or BY_NAME
+    chosen = [case for case in CASES if case.name in only and (case.target or not commit)]
+    sizes = {case: case.quick if given.quick else case.size for case in chosen}
     for end in {signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}:
         signal.signal(end, lambda number, _: sys.exit(128 + number))  # the folder below is then removed
     with TemporaryDirectory(prefix="throughput-") as folder:
-        values = measure_all(cases, given, checkouts(commit, Path(folder).resolve()))
-    done = [line(case, case.quick if given.quick else case.size, values[case.name], commit) for case in cases]
-    columns = [commit, "here", "ratio", "target; goal"] if commit else ["measured", "goal"]
-    rows, name = [row for row, _ in done], "beside" if commit else "throughput"
-    table = markdown([["case", *columns, "met"], *rows])
-    given.out.mkdir(parents=True, exist_ok=True)
-    (given.out / f"{name}.md").write_text(page(table, commit, name), encoding="utf-8")
-    picture([row[0] for row in rows], [factors for _, factors in done]).savefig(given.out / f"{name}.png")
-    lines = ["case,unit,repeat,checkout,value"]
-    for case in cases:
-        for number, pair in enumerate(values[case.name]):
-            lines += [f"{case.name},{case.unit},{number},{each},{pair[each]}" for each in pair]
-    (given.out / f"{name}.csv").write_text("\n".join([*lines, ""]), encoding="utf-8")
-    print(f"{table}\n\nPage, picture and rows are in {given.out}: {name}.md, {name}.png, {name}.csv")
+        found = checkouts(commit, Path(folder).resolve())
+        units = [
+            Repeat(number, case, size, given.seed, found)
+            for number in range(given.repeats)
+            for case, size in sizes.items()
+            if number < 3 or case.unit != "s"
+        ]
+        try:
+            rows = collect(given, units, {Measured: "rows"}).of(Measured)
+        except RuntimeError as error:
+            given.refuse(str(error))
+    values: dict[str, Pairs] = {case.name: [{} for _ in range(given.repeats)] for case in sizes}
+    for row in rows:
+        values[row.case][row.repeat][row.checkout] = row.value
+    lines = [line(case, size, list(filter(None, values[case.name])), commit) for case, size in sizes.items()]
+    note = (
+        f"Speed of this checkout ({git('describe', '--always', '--dirty') or 'not in git'}): median [lowest, highest]. "
+        "Targets are of the ratio, goals of this checkout. Only first calls include import and compilation."
+    )
+    names = ["case", *([commit, "here", "ratio", "target; goal"] if commit else ["measured", "goal"]), "met"]
+    table = Table("throughput", "Cases", note, tuple(map(Column, names)), lines)
+    return finish(given, Page(f"Throughput beside commit {commit}" if commit else "Throughput", [table]))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -30,8 +30,8 @@ for number, usual in (
         signal.signal(number, usual)
 
 
-SCRIPT_TESTS = ("tests/benchmarks/test_scripts.py", "tests/benchmarks/test_pictures.py")
-"""Each of their tests has a script as parameter."""
+SCRIPT_TESTS = "tests/benchmarks/test_scripts.py"
+"""Each of its tests has a script as parameter."""
 FIRST = tuple(
     f"tests/benchmarks/test_{script}.py"
     for script in ("backends", "virtual_lab", "further_work", "wire", "tracker", "lab_faults")
@@ -43,7 +43,7 @@ def group_of(nodeid: str) -> str:
     """The file with whose tests a test runs."""
     file, _, test = nodeid.partition("::")
     script = test.partition("[")[2].removesuffix("]")
-    if file in SCRIPT_TESTS and script:
+    if file == SCRIPT_TESTS and script:
         file = f"tests/benchmarks/test_{script}.py"
     return file
 

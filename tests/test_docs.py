@@ -2,8 +2,11 @@
 
 import argparse
 import re
+import runpy
 import shlex
 import tomllib
+from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -103,27 +106,17 @@ def test_getting_started_page_shows_what_its_reader_will_see(
     assert re.fullmatch(r"score \d+ %, food 10 of 10\n", capsys.readouterr().out), "as the commands"
 
 
-def test_gymnasium_example_delivers_the_food(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_block("environments.md", 0)["terminated"]
-    assert "food 1" in capsys.readouterr().out
-
-
-def test_pettingzoo_example_makes_an_imitator() -> None:
-    imitator = run_block("environments.md", 1)["imitator"]
-    assert 0 <= imitator.act((0, 60, 0, 215, 40), np.random.default_rng(0)) <= 9
-
-
-def test_decisions_example_changes_environment_and_teacher(capsys: pytest.CaptureFixture[str]) -> None:
-    names = run_block("environments.md", 2)
+def test_examples_of_environments_page_run_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    forage, paired, decided, compiled = (run_block("environments.md", number) for number in range(4))
+    printed = capsys.readouterr().out
+    assert forage["terminated"]
+    assert "food 1" in printed
+    assert 0 <= paired["imitator"].act((0, 60, 0, 215, 40), np.random.default_rng(0)) <= 9
     changed = {"next_to_food": 22.0, "search_speed": 10.0}
-    assert names["env"].unwrapped.decisions.changed() == changed == names["teacher"].decisions.changed()
-    assert capsys.readouterr().out == f"{changed}\n"
-
-
-def test_compiled_example_steps_all_worlds() -> None:
-    names = run_block("environments.md", 3)
-    assert names["rewards"].shape == (256,)
-    assert names["env"].unwrapped.backend == "compiled"
+    assert decided["env"].unwrapped.decisions.changed() == changed == decided["teacher"].decisions.changed()
+    assert f"{changed}\n" in printed
+    assert compiled["rewards"].shape == (256,)
+    assert compiled["env"].unwrapped.backend == "compiled"
 
 
 def test_blocks_of_arenas_page_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -163,14 +156,6 @@ def test_arenas_page_has_the_family_and_the_difficulties() -> None:
         assert (float(noise), int(limit)) == (difficulty.noise, difficulty.limit)
 
 
-def test_example_of_training_page_has_two_learners() -> None:
-    assert run_block("environments/training.md", 0)["env"].possible_agents == [
-        "teacher_0",
-        "learner_0",
-        "learner_1",
-    ]
-
-
 def test_example_of_wheels_page_films_a_forage(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
     names = run_block("environments/wheels.md", 0)
@@ -179,7 +164,9 @@ def test_example_of_wheels_page_films_a_forage(monkeypatch: pytest.MonkeyPatch, 
     assert (tmp_path / "wheels.gif").stat().st_size > 10_000
 
 
-def test_blocks_of_noise_page_run() -> None:
+def test_blocks_of_short_pages_run() -> None:
+    agents = run_blocks("environments/training.md")["env"].possible_agents
+    assert agents == ["teacher_0", "learner_0", "learner_1"]
     assert run_blocks("noise.md")["env"].unwrapped.world.noise == Noise(wheel_slip=0.1)
 
 
@@ -246,17 +233,37 @@ def test_decision_table_has_no_empty_cell() -> None:
         assert "|" not in "".join(row), row.name
 
 
-@pytest.mark.parametrize("page", [page for page, text in PAGES.items() if "\nkhepera-forage " in text])
-def test_commands_of_page_and_their_options_exist(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
+SCRIPTS = "|".join(path.stem for path in (DOCS.parent / "benchmarks").glob("*.py"))
+"""Pages also name scripts of earlier versions."""
+COMMANDS = [
+    (page, command)
+    for page, text in PAGES.items()
+    for command in re.findall(
+        rf"^(?: {{4}})?((?:khepera-forage|python benchmarks/(?:{SCRIPTS})\.py) .*)$",
+        text.replace("\\\n", " "),
+        flags=re.MULTILINE,
+    )
+]
+
+
+@pytest.mark.parametrize(("page", "command"), COMMANDS)
+def test_command_of_page_and_its_options_exist(
+    page: str, command: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def parse_only(parser: OneLineParser, *args: Any) -> None:
         argparse.ArgumentParser.parse_args(parser, *args)
         parser.exit()
 
     monkeypatch.setattr(OneLineParser, "parse_args", parse_only)
-    lines = PAGES[page].replace("\\\n", " ")
-    for command in re.findall(r"^(?: {4})?khepera-forage (.*)$", lines, flags=re.MULTILINE):
-        with pytest.raises(SystemExit, match=r"^0$"):
-            main(shlex.split(command, comments=True))
+    program, *arguments = shlex.split(command, comments=True)
+    run: Callable[[], object] = partial(main, arguments)
+    if program == "python":
+        script = DOCS.parent / arguments[0]
+        monkeypatch.syspath_prepend(script.parent)
+        monkeypatch.setattr("sys.argv", [str(script), *arguments[1:]])
+        run = partial(runpy.run_path, str(script), run_name="__main__")
+    with pytest.raises(SystemExit, match=r"^0$"):
+        run()
 
 
 @pytest.mark.parametrize(("page", "link"), LINKS)

@@ -15,7 +15,7 @@ sys.path.insert(0, str(ROOT / "benchmarks"))
 QuickRun = Callable[..., Path]
 APART = ("lab_faults", "virtual_lab", "wire")
 """Scripts with a process of their own: threads that are late, or times, depend on what else a process holds. All others
-run in a process of the tests, which does not import everything again; `test_started_alone.py` starts them as well."""
+run in a process of the tests, which does not import everything again."""
 
 
 @pytest.fixture(scope="session")

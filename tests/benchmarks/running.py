@@ -1,4 +1,7 @@
-"""Runs a script of `benchmarks/`, warnings as errors: in a process of its own, or in that of the tests."""
+"""Runs a script of `benchmarks/`, warnings as errors: in a process of its own, or in that of the tests.
+
+python -m tests.benchmarks.running NOTES SCRIPT ARGUMENTS    # with `checked_pictures`
+"""
 
 import csv
 import io
@@ -8,17 +11,47 @@ import runpy
 import subprocess
 import sys
 import warnings
-from contextlib import chdir, nullcontext, redirect_stderr, redirect_stdout
+from collections.abc import Iterator
+from contextlib import chdir, contextmanager, nullcontext, redirect_stderr, redirect_stdout
 from pathlib import Path
+from typing import TYPE_CHECKING
 from unittest import mock
 
 from khepera_forage.cli.main import main
-from tests.benchmarks.checked_pictures import checked_pictures
+from khepera_forage.figures import save
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 ROOT = Path(__file__).parents[2]
 PNG = b"\x89PNG\r\n\x1a\n"
 _COMPILING = re.compile(r"^khepera_forage: compiling kernels.*\n", re.MULTILINE)
 """What the first script that needs kernels says."""
+
+
+@contextmanager
+def checked_pictures(notes: Path) -> Iterator[None]:
+    """Check that each picture of a page can be read at the size at which pages show it, and explains its shading.
+
+    Args:
+        notes: File that gets a line for each picture: its name, a tab, and what is wrong with it, if anything.
+    """
+
+    def checked(figure: "Figure", path: Path) -> None:
+        from tests.figure_checks import check_readable, check_shading_is_explained
+
+        save(figure, path)  # before the check, which needs the layout of the file
+        fault = ""
+        try:
+            check_readable(figure)
+            check_shading_is_explained(figure)
+        except AssertionError as error:
+            fault = str(error).splitlines()[0]
+        with notes.open("a", encoding="utf-8") as file:
+            file.write(f"{path.name}\t{fault}\n")
+
+    with mock.patch("khepera_forage.study.save", checked):
+        yield
 
 
 COMMANDS = {"learners": "compare", "decisions": "infer"}
@@ -44,7 +77,7 @@ def quick(script: str, out: Path, *arguments: str, notes: Path | None = None) ->
     # One process unless --jobs says otherwise: the other cores run other tests.
     environment = {**os.environ, "LOKY_MAX_CPU_COUNT": "1"}
     if notes is not None:
-        command[3:3] = ["-m", "tests.benchmarks.checked_pictures", str(notes)]
+        command[3:3] = ["-m", "tests.benchmarks.running", str(notes)]
         # For this process and those that it starts.
         environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), str(ROOT / "benchmarks")])
     # Not the repository's folder: a script must not depend on the folder it is started in.
@@ -102,13 +135,6 @@ def refused(script: str, *arguments: str) -> str:
     return errors + (f"{status}\n" if isinstance(status, str) else "")  # which Python prints at the end
 
 
-def help_of(script: str) -> str:
-    """What a script prints with --help."""
-    status, output, _ = _run_here(script, "--help")
-    assert status == 0
-    return output
-
-
 def read(path: Path) -> list[dict[str, str]]:
     """The rows of a CSV file with a heading."""
     with path.open(encoding="utf-8", newline="") as file:
@@ -119,3 +145,11 @@ def is_picture(path: Path) -> bool:
     """Whether the file is a PNG of some size."""
     data = path.read_bytes()
     return data.startswith(PNG) and len(data) > 10_000
+
+
+if __name__ == "__main__":
+    _, notes, script, *arguments = sys.argv
+    sys.argv = [script, *arguments]
+    sys.path[0] = str(Path(script).parent)
+    with checked_pictures(Path(notes)):
+        runpy.run_path(script, run_name="__main__")

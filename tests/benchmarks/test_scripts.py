@@ -3,6 +3,8 @@
 import gzip
 import re
 import shutil
+import subprocess
+import sys
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -10,25 +12,26 @@ from pathlib import Path
 import pytest
 
 from khepera_forage.study import UNITS
-from tests.benchmarks.conftest import QuickRun
-from tests.benchmarks.running import help_of, is_picture, quick, quick_here, read, refused
+from tests.benchmarks.conftest import APART, QuickRun
+from tests.benchmarks.running import ROOT, is_picture, quick, quick_here, read, refused
 
 EXPERIMENTS = (
-    "push_and_avoid",
-    "attribute_weights",
-    "spatial_variety",
-    "state_vector",
-    "action_level",
-    "different_robots",
-    "chains_of_learners",
-    "human_teacher",
-    "alternatives",
-    "several_learners",
+    *(
+        "push_and_avoid",
+        "attribute_weights",
+        "spatial_variety",
+        "state_vector",
+        "action_level",
+        "different_robots",
+    ),
+    *("chains_of_learners", "human_teacher", "alternatives", "several_learners"),
 )
+"""Of `further_work.py`."""
 LEARNERS_RUN = tuple(
     part for name in ("teacher", "random", "imitator", "tree", "dagger_tree") for part in ("--only", name)
 )
-COMMON = ("--seed", "--out", "--quick")
+STARTED = (*APART, "backends", "throughput")
+"""Scripts that other tests start as a user does."""
 
 
 @dataclass(frozen=True)
@@ -36,83 +39,39 @@ class Script:
     """A script of `benchmarks/`.
 
     Attributes:
-        options: Of its own.
         rows: Names of its row files.
         run: Arguments of the quick run that tests share.
         repeatable: Arguments of a quick run with the same rows on any number of processes; None if rows are times.
         page: Where the page is, in the results' folder.
         needs: Modules without which it cannot run.
-        runs: False if only its help is tested here, because a run needs the network or another script's results.
         subcommand: Of `khepera-forage`, if the script does the same.
     """
 
-    options: tuple[str, ...]
     rows: tuple[str, ...]
     run: tuple[str, ...] = ()
     repeatable: tuple[str, ...] | None = None
     page: str = ""
     needs: tuple[str, ...] = ()
-    runs: bool = True
     subcommand: str = ""
 
 
 SCRIPTS = {
-    "backends": Script(
-        ("--forages", "--levels", "--recalls", "--episodes", "--experiments", "--only", "--jobs", "--fresh"),
-        ("recalls", "experiments"),
-        repeatable=("--only", "teacher"),
-        needs=("numba",),
-    ),
-    "decisions": Script(
-        ("--sets", "--experiments", "--jobs", "--fresh", "--tables"),
-        (),
-        needs=("numba",),
-        subcommand="infer",
-    ),
+    "backends": Script(("recalls", "experiments"), repeatable=("--only", "teacher"), needs=("numba",)),
+    "decisions": Script((), needs=("numba",), subcommand="infer"),
     "further_work": Script(
-        ("--replications", "--only", "--jobs", "--fresh", *EXPERIMENTS),
         ("trainings", "recalls"),
         repeatable=("--only", "spatial_variety", "--replications", "2"),
         page="spatial_variety/spatial_variety.md",
     ),
-    "kheperax": Script(
-        ("--repeats", "--worlds", "--venv", "1.2 GB"), ("rows",), needs=("numba",), runs=False
-    ),
-    "lab_faults": Script(("--series", "--jobs", "--fresh"), ("faults", "trainings"), needs=("serial", "cv2")),
-    "learners": Script(
-        (
-            "--seeds",
-            "--recalls",
-            "--steps",
-            "--only",
-            "--tune",
-            "--jobs",
-            "--fresh",
-            "--backend",
-            "--address",
-            "--learner",
-            "--against",
-            "--list",
-            "--arenas",
-        ),
-        ("rows",),
-        run=LEARNERS_RUN,
-        repeatable=LEARNERS_RUN,
-        subcommand="compare",
-    ),
+    "lab_faults": Script(("faults", "trainings"), needs=("serial", "cv2")),
+    "learners": Script(("rows",), run=LEARNERS_RUN, repeatable=LEARNERS_RUN, subcommand="compare"),
     "tracker": Script(
-        ("--scenes", "--trainings", "--rounds", "--frames", "--troubled", "--only", "--jobs", "--fresh"),
         ("observations", "limits", "calibrations", "troubles"),
         repeatable=("--only", "scenes"),
         needs=("cv2",),
     ),
-    "virtual_lab": Script(
-        ("--replications", "--jobs", "--fresh"),
-        ("recalls", "trainings"),
-        run=("--jobs", "1"),
-        needs=("serial", "cv2"),
-    ),
-    "wire": Script(("--rounds",), ("rounds",), needs=("serial",)),
+    "virtual_lab": Script(("recalls", "trainings"), run=("--jobs", "1"), needs=("serial", "cv2")),
+    "wire": Script(("rounds",), needs=("serial",)),
 }
 
 
@@ -130,7 +89,7 @@ def available(*names: str) -> list[object]:
     ]
 
 
-all_scripts = pytest.mark.parametrize("script", available(*(name for name in SCRIPTS if SCRIPTS[name].runs)))
+all_scripts = pytest.mark.parametrize("script", available(*SCRIPTS))
 same_rows = pytest.mark.parametrize(
     "script", available(*(name for name in SCRIPTS if SCRIPTS[name].repeatable is not None))
 )
@@ -146,11 +105,13 @@ def page_of(script: str, out: Path) -> Path:
     return out / (SCRIPTS[script].page or f"{script}.md")
 
 
-@pytest.mark.parametrize("script", SCRIPTS)
-def test_help_names_every_argument(script: str) -> None:
-    told = help_of(script)
-    for argument in (*COMMON, *SCRIPTS[script].options, f"results/{script}"):
-        assert argument in told
+@pytest.mark.parametrize("path", sorted((ROOT / "benchmarks").glob("*.py")), ids=lambda path: path.stem)
+def test_script_imports_all_that_it_needs_itself(path: Path) -> None:
+    if path.stem not in STARTED:
+        command = [sys.executable, "-W", "error", str(path), "--help"]
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert f"results/{path.stem}" in done.stdout
 
 
 @all_scripts
@@ -183,6 +144,16 @@ def test_pictures_of_the_page_are_drawn(script: str, quick_run: QuickRun) -> Non
     pictures = re.findall(r"\]\((\w+\.png)\)", page.read_text(encoding="utf-8"))
     assert pictures
     assert all(is_picture(page.parent / picture) for picture in pictures)
+
+
+@all_scripts
+def test_pictures_are_readable_and_explain_their_shading(script: str, quick_run: QuickRun) -> None:
+    out = quick_run(script, *SCRIPTS[script].run)
+    lines = (out.parent / "pictures").read_text(encoding="utf-8").splitlines()
+    assert lines
+    for line in lines:
+        name, fault = line.split("\t")
+        assert not fault, f"{name}: {fault}"
 
 
 @all_scripts

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from khepera_forage import Decisions, Noise
-from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING, run_recalls
 from khepera_forage.thesis.inference.prior import Laboratory
 from khepera_forage.thesis.inference.simulate import reason_against, replicate, simulate
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
@@ -17,16 +16,6 @@ from tests.version_0_1 import V0_1
 def laboratory(**decisions: Any) -> Laboratory:
     """Version 0.1 with some changes."""
     return Laboratory(replace(V0_1, **decisions), Noise.laboratory())
-
-
-def test_teacher_without_orienting_searches_beside_food() -> None:
-    policies = np.array([TEACHER] * 20 + [WITHOUT_ORIENTING] * 20)
-    played = run_recalls("corridor", None, policies, np.tile(np.arange(20), 2), decisions=V0_1)
-    assert played.delivered[:20].all()
-    assert not played.delivered[20:].any()
-    wrong = played.wrong_by_state[20:].sum(axis=0)
-    assert wrong[2] == played.rounds_by_state[20:, 2].sum() > 0
-    assert wrong.sum() == wrong[2], "only ORIENT is replaced"
 
 
 @pytest.mark.parametrize("decisions", [Decisions(), V0_1])

@@ -1,6 +1,5 @@
 """Compiled worlds in several arenas: the same arenas, layouts and episodes as in one arena after the other."""
 
-from collections.abc import Callable
 from typing import Any
 
 import gymnasium as gym
@@ -31,33 +30,6 @@ def _many(num_envs: int, name: str = "Corridor", **kwargs: Any) -> Any:
 
 def _same(one: Any, two: Any) -> bool:
     return set(one) == set(two) and all(np.array_equal(one[key], two[key]) for key in one)
-
-
-@pytest.mark.parametrize("name", ["Corridor", "CorridorWheels"])
-def test_batch_has_the_episodes_of_single_worlds_bit_for_bit(name: str) -> None:
-    """Kernels with lists of near walls in 128 lanes, and those of one arena in one lane."""
-    kwargs: Any = {"limit": 120, "food_types": MIXED, "foods": 2}
-    many, ones = _many(5, name, **kwargs), [_one("compiled", name, **kwargs) for _ in range(5)]
-    many.action_space.seed(0)
-    observations, infos = many.reset(seed=3)
-    begun = [env.reset(seed=3 + i) for i, env in enumerate(ones)]
-    over, seen = [False] * 5, set()
-    for _ in range(400):
-        for i, (observation, info) in enumerate(begun):
-            assert _same(observation, {key: values[i] for key, values in observations.items()})
-            assert _same(info, {key: infos[key][i] for key in info})
-        assert many.unwrapped.batch.arenas == [env.arena for env in ones]
-        seen |= {env.arena.name for env in ones}
-        actions = many.action_space.sample() if name == "CorridorWheels" else infos["correct_behaviour"]
-        observations, rewards, ends, cuts, infos = many.step(actions)
-        for i, env in enumerate(ones):
-            if over[i]:
-                begun[i], over[i] = env.reset(), False
-            else:
-                observation, reward, end, cut, info = env.step(actions[i])
-                assert (reward, end, cut) == (rewards[i], ends[i], cuts[i])
-                begun[i], over[i] = (observation, info), end or cut
-    assert seen == {"hall", "L-room", "blocks"}
 
 
 def test_forgotten_arenas_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -137,25 +109,3 @@ def test_a_million_levels_are_drawn_when_they_are_used() -> None:
         env.reset(seed=8)
     assert run_teacher(levels, 2, seed=8, limit=5).steps.tolist() == [5, 5]
     assert procedural_arena.cache_info().misses == 3, "the first level, and those of two seeds"
-
-
-@pytest.mark.parametrize(
-    ("arenas", "message"),
-    [
-        ((), "at least one arena"),
-        ((HALL, "nowhere"), "arena 1 of a sequence is 'nowhere'; allowed: an Arena, or one of 'corridor'"),
-        (["corridor", 3], "arena 1 of a sequence is 3; allowed: an Arena, or one of 'corridor'"),
-        (7, "arena is 7; allowed: an Arena"),
-    ],
-)
-def test_bad_pools_are_quoted(arenas: Any, message: str) -> None:
-    makers: tuple[Callable[[], Any], ...] = (
-        lambda: _one("pymunk", arena=arenas),
-        lambda: _one("compiled", arena=arenas),
-        lambda: _many(2, arena=arenas),
-        lambda: TrainingEnv(arena=arenas),
-        lambda: run_teacher(arenas, 1),
-    )
-    for make in makers:
-        with pytest.raises(ValueError, match=message):
-            make()

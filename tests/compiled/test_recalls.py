@@ -11,10 +11,9 @@ from khepera_forage.counter_rng import DRAW_POLICY, DRAWS, random_bits, upper
 from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.policies.memories import memories_of
-from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, Episodes, run_recalls, run_teacher
-from khepera_forage.rollouts.rows import RecallRow
+from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, run_recalls, run_teacher
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import Behaviour, FoodType
+from khepera_forage.task.states import Behaviour
 from tests.compiled.decisions import DECISIONS
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
@@ -110,54 +109,6 @@ def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decision
         assert (counts == getattr(kernel, name)).all(), name
         assert counts.any(), name
     assert kernel.delivered.any() or decisions == DECISIONS[2], "not every reading lets an imitator forage"
-
-
-def test_recalls_are_valid_rows(experience: Any) -> None:
-    """`RecallRow` refuses fields that contradict each other."""
-    # The last imitator pushes poison home: it learned with poison's type in the place of pushable food's.
-    vectors, heard = _teacher_records("PUSHABLE")
-    vectors[:, :, 2][vectors[:, :, 2] == FoodType.PUSHABLE] = FoodType.POISONOUS
-    memories = memories_of([*experience, (vectors.reshape(-1, 5), heard.ravel())])
-    kernel = run_recalls("rectangle", memories, np.arange(600) % 6 - 2, **RECTANGLE)
-    for i in range(600):
-        _row(kernel, i)
-    assert (kernel.deliverable <= 2).all()
-    assert (kernel.deliverable < 2).any()
-    assert kernel.poison_home.any()
-    assert (kernel.food_delivered.sum(axis=1) == kernel.delivered).all()
-
-
-def _row(kernel: Episodes, i: int) -> RecallRow:
-    return RecallRow(
-        replication=0,
-        arena="rectangle",
-        episodes=1,
-        file_id="g1",
-        recall=i,
-        seed=0,
-        learner="imitator",
-        noise="laboratory",
-        correct=int(kernel.correct[i]),
-        steps=int(kernel.steps[i]),
-        limit=RECTANGLE["limit"],
-        penalty=int(kernel.penalty[i]),
-        score=float(kernel.score[i]),
-        delivered=int(kernel.delivered[i]),
-        foods=2,
-        poison_home=int(kernel.poison_home[i]),
-        food_x=tuple(kernel.foods[i, :, 0].tolist()),
-        food_y=tuple(kernel.foods[i, :, 1].tolist()),
-        food_delivered=tuple(kernel.food_delivered[i].tolist()),
-        start_x=float(kernel.start[i, 0]),
-        start_y=float(kernel.start[i, 1]),
-        start_heading=float(kernel.start[i, 2]),
-        rounds_by_state=tuple(kernel.rounds_by_state[i].tolist()),
-        wrong_by_state=tuple(kernel.wrong_by_state[i].tolist()),
-        orient_without_food=int(kernel.orient_without_food[i]),
-        ties=int(kernel.ties[i]),
-        conflicts=int(kernel.conflicts[i]),
-        experience_size=0,
-    )
 
 
 def test_a_recall_does_not_depend_on_the_other_recalls(experience: Any) -> None:

@@ -14,35 +14,12 @@ from khepera_forage.rollouts.compiled import training
 from khepera_forage.rollouts.compiled.training import HEARD, train_learners
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError, train
-from khepera_forage.task.states import Behaviour, FoodType
-from tests.version_0_1 import CORRIDOR, V0_1
+from khepera_forage.task.states import Behaviour
+from tests.version_0_1 import V0_1
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 ROUGH = Noise(placement_error=15.0, placement_heading_error=20.0, wheel_bias=0.1, wheel_slip=0.2)
 """Robots so bad that learners often get separated."""
-
-
-def test_corresponding_food_has_one_type_and_poison_is_always_avoided() -> None:
-    """What is heard follows the teacher's food, and what is perceived the learner's own."""
-    trained = train_learners(600, food_types=MIXED, decisions=V0_1)
-    shown = {
-        FoodType.PICKABLE: Behaviour.PICK_UP_FOOD,
-        FoodType.PUSHABLE: Behaviour.PUSH_FOOD,
-        FoodType.POISONOUS: Behaviour.AVOID_FOOD,
-    }
-    types: list[FoodType] = []
-    both = 0
-    for learner in range(600):
-        rows = trained.vectors_of(learner)
-        perceived = {FoodType(t) for t in rows[:, 2].tolist()} - {FoodType.UNKNOWN}
-        heard = {t for t, behaviour in shown.items() if behaviour in rows[:, HEARD]}
-        # A robot with nothing in its gripper when the other identifies the food may never show, or perceive, its type.
-        assert len(heard | perceived) <= 1
-        types += heard | perceived
-        both += bool(heard and perceived)
-    assert both > 350
-    assert len(types) > 590
-    assert stats.chisquare(np.bincount(types)[1:]).pvalue > 1e-3
 
 
 def test_a_learner_does_not_depend_on_the_number_of_learners(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -97,27 +74,6 @@ def test_training_that_is_never_complete_raises_the_same_error_as_on_pymunk() ->
     with pytest.raises(IncompleteTrainingError) as single:
         train(TrainingEnv(max_cycles=9), np.random.SeedSequence(0), attempts=3)
     assert str(compiled.value) == str(single.value)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"n": 0}, "n is 0"),
-        ({"episodes": 0}, "episodes is 0"),
-        ({"seed": -1}, "seed is -1"),
-        ({"patience": 0}, "patience is 0"),
-        ({"max_cycles": 1.5}, "max_cycles is 1.5"),
-        ({"arena": "moon"}, "arena is 'moon'"),
-        ({"arena": CORRIDOR.shifted(3000.0, 0.0)}, "what the camera sees"),
-        ({"options": {"foods": [(90.0, 115.0)]}, "decisions": V0_1}, "overlaps"),
-        ({"options": {"place": 1}}, "reset option 'place'"),
-        ({"noise": Noise(placement_error=1e6)}, "too near a wall for a placement error"),
-        ({"decisions": 17}, "decisions is 17"),
-    ],
-)
-def test_bad_arguments_are_quoted(arguments: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        train_learners(**{"n": 1, **arguments})
 
 
 @pytest.mark.parametrize(("learner", "episode", "name"), [(1, None, "learner"), (0, 2, "episode")])

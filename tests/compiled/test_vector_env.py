@@ -1,5 +1,6 @@
-"""`gym.make_vec` on compiled worlds: spaces, seeds, resets and errors."""
+"""`gym.make_vec` on compiled worlds: the episodes of single environments, wrappers, pictures and masks."""
 
+from functools import partial
 from typing import Any
 
 import gymnasium as gym
@@ -7,111 +8,106 @@ import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode
+from gymnasium.wrappers.vector import RecordEpisodeStatistics
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv, WheelsVectorEnv
+from khepera_forage import Decisions
 from khepera_forage.noise import Noise
+from khepera_forage.wrappers import HoldAction, HoldVectorAction
+from tests.arenas import POOL
 
-NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
+MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
+SLOW = Decisions(round_duration=0.2, arm_travel_time=0.4, jaw_travel_time=2.0)
+IN_POOL: dict[str, Any] = {"arena": POOL, "limit": 120, "food_types": MIXED, "foods": 2}
 
 
-def _make(name: Any = "Corridor", num_envs: Any = 5, **kwargs: Any) -> Any:
+def make(name: str = "Corridor", num_envs: int = 5, **kwargs: Any) -> Any:
     return gym.make_vec(f"khepera_forage/{name}-v1", num_envs=num_envs, **kwargs)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_spaces_types_and_infos_are_those_of_synchronous_environments(name: Any) -> None:
-    compiled, plain = _make(name), _make(name, vectorization_mode="sync")
-    assert isinstance(compiled, BehavioursVectorEnv | WheelsVectorEnv)
-    assert compiled.observation_space == plain.observation_space
-    assert compiled.action_space == plain.action_space
-    compiled.action_space.seed(0)
-    (obs, infos), (_, plain_infos) = compiled.reset(seed=1), plain.reset(seed=1)
-    assert obs in compiled.observation_space
-    for _ in range(4):
-        actions = compiled.action_space.sample()
-        obs, rewards, terminated, truncated, infos = compiled.step(actions)
-        _, plain_rewards, plain_terminated, _, plain_infos = plain.step(actions)
-        assert obs in compiled.observation_space
-        assert rewards.dtype == plain_rewards.dtype
-        assert terminated.dtype == truncated.dtype == plain_terminated.dtype
-        assert set(infos) == set(plain_infos)
-        for key in infos:
-            assert infos[key].shape == plain_infos[key].shape, key
-            assert infos[key].dtype.kind == plain_infos[key].dtype.kind, key
-    assert compiled.metadata["autoreset_mode"] == AutoresetMode.NEXT_STEP
-    plain.close()
-    compiled.close()
+@pytest.mark.parametrize(
+    ("name", "kwargs"),
+    [
+        ("Corridor", {"limit": 20, "max_episode_steps": 7}),
+        ("Rectangle", {"limit": 60, "decisions": SLOW}),
+        ("Corridor", IN_POOL),
+        ("CorridorWheels", IN_POOL),
+    ],
+    ids=("two limits", "limit", "pool", "wheels in pool"),
+)
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_worlds_have_the_episodes_of_single_environments_bit_for_bit(
+    mode: AutoresetMode, name: str, kwargs: dict[str, Any]
+) -> None:
+    """World i of a reset with seed S is the environment with seed S + i, in the same arena and in every episode."""
+    worlds = make(name, autoreset_mode=mode, **kwargs)
+    modes: dict[str, Any] = {"vectorization_mode": "sync", "vector_kwargs": {"autoreset_mode": mode}}
+    singles = make(name, backend="compiled", **modes, **kwargs)
+    both = worlds, singles
+    assert worlds.observation_space == singles.observation_space
+    assert worlds.action_space == singles.action_space
+    assert worlds.metadata["autoreset_mode"] == mode
+    worlds.action_space.seed(0)
+    ends, arenas = np.zeros(5), set()
+    shown = [env.reset(seed=3) for env in both]
+    for _ in range(250):
+        assert_same(*shown)
+        assert shown[0][0] in worlds.observation_space
+        arenas |= set(worlds.get_attr("arena"))
+        assert worlds.get_attr("arena") == singles.get_attr("arena")
+        infos = shown[0][-1]
+        actions = infos["correct_behaviour"] if name != "CorridorWheels" else worlds.action_space.sample()
+        shown = [env.step(actions) for env in both]
+        over = shown[0][2] | shown[0][3]
+        ends += over
+        if mode == AutoresetMode.DISABLED and over.any():
+            assert_same(*shown)
+            with pytest.raises(ResetNeeded, match="has ended"):
+                worlds.step(actions)
+            shown = [env.reset(options={"reset_mask": over}) for env in both]
+    assert ends.min() >= 1
+    assert name == "Rectangle" or len(arenas) == len(kwargs.get("arena", ["corridor"]))
+    assert_same(*(env.reset(seed=[None, 40, None, None, 2**70]) for env in both))
 
 
-def _roll(env: Any, steps: Any, seed: Any = 3) -> Any:
-    _, infos = env.reset(seed=seed)
-    out = []
-    for _ in range(steps):
-        obs, rewards, terminated, truncated, infos = env.step(infos["correct_behaviour"])
-        out.append((obs, rewards, terminated, truncated, infos))
-    return out
+def assert_same(one: Any, other: Any) -> None:
+    """Observations, rewards, ends, and the infos that are of every world, with the same types."""
+    np.testing.assert_equal(one[:-1], other[:-1])
+    mine, theirs = one[-1], other[-1]
+    assert set(mine) == set(theirs)
+    if "final_info" in mine:
+        over = mine["_final_info"]
+        for name, values in mine["final_info"].items():
+            np.testing.assert_array_equal(values[over], theirs["final_info"][name][over], name)
+        for i in np.flatnonzero(over):
+            np.testing.assert_equal(mine["final_obs"][i], theirs["final_obs"][i])
+    for name in mine:
+        if not name.startswith(("final", "_")):
+            known = theirs.get(f"_{name}", np.ones(5, np.bool_))
+            np.testing.assert_array_equal(mine[name][known], theirs[name][known], name)
+            assert (mine[name].shape, mine[name].dtype.kind) == (theirs[name].shape, theirs[name].dtype.kind)
 
 
 def test_rollouts_repeat_bit_for_bit_in_fresh_arrays_for_any_number_of_worlds() -> None:
-    one, two, three = (
-        _roll(_make(num_envs=6), 150),
-        _roll(_make(num_envs=6), 150),
-        _roll(_make(num_envs=200), 150),
-    )
+    def rollout(num_envs: int) -> list[Any]:
+        env = make(num_envs=num_envs)
+        shown = [env.reset(seed=3)]
+        for _ in range(150):
+            shown.append(env.step(shown[-1][-1]["correct_behaviour"]))
+        return shown[1:]
+
+    one, two, three = rollout(6), rollout(6), rollout(200)
     for a, b, c in zip(one, two, three, strict=True):
-        for key in a[0]:
-            assert np.array_equal(a[0][key], b[0][key])
-            assert np.array_equal(a[0][key], c[0][key][:6])
-        for part in (1, 2, 3):
-            assert np.array_equal(a[part], c[part][:6])
+        np.testing.assert_equal(a[:4], b[:4])
+        np.testing.assert_equal(a[0], {key: values[:6] for key, values in c[0].items()})
+        np.testing.assert_equal(a[1:4], [part[:6] for part in c[1:4]])
     assert not np.shares_memory(one[0][0]["robot_home_distance"], one[1][0]["robot_home_distance"])
     assert any(a[2].any() for a in one)
 
 
-def test_disabled_autoreset_waits_for_a_reset_mask() -> None:
-    env = _make(num_envs=8, autoreset_mode="Disabled")
-    _, infos = env.reset(seed=0)
-    over = np.zeros(8, np.bool_)
-    while not over.any():
-        obs, _, terminated, truncated, infos = env.step(infos["correct_behaviour"])
-        over = terminated | truncated
-    with pytest.raises(ResetNeeded, match="has ended"):
-        env.step(infos["correct_behaviour"])
-    again, fresh = env.reset(options={"reset_mask": over})
-    assert np.array_equal(fresh["_steps"], over)
-    for key in obs:
-        assert np.array_equal(obs[key][~over], again[key][~over])
-    env.step(np.zeros(8, np.int64))
-
-
-def test_bad_input_is_quoted() -> None:
-    env = _make()
-    with pytest.raises(ResetNeeded):
-        env.step(np.zeros(5, np.int64))
-    with pytest.raises(ResetNeeded, match="reset_mask"):
-        env.reset(options={"reset_mask": np.ones(5, np.bool_)})
-    env.reset(seed=0)
-    for actions in (np.zeros(4, np.int64), np.full(5, 10), np.zeros(5)):
-        with pytest.raises(ValueError, match="allowed: 5 whole numbers from 0 to 9"):
-            env.step(actions)
-    with pytest.raises(ValueError, match="reset_mask is"):
-        env.reset(options={"reset_mask": np.zeros(5, np.bool_)})
-    with pytest.raises(ValueError, match="reset option 'sart' is unknown"):
-        env.reset(options={"sart": 1})
-    with pytest.raises(ValueError, match="4 seeds for 5 worlds"):
-        env.reset(seed=[1, 2, 3, 4])
-    with pytest.raises(ValueError, match="render_mode is 'human'"):
-        BehavioursVectorEnv(2, render_mode="human")
-    wheels = _make("CorridorWheels", 2)
-    wheels.reset(seed=0)
-    with pytest.raises(ValueError, match=r"allowed: numbers in -1\.\.1"):
-        wheels.step(np.full((2, 4), 1.5))
-
-
 def test_pictures_of_worlds_are_those_of_single_environments() -> None:
     kwargs: Any = {"noise": Noise.none(), "render_mode": "rgb_array"}
-    worlds = _make("Rectangle", 3, **kwargs)
+    worlds = make("Rectangle", 3, **kwargs)
     with pytest.raises(ResetNeeded):
         worlds.render()
     _, infos = worlds.reset(seed=4)
@@ -122,69 +118,25 @@ def test_pictures_of_worlds_are_those_of_single_environments() -> None:
         infos = worlds.step(infos["correct_behaviour"])[4]
     frames = worlds.render()
     assert isinstance(frames, tuple), "what Gymnasium's RecordVideo needs"
-    assert len(frames) == 3
-    assert len({frame.tobytes() for frame in frames}) == 3
-
-
-@pytest.mark.parametrize("limits", [{"limit": 20, "max_episode_steps": 7}, {"limit": 60}])
-@pytest.mark.parametrize("mode", list(AutoresetMode))
-def test_episodes_end_and_begin_as_in_synchronous_environments(
-    mode: AutoresetMode, limits: dict[str, int]
-) -> None:
-    compiled = _make(autoreset_mode=mode, **limits)
-    modes: dict[str, Any] = {"vectorization_mode": "sync", "vector_kwargs": {"autoreset_mode": mode}}
-    plain = _make(backend="compiled", **modes, **limits)
-    actions = compiled.reset(seed=3)[1]["correct_behaviour"]
-    plain.reset(seed=3)
-    ends = np.zeros(5)
-    for _ in range(120):
-        one, other = (env.step(actions) for env in (compiled, plain))
-        for mine, theirs in zip(one[:4], other[:4], strict=True):
-            np.testing.assert_equal(mine, theirs)
-        over, actions = one[2] | one[3], one[4]["correct_behaviour"]
-        ends += over
-        np.testing.assert_array_equal(one[4]["steps"], other[4]["steps"])
-        if mode == AutoresetMode.SAME_STEP and over.any():
-            np.testing.assert_array_equal(one[4]["_final_info"], over)
-            for name, values in one[4]["final_info"].items():
-                np.testing.assert_array_equal(values[over], other[4]["final_info"][name][over])
-            for i in np.flatnonzero(over):
-                np.testing.assert_equal(one[4]["final_obs"][i], other[4]["final_obs"][i])
-        if mode == AutoresetMode.DISABLED and over.any():
-            fresh = [env.reset(options={"reset_mask": over}) for env in (compiled, plain)]
-            np.testing.assert_equal(fresh[0][0], fresh[1][0])
-            actions = np.where(over, fresh[0][1]["correct_behaviour"], actions)
-    assert ends.min() >= 1
-
-
-def test_wrong_number_of_steps_is_quoted() -> None:
-    with pytest.raises(ValueError, match="max_episode_steps is 0; allowed: a whole number of at least 1"):
-        _make(max_episode_steps=0)
+    assert len({frame.tobytes() for frame in frames}) == len(frames) == 3
 
 
 def test_batch_tells_what_it_knows_of_each_world() -> None:
-    compiled = _make(arena=["corridor", "doors"], foods=2)
-    plain = _make(arena=["corridor", "doors"], foods=2, vectorization_mode="sync", backend="compiled")
+    compiled = make(arena=["corridor", "doors"], foods=2)
+    plain = make(arena=["corridor", "doors"], foods=2, vectorization_mode="sync", backend="compiled")
     for env in (compiled, plain):
         env.reset(seed=3)
-    for name in (
-        "arena",
-        "home_radius",
-        "diagonal",
-        "foods",
-        "limit",
-        "decisions",
-        "largest_diagonal",
-        "backend",
-    ):
+    names = "arena home_radius diagonal foods limit decisions largest_diagonal backend"
+    for name in names.split():
         assert compiled.get_attr(name) == compiled.call(name) == plain.get_attr(name), name
     with pytest.raises(AttributeError, match="compiled worlds have no 'forager'; allowed: arena, "):
         compiled.get_attr("forager")
+    assert 0 < make(num_envs=64).unwrapped.batch.bytes_per_world <= 2048
 
 
 def test_masks_hold_what_applies_and_always_what_the_teacher_does() -> None:
-    compiled = _make(num_envs=64, food_types={"PICKABLE": 1, "PUSHABLE": 1, "POISONOUS": 1})
-    plain = _make(num_envs=1, vectorization_mode="sync", backend="compiled")
+    compiled = make(num_envs=64, food_types=MIXED)
+    plain = make(num_envs=1, vectorization_mode="sync", backend="compiled")
     (_, infos), _ = compiled.reset(seed=3), plain.reset(seed=3)
     seen = set()
     for _ in range(300):
@@ -199,5 +151,29 @@ def test_masks_hold_what_applies_and_always_what_the_teacher_does() -> None:
     assert np.flatnonzero(plain.call("action_masks")[0]).tolist() == [0, 1, 2, 8]
 
 
-def test_a_world_takes_at_most_2_kb() -> None:
-    assert 0 < _make(num_envs=64).unwrapped.batch.bytes_per_world <= 2048
+# ---------------------------------------------------------------- wrappers
+
+in_same_step = partial(make, num_envs=4, limit=40, autoreset_mode="SameStep")
+
+
+def test_vector_wrappers_are_applied_from_the_innermost_and_again_from_the_spec() -> None:
+    env = in_same_step(vector_wrappers=[partial(HoldVectorAction, rounds=3), RecordEpisodeStatistics])
+    plain = HoldVectorAction(in_same_step(), rounds=3)
+    env.reset(seed=3)
+    plain.reset(seed=3)
+    for _ in range(14):
+        *shown, info = env.step(np.zeros(4, np.int64))
+        *expected, _ = plain.step(np.zeros(4, np.int64))
+        np.testing.assert_equal(shown, expected)
+    assert shown[3].all()
+    assert info["episode"]["l"].tolist() == [14] * 4
+    again = gym.make_vec(in_same_step(vector_wrappers=[HoldVectorAction]).unwrapped.spec)
+    assert isinstance(again, HoldVectorAction)
+    assert again.num_envs == 4
+
+
+def test_wrong_vector_wrapper_is_named() -> None:
+    with pytest.raises(ValueError, match=r"allowed: a single environment \(HoldVectorAction is for many\)"):
+        in_same_step(vector_wrappers=[HoldAction])
+    with pytest.raises(ValueError, match=r"vector_wrappers has <.*>, which returns None; allowed: functions"):
+        in_same_step(vector_wrappers=[lambda env: None])

@@ -1,34 +1,32 @@
 """The contracts, for worlds of both backends and for policies."""
 
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pytest
 
-from khepera_forage.noise import Noise
+from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher, UniformPolicy
-from khepera_forage.sim.arena import Point, Pose
-from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import Layout
+from tests.arenas import POOL
 from tests.contracts.suites import CameraContract, PolicyContract, RobotContract, SimulationContract, Stage
-from tests.version_0_1 import RECTANGLE, TIMING
+from tests.version_0_1 import RECTANGLE, V0_1
 
 
-@pytest.fixture(params=["none", "laboratory"])
-def noise(request: pytest.FixtureRequest) -> Noise:
-    return Noise.none() if request.param == "none" else Noise.laboratory()
-
-
-@pytest.fixture(params=["pymunk", "compiled"])
-def stage(request: pytest.FixtureRequest, noise: Noise) -> Stage:
-    kind: Any = PymunkWorld
-    if request.param == "compiled":
+@pytest.fixture(params=product(["pymunk", "compiled"], [True, False]), ids=str)
+def stage(request: pytest.FixtureRequest) -> Stage:
+    """A world that was made for this episode, with noise, or one without that has been in another arena before."""
+    backend, moved = request.param
+    if backend == "compiled":
         pytest.importorskip("numba")
-        from khepera_forage.sim.compiled.world import CompiledWorld as kind  # noqa: N813
-    world = kind([RECTANGLE], (2,), noise, timing=TIMING)
-    layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))
-    world.reset(np.random.default_rng(3), layout)
-    return Stage(world, layout)
+    arena = POOL if moved else RECTANGLE
+    noise = "none" if moved else "laboratory"
+    env: Any = BehavioursEnv(arena=arena, foods=1, noise=noise, backend=backend, decisions=V0_1)
+    for seed in (1, 0):  # episodes in the third and the second arena of the pool
+        env.reset(seed=seed, options={"start": (200, 300, 29), "foods": [(500, 150)]})
+    assert env.world.arenas[0] == (POOL[1] if moved else RECTANGLE)
+    env.world.reset(np.random.default_rng(3), env.layout)
+    return Stage(env.world, env.layout)
 
 
 class TestSimulatedKhepera(RobotContract):

@@ -1,6 +1,8 @@
 """Every mistake raises one clear error that quotes the value and what is allowed."""
 
 import math
+from collections.abc import Callable
+from dataclasses import asdict
 from functools import partial
 from typing import Any
 
@@ -9,65 +11,113 @@ import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
 
-import khepera_forage  # noqa: F401  (registers the environments)
+from khepera_forage import Decisions, Noise
+from khepera_forage.envs import paired_arenas_v1, paired_corridors_v1, paired_procedural_v1
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv
-from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.envs.wheels_env import WheelsEnv
+from khepera_forage.rollouts.compiled.recalls import run_teacher
+from khepera_forage.rollouts.compiled.training import train_learners
+from tests.arenas import BLOCKS, HALL
+from tests.version_0_1 import CORRIDOR, V0_1
 
 pytest.importorskip("numba")
-BACKENDS = ("pymunk", "compiled")
-on_both_backends = pytest.mark.parametrize("backend", BACKENDS)
+
+on_both_backends = pytest.mark.parametrize("backend", ["pymunk", "compiled"])
+PROCEDURAL = "khepera_forage/Procedural-v1"
 
 
-@pytest.mark.parametrize(
-    ("kwargs", "quoted", "allowed"),
-    [
-        ({"food_types": "CHEESE"}, "'CHEESE'", "PICKABLE, PUSHABLE, POISONOUS"),
-        ({"food_types": {"PICKABLE": -1}}, "-1.0", "a number >= 0"),
-        ({"food_types": {"PICKABLE": math.nan}}, "nan", "a number >= 0"),
-        ({"food_types": {"PICKABLE": 0}}, "{'PICKABLE': 0}", "at least one above 0"),
-        ({"foods": 0}, "0", "a whole number from 1 to 16"),
-        ({"foods": 17}, "17", "a whole number from 1 to 16"),
-        ({"foods": 1.5}, "1.5", "a whole number"),
-        ({"limit": -3}, "-3", "at least 1"),
-        ({"arena": "circle"}, "'circle'", "'corridor', 'rectangle'"),
-        ({"render_mode": "ansi"}, "'ansi'", "rgb_array"),
-    ],
-)
-def test_wrong_arguments_are_refused(kwargs: dict[str, Any], quoted: str, allowed: str) -> None:
-    for backend in BACKENDS:
-        with pytest.raises(ValueError, match="allowed") as error:
-            BehavioursEnv(backend=backend, **kwargs)
-        assert quoted in str(error.value)
-        assert allowed in str(error.value)
+def make(name: str = "Corridor", **kwargs: Any) -> Any:
+    return gym.make(f"khepera_forage/{name}-v1", disable_env_checker=True, **kwargs)
 
 
-@pytest.mark.parametrize(
-    ("kwargs", "quoted"),
-    [
-        ({"num_learners": 0}, "0"),
-        ({"max_cycles": 0}, "0"),
-        ({"patience": -1}, "-1"),
-        ({"num_learners": 99}, "camera"),
-    ],
-)
-def test_wrong_training_arguments_are_refused(kwargs: dict[str, Any], quoted: str) -> None:
-    with pytest.raises(ValueError, match="allowed") as error:
-        TrainingEnv(**kwargs)
-    assert quoted in str(error.value)
+def make_vec(name: str = "Corridor", **kwargs: Any) -> Any:
+    return gym.make_vec(f"khepera_forage/{name}-v1", **({"num_envs": 2} | kwargs))
+
+
+MAKERS: dict[str, Callable[..., Any]] = {
+    "pymunk": make,
+    "compiled": partial(make, backend="compiled"),
+    "vector": make_vec,
+    "kernel": partial(run_teacher, episodes=1),
+    "training": paired_corridors_v1.env,
+    "class": BehavioursEnv,
+    "arenas": paired_arenas_v1.env,
+    "learners": partial(train_learners, n=1),
+    "procedural": partial(gym.make, PROCEDURAL),
+    "paired procedural": paired_procedural_v1.env,
+}
+ENVS = ("pymunk", "compiled", "vector")
+RECALLS = (*ENVS, "kernel")
+ALL = (*RECALLS, "training", "learners")
+BACKENDS = "allowed: 'pymunk', 'compiled'"
+WHOLE, LEAST_1 = "a whole number", "allowed: a whole number of at least 1"
+ARENAS = "allowed: an Arena, or one of 'corridor', 'rectangle', 't_maze'"
+FOODS = "allowed: a whole number from 1 to 16"
+WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
+    (ALL, {"food_types": "CHEESE"}, "'CHEESE'.*allowed.*PICKABLE, PUSHABLE, POISONOUS"),
+    (ALL, {"food_types": {"PICKABLE": -1}}, r"-1\.0.*allowed: a number >= 0"),
+    (ALL, {"food_types": {"PICKABLE": math.nan}}, "nan.*allowed: a number >= 0"),
+    (ALL, {"food_types": {"PICKABLE": 0}}, "{'PICKABLE': 0}.*allowed.*at least one above 0"),
+    (ALL, {"arena": "circle"}, f"arena is 'circle'; {ARENAS}"),
+    (ALL, {"arena": 7}, "arena is 7; allowed: an Arena"),
+    ((*RECALLS, "training"), {"arena": ()}, "at least one arena"),
+    (RECALLS, {"arena": (HALL, "nowhere")}, "arena 1 of a sequence is 'nowhere'; allowed: an Arena, or one of 'corr"),
+    (RECALLS, {"arena": ["corridor", 3]}, "arena 1 of a sequence is 3; allowed: an Arena, or one of 'corridor'"),
+    (("pymunk",), {"arena": {**asdict(BLOCKS), "foods": []}}, "foods has 0 places"),
+    (("pymunk",), {"arena": {"name": "blocks"}}, r"arena is \{'name': 'blocks'\}; allowed: an Arena"),
+    (("learners",), {"arena": CORRIDOR.shifted(3000.0, 0.0)}, "what the camera sees"),
+    *((ALL, {"decisions": wrong}, r"allowed: a khepera_forage\.Decisions, or None") for wrong in (
+        17, "next_to_food=17", {"next_to_food": 17}, asdict(V0_1) | {"next_to_foot": 17}, Noise.none(), Decisions)),
+    (RECALLS, {"foods": 0}, f"foods is 0; {FOODS}"),
+    (RECALLS, {"foods": 17}, f"foods is 17; {FOODS}"),
+    (RECALLS, {"foods": 1.5}, f"foods is 1.5; {FOODS}"),
+    (("kernel",), {"foods": 16}, "no room for a robot and 16 food objects"),
+    (RECALLS, {"limit": -3}, f"limit is -3; {LEAST_1}"),
+    (("class",), {"render_mode": "ansi"}, "'ansi'; allowed: .*rgb_array"),
+    (("vector",), {"render_mode": "human"}, "render_mode is 'human'"),
+    (ENVS, {"robot": "nao"}, "robot is 'nao'; allowed: 'khepera', 'e-puck2', 'toio'"),
+    (ENVS, {"robot": "toio", "food_types": {"PICKABLE": 0.1, "PUSHABLE": 0.9}},
+     "PICKABLE.*allowed for robots without a gripper: PUSHABLE and POISONOUS"),
+    *((ENVS, {"backend": wrong}, BACKENDS) for wrong in ("batch", "Compiled", "", None, 1, ["compiled"])),
+    (("vector",), {"backend": "pymunk"},
+     "backend is 'pymunk'; allowed here: 'compiled' .*vectorization_mode='sync' or 'async'"),
+    *((("vector",), {"num_envs": wrong}, f"num_envs is {wrong}; {LEAST_1}") for wrong in (0, -1, 1.5)),
+    (("vector",), {"max_episode_steps": 0}, f"max_episode_steps is 0; {LEAST_1}"),
+    (("kernel", "learners"), {"episodes": 0}, "episodes is 0"),
+    (("learners",), {"n": 0}, "n is 0"),
+    (("learners",), {"seed": -1}, "seed is -1"),
+    (("training",), {"num_learners": 0}, "num_learners is 0; allowed"),
+    (("training",), {"num_learners": 99}, "allowed.*camera|camera.*allowed"),
+    (("training", "learners"), {"max_cycles": 0}, "max_cycles is 0; allowed"),
+    (("training", "learners"), {"max_cycles": 1.5}, "max_cycles is 1.5"),
+    (("training", "learners"), {"patience": -1}, "patience is -1; allowed"),
+    (("arenas",), {"arena": ["t_maze", "doors"]}, "max_cycles is None; allowed with several arenas: a whole number"),
+    (("learners",), {"options": {"foods": [(90.0, 115.0)]}, "decisions": V0_1}, "overlaps"),
+    (("learners",), {"options": {"place": 1}}, "reset option 'place'"),
+    (("learners",), {"noise": Noise(placement_error=1e6)}, "too near a wall for a placement error"),
+    (("procedural", "paired procedural"), {"split": "dev"}, "split is 'dev'; allowed: 'train', 'test'"),
+    (("procedural",), {"arena": "corridor"}, "arena is 'corridor'; allowed here: none"),
+    (("procedural",), {"foods": 3}, "foods is 3; allowed here: none"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("makers", "kwargs", "message"), WRONG, ids=lambda value: str(value)[:60])
+def test_wrong_arguments_are_refused(makers: tuple[str, ...], kwargs: dict[str, Any], message: str) -> None:
+    for maker in makers:
+        with pytest.raises(ValueError, match=message) as error:
+            MAKERS[maker](**kwargs)
+        if kwargs.keys() <= {"decisions", "backend"}:
+            assert repr(*kwargs.values()) in str(error.value)
 
 
 @pytest.mark.parametrize("action", [10, -1, 2.5, math.nan, None, "3", True, np.array([1, 2])])
 @on_both_backends
 def test_wrong_behaviour_actions_are_refused(backend: str, action: Any) -> None:
-    env = gym.make("khepera_forage/Corridor-v1", disable_env_checker=True, backend=backend)
+    env = make(backend=backend)
     env.reset(seed=0)
     with pytest.raises(ValueError, match="allowed: a whole number from 0 to 9") as error:
         env.step(action)
     assert repr(action) in str(error.value)
-    _, _, _, _, info = env.step(3)
-    assert info["steps"] == 1, "a refused action is no step"
+    assert env.step(3)[4]["steps"] == 1, "a refused action is no step"
 
 
 @pytest.mark.parametrize(
@@ -75,47 +125,55 @@ def test_wrong_behaviour_actions_are_refused(backend: str, action: Any) -> None:
 )
 @on_both_backends
 def test_wrong_wheel_actions_are_refused(backend: str, action: Any) -> None:
-    env = WheelsEnv(backend=backend)
+    env = make("CorridorWheels", backend=backend)
     env.reset(seed=0)
     with pytest.raises(ValueError, match=r"allowed: four numbers in -1\.\.1"):
         env.step(action)
 
 
-@pytest.mark.parametrize("action", [11, -1, None, 0.5])
-def test_wrong_training_actions_are_refused(action: Any) -> None:
-    env = TrainingEnv()
+def test_wrong_actions_and_seeds_of_many_worlds_are_refused() -> None:
+    env, wheels = make_vec(num_envs=5), make_vec("CorridorWheels")
+    with pytest.raises(ResetNeeded):
+        env.step(np.zeros(5, np.int64))
+    with pytest.raises(ResetNeeded, match="reset_mask"):
+        env.reset(options={"reset_mask": np.ones(5, np.bool_)})
     env.reset(seed=0)
-    with pytest.raises(ValueError, match=r"action of teacher_0 is .*allowed: a whole number from 0 to 10"):
-        env.step(action)
+    wheels.reset(seed=0)
+    for actions in (np.zeros(4, np.int64), np.full(5, 10), np.zeros(5)):
+        with pytest.raises(ValueError, match="allowed: 5 whole numbers from 0 to 9"):
+            env.step(actions)
+    with pytest.raises(ValueError, match=r"allowed: numbers in -1\.\.1"):
+        wheels.step(np.full((2, 4), 1.5))
+    with pytest.raises(ValueError, match="reset_mask is"):
+        env.reset(options={"reset_mask": np.zeros(5, np.bool_)})
+    with pytest.raises(ValueError, match="4 seeds for 5 worlds"):
+        env.reset(seed=[1, 2, 3, 4])
 
 
 @on_both_backends
 def test_step_before_reset_and_after_the_end_is_refused(backend: str) -> None:
-    env = BehavioursEnv(limit=2, backend=backend)
+    env = make(limit=2, backend=backend).unwrapped
     with pytest.raises(ResetNeeded, match="not reset"):
         env.step(0)
-    with pytest.raises(ResetNeeded, match="not reset"):
-        TrainingEnv().step(0)
     env.reset(seed=0)
     env.step(0)
-    _, _, _, truncated, _ = env.step(0)
-    assert truncated
+    assert env.step(0)[3]
     with pytest.raises(ResetNeeded, match="ended after 2 steps"):
         env.step(0)
 
 
-def test_training_step_after_the_end_is_refused() -> None:
-    env = TrainingEnv(max_cycles=1)
+def test_training_step_before_reset_and_after_the_end_is_refused() -> None:
+    env = paired_corridors_v1.raw_env(max_cycles=1)
+    with pytest.raises(ResetNeeded, match="not reset"):
+        env.step(0)
     env.reset(seed=0)
-    env.step(10)
-    env.step(10)
-    for _ in range(2):
-        env.step(None)
+    for action in (10, 10, None, None):
+        env.step(action)
     with pytest.raises(ResetNeeded, match="ended after 1 rounds"):
         env.step(0)
 
 
-@pytest.mark.parametrize("mode", ["pymunk", "compiled", "vector"])
+@pytest.mark.parametrize("maker", ENVS)
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -133,16 +191,15 @@ def test_training_step_after_the_end_is_refused() -> None:
         ({"food": [(300, 300)]}, "reset option 'food' is unknown; allowed: 'start', 'foods'"),
     ],
 )
-def test_wrong_reset_options_are_refused(mode: str, options: Any, message: str) -> None:
-    name = "khepera_forage/Rectangle-v1"
-    env: Any = gym.make_vec(name, num_envs=2) if mode == "vector" else gym.make(name, backend=mode)
+def test_wrong_reset_options_are_refused(maker: str, options: Any, message: str) -> None:
+    env = MAKERS[maker]("Rectangle")
     env.reset(seed=1)
     with pytest.raises(ValueError, match=message):
         env.reset(options=options)
     env.step(env.action_space.sample())
 
 
-@pytest.mark.parametrize("make", [BehavioursEnv, partial(BehavioursVectorEnv, 2)])
-def test_arena_without_room_is_refused(make: Any) -> None:
+@pytest.mark.parametrize("maker", ENVS)
+def test_arena_without_room_is_refused(maker: str) -> None:
     with pytest.raises(ValueError, match=r"no room for a robot and 16 food objects"):
-        make(foods=16).reset(seed=0)
+        MAKERS[maker](foods=16).reset(seed=0)

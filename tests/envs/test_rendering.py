@@ -10,7 +10,6 @@ import pytest
 from numpy.typing import NDArray
 
 from khepera_forage.envs.rendering import FoodView, RobotView, Screen, View
-from khepera_forage.envs.rendering.palette import FLOOR, FOOD, Colour
 from khepera_forage.envs.rendering.picture import MAX_HEIGHT, MAX_WIDTH, Layout, arrange
 from khepera_forage.sim.arena import Arena, Pose, copies
 from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
@@ -56,11 +55,6 @@ def patch(layout: Layout, frame: NDArray[np.uint8], x: float, y: float, reach: f
     """The square of pixels around a position in mm."""
     (left, top), (right, bottom) = layout.pixel(x - reach, y + reach), layout.pixel(x + reach, y - reach)
     return frame[top : bottom + 1, left : right + 1]
-
-
-def is_colour(pixel: NDArray[np.uint8], colour: Colour) -> bool:
-    """Whether the colours are equal except for rounding."""
-    return bool(np.all(np.abs(pixel.astype(int) - colour) <= 3))
 
 
 def test_equal_views_give_equal_new_pictures_in_any_order(screen: Screen) -> None:
@@ -109,16 +103,6 @@ def test_every_attribute_of_a_robot_is_visible(screen: Screen, change: dict[str,
     changed = draw(screen, VIEW._replace(robots=(LEARNER._replace(**change),)))  # type: ignore[arg-type]
     assert changed.shape == plain.shape
     assert not np.array_equal(changed, plain)
-
-
-@pytest.mark.parametrize("kind", list(FoodType))
-def test_food_is_drawn_in_the_colour_of_its_type(screen: Screen, kind: FoodType) -> None:
-    layout = arrange((CORRIDOR,), 1)
-    frame = draw(screen, VIEW._replace(foods=(FoodView(250.0, 180.0, kind),)))
-    column, row = layout.pixel(250.0 - 12.0, 180.0)  # beside the symbol in its middle
-    assert is_colour(frame[row, column], FOOD[kind])
-    column, row = layout.pixel(250.0 - 40.0, 180.0)
-    assert is_colour(frame[row, column], FLOOR)
 
 
 def test_food_types_differ_by_more_than_colour(screen: Screen) -> None:

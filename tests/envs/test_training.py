@@ -193,44 +193,7 @@ def test_experience_names_the_arena_of_its_attempt(tmp_path: Path) -> None:
     assert len(names) > 1
 
 
-def test_several_arenas_need_a_number_of_rounds() -> None:
-    env = paired_arenas_v1.raw_env(arena=["t_maze", "doors"], max_cycles=2500)
-    assert env.metadata["name"] == "paired_arenas_v1"
-    env.reset(seed=0)
-    assert env.view().title == f"Training in the {env.arenas[0].name.replace('_', ' ')}"
-    with pytest.raises(ValueError, match="max_cycles is None; allowed with several arenas: a whole number"):
-        paired_arenas_v1.raw_env(arena=["t_maze", "doors"])
-
-
 # ---------------------------------------------------------------- on both backends
-
-
-def _attempt(env: Any, seed: int) -> dict[str, Any]:
-    """One attempt in which everybody does what the teacher says; returns the infos of its end."""
-    env.reset(seed=seed)
-    said = 10
-    for agent in env.agent_iter():
-        observation, _, terminated, truncated, _ = env.last()
-        if terminated or truncated:
-            return dict(env.infos)
-        if agent == "teacher_0":
-            said = 10 if observation[6] else env.infos[agent]["correct_behaviour"]
-        env.step(said)
-    raise AssertionError("the attempt has no end")
-
-
-@pytest.mark.parametrize("learners", [1, 3])
-def test_attempts_are_complete_about_as_often_as_on_pymunk(learners: int) -> None:
-    complete = {}
-    for backend in ("pymunk", "compiled"):
-        env = paired_corridors_v1.env(backend=backend, num_learners=learners)
-        assert env.unwrapped.backend == backend
-        ends = [_attempt(env, seed) for seed in range(6)]
-        complete[backend] = sum(end["teacher_0"]["complete"] for end in ends)
-        if learners == 1:
-            delivered = sum(end["learner_0"]["delivered"] for end in ends)
-            assert delivered >= 4
-    assert abs(complete["pymunk"] - complete["compiled"]) <= 4
 
 
 def test_attempts_begin_alike_on_both_backends() -> None:

@@ -15,20 +15,22 @@ from khepera_forage.robots.khepera import (
     JAW_OPEN,
 )
 from khepera_forage.sim.arena import Point, Pose
-from tests.sim.worlds import apart, holding, make_world, narrow, run
+from tests.sim.worlds import Kind, apart, holding, make_world, narrow, of_both_kinds, run
 
 CENTRE = Pose(1000, 1000, 0)
 FAR = (100.0, 100.0)
 
 
-def test_arm_travels_in_one_second() -> None:
-    world = make_world(CENTRE, FAR)
+@of_both_kinds
+def test_arm_travels_in_one_second(kind: Kind) -> None:
+    world = make_world(CENTRE, FAR, kind=kind)
     assert [run(world, 1, arm=ARM_DOWN).arm for _ in range(11)] == [*range(219, 256, 4), 255]
     assert [run(world, 1, arm=ARM_RAISED).arm for _ in range(11)] == [*range(251, 214, -4), 215]
 
 
-def test_jaw_travels_in_six_tenths_of_a_second() -> None:
-    world = make_world(CENTRE, FAR)
+@of_both_kinds
+def test_jaw_travels_in_six_tenths_of_a_second(kind: Kind) -> None:
+    world = make_world(CENTRE, FAR, kind=kind)
     closing = [run(world, 1, jaw=JAW_CLOSED).jaw for _ in range(7)]
     assert closing == pytest.approx([200 - 33.3 * i for i in range(1, 7)] + [0], abs=1)
     opening = [run(world, 1, jaw=JAW_OPEN).jaw for _ in range(7)]
@@ -38,9 +40,10 @@ def test_jaw_travels_in_six_tenths_of_a_second() -> None:
 # ---------------------------------------------------------------- the arm and what is below it
 
 
+@of_both_kinds
 @pytest.mark.parametrize("below", [(57, 29), (57, -20), (70, 25), (45, 24)])
-def test_arm_stops_above_food(below: tuple[float, float]) -> None:
-    world = make_world(CENTRE, (1000 + below[0], 1000 + below[1]))
+def test_arm_stops_above_food(below: tuple[float, float], kind: Kind) -> None:
+    world = make_world(CENTRE, (1000 + below[0], 1000 + below[1]), kind=kind)
     food = world.food_places()[0]
     assert run(world, 20, arm=ARM_DOWN).arm == ARM_ON_FLOOR - 1
     assert apart(world.food_places()[0], food) < 0.01
@@ -49,10 +52,11 @@ def test_arm_stops_above_food(below: tuple[float, float]) -> None:
     assert apart(world.food_places()[0], food) < 0.01
 
 
+@of_both_kinds
 @pytest.mark.parametrize("beside", [(0, 36), (10, -35), (-8, 36), (-15, 34), (-15, -34)])
-def test_arm_with_food_stops_above_other_food(beside: tuple[float, float]) -> None:
+def test_arm_with_food_stops_above_other_food(beside: tuple[float, float], kind: Kind) -> None:
     """The fingers are 4 mm thick, and the palm is wider than the food."""
-    world = holding(CENTRE, (1500, 1500))
+    world = holding(CENTRE, (1500, 1500), kind=kind)
     world.place(0, Pose(1500 - 57 - beside[0], 1500 - beside[1], 0))
     run(world, 20, arm=ARM_DOWN, jaw=JAW_CLOSED)
     assert apart(world.food_places()[1], Point(1500, 1500)) < 0.01
@@ -61,8 +65,9 @@ def test_arm_with_food_stops_above_other_food(beside: tuple[float, float]) -> No
 # ---------------------------------------------------------------- gripping
 
 
-def test_jaw_that_closes_on_food_stops_and_holds_it() -> None:
-    world = make_world(CENTRE, (1057, 1000))
+@of_both_kinds
+def test_jaw_that_closes_on_food_stops_and_holds_it(kind: Kind) -> None:
+    world = make_world(CENTRE, (1057, 1000), kind=kind)
     assert run(world, 12, arm=ARM_DOWN).object_presence == 255
     senses = run(world, 8, arm=ARM_DOWN, jaw=JAW_CLOSED)
     assert senses.jaw == round(JAW_ON_FOOD)
@@ -91,8 +96,9 @@ def test_closing_fingers_centre_food_at_their_own_speed(aside: float) -> None:
     assert abs(heading) < 0.01  # the wheels hold better than the food
 
 
-def test_raised_arm_carries_food() -> None:
-    world = holding()
+@of_both_kinds
+def test_raised_arm_carries_food(kind: Kind) -> None:
+    world = holding(kind=kind)
     for left, right, rounds in [(10, 10, 10), (-5, 5, 12), (12, 8, 15), (-10, -10, 8)]:
         run(world, rounds, left, right, jaw=JAW_CLOSED)
         x, y, heading = world.poses()[0]
@@ -119,8 +125,9 @@ def test_opening_jaw_leaves_food_in_place(arm: int) -> None:
 # ---------------------------------------------------------------- lifted food and what is in its way
 
 
-def test_lifted_food_passes_above_other_food_and_is_not_set_down_on_it() -> None:
-    world = holding(CENTRE, (1150, 1000))
+@of_both_kinds
+def test_lifted_food_passes_above_other_food_and_is_not_set_down_on_it(kind: Kind) -> None:
+    world = holding(CENTRE, (1150, 1000), kind=kind)
     other = world.food_places()[1]
     while world.food_places()[0].x < other.x - 3:
         run(world, 1, 5, 5, jaw=JAW_CLOSED)
@@ -138,8 +145,9 @@ def test_lifted_food_passes_above_other_food_and_is_not_set_down_on_it() -> None
     assert apart(first, second) >= 2 * FOOD_RADIUS - 0.1
 
 
-def test_lifted_food_does_not_pass_through_a_wall() -> None:
-    world = holding(Pose(300, 100, 0.4), arena=narrow(650))
+@of_both_kinds
+def test_lifted_food_does_not_pass_through_a_wall(kind: Kind) -> None:
+    world = holding(Pose(300, 100, 0.4), arena=narrow(650), kind=kind)
     for _ in range(60):
         run(world, 1, 15, 15, jaw=JAW_CLOSED)
         food = world.food_places()[0]

@@ -11,20 +11,12 @@ from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.layouts import random_layout
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS, Motors
-from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.task.decisions import DEFAULT_VALUES
+from tests.sim.worlds import ELL, Kind, of_both_kinds
 from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
-WITH_BLOCK = Arena(
-    name="block",
-    walls=(Point(0, 0), Point(600, 0), Point(600, 300), Point(350, 300), Point(350, 600), Point(0, 600)),
-    home=Point(120.0, 480.0),
-    home_radius=100.0,
-    start=Pose(500.0, 150.0, 3.0),
-    foods=(Point(200.0, 120.0),),
-    obstacles=((Point(40, 40), Point(100, 60), Point(60, 110)),),
-)
 COMMANDS = st.tuples(
     st.integers(-20, 20) | st.sampled_from((-1e9, -20, 20, 1e9)),
     st.integers(-20, 20) | st.sampled_from((-1e9, -20, 20, 1e9)),
@@ -35,16 +27,17 @@ COMMANDS = st.tuples(
 TOUCH = 1.0
 
 
-@pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, WITH_BLOCK], ids=lambda a: a.name)
-@settings(max_examples=60, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate))
+@of_both_kinds
+@pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, ELL], ids=lambda a: a.name)
+@settings(max_examples=40, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate))
 @given(seed=st.integers(0, 10_000), commands=st.lists(COMMANDS, min_size=10, max_size=25))
-def test_bodies_stay_inside_the_walls_apart_and_move_at_most_at_their_speed(
-    arena: Arena, seed: int, commands: list[tuple[float, float, int, int, int]]
+def test_bodies_stay_inside_the_walls_apart_and_move_at_their_speed(
+    arena: Arena, kind: Kind, seed: int, commands: list[tuple[float, float, int, int, int]]
 ) -> None:
     layout = random_layout(
         arena, 1 + seed % 3 if arena is RECTANGLE else 1 + seed % 2, key_of(seed), DEFAULT_VALUES
     )
-    world = PymunkWorld([arena], (2,), Noise.laboratory(), timing=TIMING)
+    world = kind([arena], (2,), Noise.laboratory(), timing=TIMING)
     world.reset(np.random.default_rng(seed), layout)
     pose, places = layout.starts[0], list(layout.foods)
     for left, right, arm, jaw, rounds in commands:
@@ -58,13 +51,15 @@ def test_bodies_stay_inside_the_walls_apart_and_move_at_most_at_their_speed(
             assert arena.clearance(Point(x, y)) >= RADIUS - TOUCH
             for food in foods:
                 assert arena.clearance(Point(food.x, food.y)) >= FOOD_RADIUS - TOUCH
-            # Wheels at most 160 mm/s, with five standard deviations of slip and bias.
-            assert math.dist((x, y), pose[:2]) <= 21.0
-            assert abs(heading - pose.heading) <= 0.8
             now = [Point(food.x, food.y) for food in foods]
-            for before, after in zip(places, now, strict=True):
+            if (
+                kind is PymunkWorld
+            ):  # compiled worlds move a robot out of a corner at once, however far that is
+                # Wheels at most 160 mm/s, with five standard deviations of slip and bias.
+                assert math.dist((x, y), pose[:2]) <= 21.0
+                assert abs(heading - pose.heading) <= 0.8
                 # A finger's tip sweeps at 7 rad/s and 80 mm, and the jaw adds 4.5 mm.
-                assert math.dist(before, after) <= 65.0
+                assert all(math.dist(*moved) <= 65.0 for moved in zip(places, now, strict=True))
             pose, places = world.poses()[0], now
             on_floor = [food for food in foods if not food.lifted]
             for i, food in enumerate(on_floor):

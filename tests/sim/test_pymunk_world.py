@@ -16,7 +16,7 @@ from khepera_forage.robots.khepera import JAW_CLOSED, Motors
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from tests.sim.worlds import ELL, NONE, holding, make_world, run
+from tests.sim.worlds import ELL, NONE, Kind, holding, make_world, of_both_kinds, run
 from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
 START, OTHER = CORRIDOR.start, CORRIDOR.start._replace(y=415)
@@ -32,6 +32,7 @@ def reset(world: PymunkWorld, starts: tuple[Pose, ...], foods: tuple[Point, ...]
     world.reset(np.random.default_rng(0), Layout(starts, foods))
 
 
+@of_both_kinds
 @pytest.mark.parametrize(
     ("arenas", "markers", "complaint"),
     [
@@ -42,14 +43,17 @@ def reset(world: PymunkWorld, starts: tuple[Pose, ...], foods: tuple[Point, ...]
         ([CORRIDOR, CORRIDOR.shifted(3000, 0)], (2,), "3650.*allowed"),
     ],
 )
-def test_impossible_world_is_refused(arenas: list[Arena], markers: tuple[int, ...], complaint: str) -> None:
+def test_impossible_world_is_refused(
+    arenas: list[Arena], markers: tuple[int, ...], complaint: str, kind: Kind
+) -> None:
     with pytest.raises(ValueError, match=complaint):
-        PymunkWorld(arenas, markers, NONE, timing=TIMING)
+        kind(arenas, markers, NONE, timing=TIMING)
 
 
-def test_advance_before_reset_is_refused() -> None:
+@of_both_kinds
+def test_advance_before_reset_is_refused(kind: Kind) -> None:
     with pytest.raises(RuntimeError, match="reset"):
-        pair().advance()
+        kind([CORRIDOR], (2,), NONE, timing=TIMING).advance()
 
 
 @pytest.mark.parametrize(
@@ -94,8 +98,9 @@ def test_amount_of_food_may_change_at_a_reset() -> None:
         assert sum(region.holes == 0 for region in world.camera.look().regions) == count
 
 
-def test_placed_robot_keeps_the_food_it_holds() -> None:
-    world = holding()
+@of_both_kinds
+def test_placed_robot_keeps_the_food_it_holds(kind: Kind) -> None:
+    world = holding(kind=kind)
     world.place(0, Pose(500, 600, math.pi / 2))
     x, y, _ = world.poses()[0]
     run(world, 3, jaw=JAW_CLOSED)

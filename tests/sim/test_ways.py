@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -123,3 +124,7 @@ def test_check_ways_names_what_cannot_be_reached_and_the_narrow_place() -> None:
     assert "too narrow near (400, 400) mm; allowed: passages that are 160 mm wide" in str(error.value)
     with pytest.raises(ValueError, match=r"there is no way between food 1 at \(600, 300\) mm"):
         check_ways(replace(CLOSED, start=Pose(200, 680, 0.0)))
+    places: Any = {"home": Point(400, 100), "start": Pose(680, 100, 0.0), "foods": (Point(100, 100),)}
+    alley = replace(ROOM, walls=box(0, 0, 800, 200), obstacles=(box(500, 0, 20, 20),), **places)
+    with pytest.raises(ValueError, match=r"food 1 at .* and the start at .* that does not cross the home"):
+        check_ways(alley)

@@ -1,9 +1,13 @@
 """Worlds for tests: a wide floor, no noise, food out of the way."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
+import pytest
 
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors, Senses
@@ -13,6 +17,13 @@ from khepera_forage.sim.world import FoodPlace, Layout
 from tests.version_0_1 import CORRIDOR, TIMING
 
 NONE = Noise.none()
+Kind = Callable[..., Any]
+KINDS: list[Kind] = [PymunkWorld]
+if find_spec("numba"):
+    from khepera_forage.sim.compiled.world import CompiledWorld
+
+    KINDS.append(CompiledWorld)
+of_both_kinds = pytest.mark.parametrize("kind", KINDS)
 
 
 def box(length: float, width: float) -> tuple[Point, ...]:
@@ -54,15 +65,16 @@ def make_world(
     arena: Arena = FIELD,
     noise: Noise = NONE,
     seed: int = 0,
-) -> PymunkWorld:
+    kind: Kind = PymunkWorld,
+) -> Any:
     """A world with one robot, after its reset."""
-    world = PymunkWorld([arena], (2,), noise, timing=TIMING)
+    world = kind([arena], (2,), noise, timing=TIMING)
     world.reset(np.random.default_rng(seed), Layout((start,), tuple(Point(*food) for food in foods)))
     return world
 
 
 def run(
-    world: PymunkWorld,
+    world: Any,
     rounds: int,
     left: float = 0,
     right: float = 0,
@@ -74,13 +86,16 @@ def run(
     for _ in range(rounds):
         world.robots[robot].drive(Motors(left, right, arm, jaw))
         world.advance()
-    return world.robots[robot].sense()
+    senses: Senses = world.robots[robot].sense()
+    return senses
 
 
-def holding(start: Pose = FIELD.start, *others: tuple[float, float], arena: Arena = FIELD) -> PymunkWorld:
+def holding(
+    start: Pose = FIELD.start, *others: tuple[float, float], arena: Arena = FIELD, kind: Kind = PymunkWorld
+) -> Any:
     """A robot that holds food number 0 in its raised gripper."""
     ahead = start.x + 57 * math.cos(start.heading), start.y + 57 * math.sin(start.heading)
-    world = make_world(start, ahead, *others, arena=arena)
+    world = make_world(start, ahead, *others, arena=arena, kind=kind)
     run(world, 12, arm=ARM_DOWN)
     run(world, 8, arm=ARM_DOWN, jaw=JAW_CLOSED)
     run(world, 12, arm=ARM_RAISED, jaw=JAW_CLOSED)

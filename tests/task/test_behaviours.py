@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.geometry.plane import heading_of, turn_to
+from khepera_forage.geometry.plane import heading_of
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, MAX_SPEED, Motors
 from khepera_forage.task.arena_map import EVERY_SIDE
-from khepera_forage.task.behaviours import command, decode_motors, detour, is_home_across
+from khepera_forage.task.behaviours import command, decode_motors
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions, DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
@@ -115,26 +115,6 @@ def test_search_passes_a_free_home_on_the_side_of_the_food(around: int, side: in
     )
     left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, raw)
     assert (right - left) * side > 0
-
-
-@pytest.mark.parametrize("behind", [-30, -10, -1, 1, 10, 30])
-@pytest.mark.parametrize("start", range(-140, 141, 20))
-def test_search_keeps_its_side_of_the_home_on_the_way_to_food_behind_it(start: int, behind: int) -> None:
-    """Past the open side, which is to the right here. Robots turned to and fro where two rules met."""
-    food = (180 + behind) % 360
-    food_x, food_y = 200.0 + 26.0 * heading_of(food)[0], 200.0 + 26.0 * heading_of(food)[1]
-    around, steps = start, 0
-    while True:
-        x, y = 200.0 + 17.0 * heading_of(around % 360)[0], 200.0 + 17.0 * heading_of(around % 360)[1]
-        home: dict[str, Any] = {"home_x": 200.0, "home_y": 200.0, "home_radius": 16, "home_opening": 0.0}
-        raw = placed(OPEN_FLOOR, x=x, y=y, food_x=food_x, food_y=food_y, **home)
-        if not is_home_across(raw) or detour(raw) == 0.0:
-            break
-        # Which way round the home the robot drives: counter-clockwise if it has the home on its left.
-        around += 2 if turn_to(raw.food_bearing + detour(raw), raw.home_bearing) < 0.0 else -2
-        steps += 2
-        assert steps < 360
-    assert abs(around) < 180, "not behind the home"
 
 
 @pytest.mark.parametrize("around", range(0, 360, 30))

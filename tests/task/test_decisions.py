@@ -12,8 +12,6 @@ import pytest
 from khepera_forage.task import decisions as decisions_module
 from khepera_forage.task.decision_versions import V0_1 as FIELDS_OF_V0_1
 from khepera_forage.task.decisions import (
-    DEFAULT_VALUES,
-    FARTHER_STATE,
     FIELDS,
     Decisions,
     Field,
@@ -110,19 +108,6 @@ def test_decisions_are_immutable_hashable_and_picklable() -> None:
         decisions.next_to_food = 18.0  # type: ignore[misc]
     assert len({decisions, Decisions(next_to_food=17.0), Decisions()}) == 2
     assert pickle.loads(pickle.dumps(decisions)) == decisions
-
-
-def test_values_are_numbers_in_the_order_of_the_fields() -> None:
-    decisions = Decisions(equal_distance="farther state", patience=7, next_to_food=17)
-    values = decisions.values()
-    assert values._fields == (*FIELDS, "has_gripper")  # type: ignore[attr-defined]
-    assert values.has_gripper is True
-    assert all(type(value) is float for value in values[:-1])  # type: ignore[index]
-    assert (values.patience, values.next_to_food, values.equal_distance) == (7.0, 17.0, FARTHER_STATE)
-    for name, field in FIELDS.items():
-        value = getattr(values, name)
-        assert (field.choices[int(value)] if field.choices else value) == getattr(decisions, name)
-    assert Decisions().values() == DEFAULT_VALUES
 
 
 def test_version_0_1_names_every_field_and_does_not_follow_the_defaults(

@@ -12,16 +12,12 @@ from khepera_forage.sim.arena import copies
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions, DecisionValues
 from khepera_forage.task.pairing import (
     Pairing,
-    attempt_ends,
     follow,
     is_complete,
-    lead,
     recover,
     rounds_since_done,
-    teacher_says,
     update_pairing,
 )
-from khepera_forage.task.states import Behaviour
 from tests.version_0_1 import CORRIDOR, V0_1
 
 TEACHER_ARENA, ARENA = (arena_map_of(arena) for arena in copies(CORRIDOR, 2))
@@ -45,20 +41,6 @@ def test_follow_keeps_the_mean_speed_within_a_robots_limits(
     assert max(abs(led.left), abs(led.right)) <= MAX_SPEED + 1e-9
     if motors.left + motors.right <= 0 or math.dist((x, y), (tx, ty)) <= DEFAULT.same_place:
         assert led == motors
-
-
-@given(speed=st.floats(0.5, 20.0), x=PLACE, y=PLACE, heading=DEGREES, tx=PLACE, ty=PLACE, teachers=DEGREES)
-def test_follow_turns_to_the_side_on_which_the_teacher_is(
-    speed: float, x: float, y: float, heading: int, tx: float, ty: float, teachers: int
-) -> None:
-    led = follow(Motors(speed, speed, 215, 200), x, y, heading, tx, ty, teachers, DEFAULT_VALUES)
-    c, s = math.cos(math.radians(heading)), math.sin(math.radians(heading))
-    left_of_it = (ty - y) * c - (tx - x) * s
-    if abs(left_of_it) > 1e-6:
-        assert (led.right - led.left) * left_of_it >= 0
-        difference = abs((teachers - heading + 180) % 360 - 180)
-        if math.dist((x, y), (tx, ty)) > DEFAULT.same_place and difference > DEFAULT.same_heading:
-            assert led.right != led.left or speed == 20.0
 
 
 @given(x=PLACE, y=PLACE, heading=DEGREES, tx=PLACE, ty=PLACE)
@@ -104,36 +86,6 @@ def test_pairing_counts_separations_and_their_rounds(separation: float) -> None:
         update_pairing(pairing, x, y, ARENA, 50.0, 20.0, 30.0, TEACHER_ARENA, values)
         history.append((pairing.separated, pairing.separated_rounds, pairing.separations))
     assert history == [(False, 0, 0)] * 2 + [(True, 1, 1), (True, 2, 1), (False, 0, 1), (True, 1, 2)]
-
-
-@given(x=PLACE, y=PLACE, heading=DEGREES, tx=PLACE, ty=PLACE, teachers=DEGREES, separated=st.booleans())
-def test_separated_learner_recovers_while_the_teacher_is_silent_and_follows_otherwise(
-    x: float, y: float, heading: int, tx: float, ty: float, teachers: int, separated: bool
-) -> None:
-    assert teacher_says(3, separated) == (Behaviour.WAIT if separated else 3)
-    pairing = Pairing(separated=separated, teacher_x=tx, teacher_y=ty, teacher_orientation=teachers)
-    still = Motors(0.0, 0.0, 255, 0)
-    following = follow(AHEAD, x, y, heading, tx, ty, teachers, DEFAULT_VALUES)
-    assert lead(pairing, AHEAD, Behaviour.SEARCH_FOR_FOOD, x, y, heading, DEFAULT_VALUES) == following
-    waiting = lead(pairing, still, Behaviour.WAIT, x, y, heading, DEFAULT_VALUES)
-    assert waiting == (recover(still, x, y, heading, tx, ty, DEFAULT_VALUES) if separated else still)
-
-
-@pytest.mark.parametrize(
-    ("complete", "rounds", "separated_rounds", "over"),
-    [
-        (False, 0, 0, False),
-        (False, 599, 99, False),
-        (True, 10, 0, True),
-        (False, 600, 0, True),
-        (False, 10, 100, True),
-        (True, 600, 100, True),
-    ],
-)
-def test_attempt_ends_when_it_is_complete_out_of_time_or_separated_for_too_long(
-    complete: bool, rounds: int, separated_rounds: int, over: bool
-) -> None:
-    assert attempt_ends(complete, rounds, 600, separated_rounds, 100) is over
 
 
 def test_training_is_complete_some_rounds_after_the_robots_have_done_their_part() -> None:

@@ -1,0 +1,174 @@
+"""The teacher forages with every robot and type of food, also around walls, on both backends."""
+
+import math
+from dataclasses import replace
+from itertools import product
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+from khepera_forage import Teacher
+from khepera_forage.envs import paired_arenas_v1
+from khepera_forage.rollouts.compiled.recalls import run_teacher
+from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.episode import score
+from khepera_forage.task.states import Behaviour
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from tests.sim.test_ways import CLOSED, DOOR, HALL, L_ROOM, WINDING
+
+pytest.importorskip("numba")
+
+BOTH_SIDES = replace(DOOR, name="both_sides", foods=(Point(600, 150), Point(200, 700)))
+MIXED = {"PUSHABLE": 0.5, "POISONOUS": 0.5}
+ROBOTS = ("toio", "e-puck2")
+on_both_backends = pytest.mark.parametrize("backend", ["pymunk", "compiled"])
+
+
+def make(name: str, backend: str = "pymunk", **kwargs: Any) -> Any:
+    return gym.make(f"khepera_forage/{name}-v1", backend=backend, **kwargs).unwrapped
+
+
+def in_arena(arena: Arena, backend: str = "pymunk", **kwargs: Any) -> Any:
+    return make("Corridor", backend, **({"arena": arena, "limit": 1500, "foods": 1} | kwargs))
+
+
+def forage(env: Any, seed: int, **reset: Any) -> dict[str, Any]:
+    """The last info of an episode under the teacher, whose rewards add up."""
+    teacher, total, over = Teacher.of(env), 0.0, False
+    observation, info = env.reset(seed=seed, **reset)
+    while not over:
+        observation, reward, terminated, truncated, info = env.step(teacher.act(observation))
+        total += reward
+        over = terminated or truncated
+    assert total == pytest.approx(info["delivered"] - info["poison_home"] - info["steps"] / env.limit)
+    assert info["score"] == score(int(info["correct"]), int(info["steps"]), info["penalty"])
+    return {**info, "terminated": terminated}
+
+
+@on_both_backends
+@pytest.mark.parametrize(
+    ("robot", "food_types"),
+    [("khepera", "PICKABLE"), *product(("khepera", *ROBOTS), ("PUSHABLE", "POISONOUS", MIXED))],
+    ids=str,
+)
+@pytest.mark.parametrize("name", ["Corridor", "Rectangle"])
+def test_teacher_delivers_food_and_leaves_poison(
+    robot: str, name: str, food_types: Any, backend: str
+) -> None:
+    env = make(name, backend, robot=robot, food_types=food_types, limit=1500)
+    ends = [forage(env, seed) for seed in range(5)]
+    assert sum(end["terminated"] for end in ends) >= 4
+    assert sum(end["poison_home"] for end in ends) == 0
+    assert min(end["score"] for end in ends) >= 80
+    if isinstance(food_types, str):
+        delivered = sum(end["delivered"] for end in ends)
+        assert delivered == 0 if food_types == "POISONOUS" else delivered >= 4 * env.foods
+    if robot in ROBOTS:
+        senses = env.world.robots[0].sense()
+        assert (senses.arm, senses.jaw) == (255, 200), "the arm counts as lowered, the jaw as open"
+
+
+@on_both_backends
+@pytest.mark.parametrize(
+    ("robot", "food", "delivered"), [("toio", "PUSHABLE", 1), ("e-puck2", "POISONOUS", 0)]
+)
+def test_learners_without_a_gripper_do_what_they_hear(
+    robot: str, food: str, delivered: int, backend: str
+) -> None:
+    env = paired_arenas_v1.env(num_learners=2, robot=robot, backend=backend, food_types=food)
+    teacher, infos = Teacher.of(env), {}
+    env.reset(seed=0)
+    for agent in env.agent_iter():
+        observation, _, terminated, truncated, infos[agent] = env.last()
+        heard = int(teacher.act(observation)) if agent == "teacher_0" else int(observation[5])
+        env.step(None if terminated or truncated else heard)
+    assert [(info["complete"], info["delivered"]) for info in infos.values()] == [(1, delivered)] * 3
+
+
+@on_both_backends
+def test_speeds_are_limited_to_what_the_robot_can_do(backend: str) -> None:
+    env = make("CorridorWheels", backend, robot="e-puck2")
+    env.reset(seed=0)
+    pulses = []
+    for _ in range(2):
+        env.step(np.ones(4, np.float32))
+        pulses.append(env.world.robots[0].sense().left_pulses)
+    assert pulses[1] - pulses[0] == 130, "an e-puck2 drives at most 13 speed units"
+
+
+def test_policy_that_only_explores_scores_its_correct_share_minus_the_penalty() -> None:
+    env, correct, truncated = make("Corridor", limit=50), 0, False
+    env.reset(seed=0)
+    while not truncated:
+        correct += env.forager.correct_behaviour == Behaviour.EXPLORE_FOOD
+        _, _, terminated, truncated, info = env.step(int(Behaviour.EXPLORE_FOOD))
+        assert not terminated
+    assert (info["steps"], info["correct"]) == (50, correct)
+    assert info["score"] == pytest.approx(100 * correct / 50 - 20)
+
+
+# ---------------------------------------------------------------- walls and obstacles
+
+
+@pytest.mark.parametrize("arena", WINDING, ids=lambda arena: arena.name)
+@pytest.mark.parametrize("food_type", ["PICKABLE", "PUSHABLE"])
+def test_teacher_delivers_around_corners(arena: Arena, food_type: str) -> None:
+    recalls = run_teacher(arena, 500, seed=1, limit=1500, food_types=food_type)
+    assert np.count_nonzero(recalls.delivered) >= 0.98 * 500
+    env = in_arena(arena, food_types=food_type)
+    assert sum(forage(env, seed)["delivered"] for seed in range(12)) >= 11
+
+
+def test_teacher_delivers_to_a_home_in_the_middle_of_a_hall() -> None:
+    recalls = run_teacher(HALL, 500, seed=1, foods=4, limit=2400)
+    assert recalls.delivered.sum() >= 0.985 * 2000
+
+
+@on_both_backends
+@pytest.mark.parametrize(("start", "food"), [((250, 1075), (60, 1025)), ((250, 925), (58, 990))])
+def test_teacher_delivers_food_between_the_home_and_a_wall(
+    start: tuple[float, float], food: tuple[float, float], backend: str
+) -> None:
+    env = in_arena(replace(HALL, home=Point(170, 1000)), backend, limit=800)
+    assert forage(env, 0, options={"start": (*start, 90), "foods": [food]})["delivered"] == 1
+
+
+@on_both_backends
+def test_distances_along_the_path_are_those_of_the_state_vector(backend: str) -> None:
+    places = {"start": (150, 125, 0), "foods": [(575, 600)]}
+    distances = []
+    for decisions in (Decisions(), Decisions(distances="along the path")):
+        env = in_arena(L_ROOM, backend, decisions=decisions)
+        observation, _ = env.reset(seed=0, options=places)
+        raw = env.forager.raw
+        distances.append(raw.food_distance if decisions == Decisions() else raw.food_path)
+        assert observation["robot_food_distance"][0] == int(distances[-1] + 0.5)
+    assert distances[0] < distances[1] - 10.0
+
+
+@on_both_backends
+def test_nearest_food_is_the_one_with_the_shortest_path(backend: str) -> None:
+    """The food behind the wall is nearer by air."""
+    env = in_arena(BOTH_SIDES, backend, foods=2)
+    behind, beside = (500, 650), (100, 450)
+    env.reset(seed=0, options={"start": (300, 650, 90), "foods": [behind, beside]})
+    raw = env.forager.raw
+    assert math.dist((300, 650), behind) < math.dist((300, 650), beside)
+    assert (raw.food_x * MM_PER_PIXEL, raw.food_y * MM_PER_PIXEL) == pytest.approx(beside, abs=15.0)
+
+
+def test_random_food_and_starts_can_be_reached_where_a_part_of_the_floor_cannot() -> None:
+    env = in_arena(replace(CLOSED, start=CLOSED.start._replace(x=200), foods=(Point(200, 400),)))
+    for seed in range(20):
+        env.reset(seed=seed)
+        assert env.layout.starts[0].x < 390
+        assert env.layout.foods[0].x < 390
+
+
+@on_both_backends
+def test_arena_without_a_way_is_refused(backend: str) -> None:
+    with pytest.raises(ValueError, match="closed: there is no way between the start"):
+        in_arena(CLOSED, backend)
