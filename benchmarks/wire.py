@@ -16,6 +16,7 @@ from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
+from unittest.mock import patch
 
 import numpy as np
 from laboratory import Work
@@ -35,14 +36,11 @@ from khepera_forage.robots.khepera import (
     RobotLost,
     Senses,
 )
-from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
-from khepera_forage.robots.serial.line import Traffic
-from khepera_forage.robots.serial.line_timing import LineTooSlow
-from khepera_forage.robots.serial.protocol import seconds_on_wire
+from khepera_forage.robots.serial.line import LineTooSlow
+from khepera_forage.robots.serial.protocol import BAUD_RATES, seconds_on_wire
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
 from khepera_forage.sim.arena import copies
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
@@ -168,14 +166,13 @@ class Round:
 def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Round]:
     """Robots that drive about and now and then move the gripper; all drives have the same commands."""
     wheels = np.random.default_rng(seed).integers(-12, 13, (rounds + _WARM_UP, 2)).tolist()
-    rows = []
+    rows, heard = [], list[bytes]()
     with (
         virtual_fleet(baud, robots, seed) as virtual,
+        patch.object(virtual.firmwares[0], "handle", recorded(virtual.firmwares[0].handle, heard)),
         closing(SerialKhepera(virtual.ports[0].url, baud=baud)) as first,
         Fleet([first, *(SerialKhepera(port.url, baud=baud) for port in virtual.ports[1:])]) as fleet,
     ):
-        heard: list[Traffic] = []
-        first.on_traffic(heard.append)
         for number, (left, right) in enumerate(wheels, -_WARM_UP):
             down = number >= 0 and number // _MOVEMENT_PERIOD % 2
             for robot in fleet.robots:
@@ -189,12 +186,22 @@ def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Round]:
             fleet.receive()
             taken += time.perf_counter() - begin
             if number >= 0:
-                sent = b"".join(traffic.data for traffic in heard if traffic.sent)
-                gripper = any(command in sent for command in (b"T,1,D", b"T,1,E", b"T,1,H"))
-                count = sum(len(traffic.data) for traffic in heard)
+                gripper = any(line.startswith((b"T,1,D", b"T,1,E", b"T,1,H")) for line in heard)
+                count = len(b"".join(heard))
                 wire = 1000 * seconds_on_wire(count, baud)
                 rows.append(Round(baud, robots, gripper, count, wire, 1000 * taken))
     return rows
+
+
+def recorded(handle: Callable[[bytes], bytes], heard: list[bytes]) -> Callable[[bytes], bytes]:
+    """A firmware that also records requests and replies."""
+
+    def handle_and_record(line: bytes) -> bytes:
+        reply = handle(line)
+        heard.extend((line + b"\n", reply))
+        return reply
+
+    return handle_and_record
 
 
 @dataclass(frozen=True, slots=True)
@@ -310,7 +317,7 @@ def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[DisturbedRo
                 error = max(abs(a - b) for a, b in zip(read[1:3], true[1:3], strict=True))
             except RobotLost:
                 taken, lost = time.perf_counter() - begin, True
-            counts = port.fault_counts.undetectable, robot.statistics.unknown
+            counts = port.fault_counts["undetectable"], robot.statistics.unknown
             rows.append(DisturbedRound(disturbance, 1000 * taken, error, *counts, lost))
         port.faults = Faults()
     return rows

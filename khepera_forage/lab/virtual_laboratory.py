@@ -14,13 +14,11 @@ from khepera_forage.lab.operator import Operator, OperatorGaveUp, OperatorReques
 from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettings
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.drivers import serial_driver
-from khepera_forage.robots.epuck.virtual import EPuckFirmware
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
-from khepera_forage.robots.virtual.faults import Faults
-from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from khepera_forage.robots.virtual.firmware import EPuckFirmware, Firmware
+from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.sim.arenas.thesis import SetUp

@@ -233,8 +233,8 @@ class RealRobot(ABC):
         return task
 
     def suspend(self) -> bool:
-        """Make the next request raise `RobotSuspended` if the wheels are turning; returns whether they are."""
-        turning = self._turning()
+        """Make the next request raise `RobotSuspended` if the wheels may be turning; returns whether they may."""
+        turning = not self.stop_confirmed
         self._suspended = self._suspended or turning
         return turning
 
@@ -246,10 +246,6 @@ class RealRobot(ABC):
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def _turning(self) -> bool:
-        """Whether the wheels were commanded to turn."""
-        return self._command is not None and any(self._command[:2])
 
     def _open(self, work: Callable[[], None]) -> None:
         """Start the thread, and open the connection in it; release everything if that fails."""

@@ -9,9 +9,8 @@ import numpy as np
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import SimulatedKhepera

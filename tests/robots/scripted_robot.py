@@ -43,10 +43,6 @@ class ScriptedRobot:
                     else:
                         time.sleep(action)
 
-    def send(self, data: bytes) -> None:
-        """Send bytes without a request."""
-        os.write(self._master, data)
-
     def disconnect(self) -> None:
         self._running = False
         self._thread.join()

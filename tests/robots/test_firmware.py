@@ -7,9 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.serial.khepera_protocol import KHEPERA
-from khepera_forage.robots.serial.protocol import ErrorReply, LineSplitter, Reply, TextLine
-from khepera_forage.robots.virtual.firmware import WheelPositionController
+from khepera_forage.robots.serial.protocol import KHEPERA, ErrorReply, LineSplitter, Reply, TextLine
 from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.world import Layout
 from tests.robots.stage import Stage, make_stage
@@ -110,6 +108,12 @@ class TestPositionControl:
         assert math.dist(stage.world.poses()[0][:2], (300.0, 300.0)) < 1.0, "1250 pulses of 0.08 mm"
         assert stage.numbers("E") == [0, 0]
 
+    def test_profile_limits_the_speed(self, stage: Stage) -> None:
+        stage.request("J,7,64,0,64")
+        stage.request("C,5000,5000")
+        stage.rounds(3)
+        assert stage.numbers("E") == [7, 0]
+
     def test_speed_command_ends_position_control(self, stage: Stage) -> None:
         stage.request("C,5000,5000")
         stage.rounds(5)
@@ -174,22 +178,3 @@ def test_attached_body_continues_the_motion(stage: Stage) -> None:
     stage.rounds(20)
     assert stage.numbers("H") == [2000, 2000]
     assert stage.numbers("T,1,H,1") == [255]
-
-
-@given(st.integers(-5000, 5000), st.integers(-5000, 5000), st.integers(1, 127), st.integers(1, 255))
-def test_wheel_reaches_its_target_within_its_profile_and_stays(
-    target: int, count: int, max_speed: int, acceleration: int
-) -> None:
-    wheel = WheelPositionController(max_speed=max_speed, acceleration=acceleration, target=target)
-    for _ in range(1500):
-        speed = wheel.next_speed(count)
-        assert abs(speed) <= max_speed
-        count += 10 * speed
-    assert wheel.reached(count)
-    assert wheel.next_speed(count) == 0
-
-
-@pytest.mark.parametrize(("max_speed", "acceleration"), [(0, 64), (20, 0)])
-def test_zero_speed_or_acceleration_means_no_motion(max_speed: int, acceleration: int) -> None:
-    wheel = WheelPositionController(max_speed=max_speed, acceleration=acceleration, target=1000)
-    assert [wheel.next_speed(0) for _ in range(20)] == [0] * 20

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.serial.khepera_protocol import COMMANDS, KHEPERA
 from khepera_forage.robots.serial.protocol import (
+    COMMANDS,
+    KHEPERA,
     MAX_LINE,
     RESTART,
     ArgumentError,

@@ -4,6 +4,7 @@ import os
 import select
 import socket
 import time
+from collections import Counter
 from difflib import SequenceMatcher
 from pathlib import Path
 
@@ -11,10 +12,14 @@ import numpy as np
 import pytest
 import serial
 
-from khepera_forage.robots.serial.khepera_protocol import KHEPERA
-from khepera_forage.robots.serial.protocol import Reply, TextLine
-from khepera_forage.robots.virtual.faults import FAULTS, FaultCounts, Faults, garbled, is_undetectable
-from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from khepera_forage.robots.serial.protocol import KHEPERA, Reply, TextLine
+from khepera_forage.robots.virtual.virtual_khepera import (
+    FAULTS,
+    Faults,
+    VirtualKhepera,
+    garbled,
+    is_undetectable,
+)
 from tests.robots.hosts import SILENCE, WAIT, connected_host, send_until_disconnected
 from tests.robots.stage import Stage
 
@@ -36,7 +41,7 @@ def test_requests_are_executed_and_answered(stage: Stage, tcp: int | None) -> No
         ]
         host.write(b"restart\n")
         assert [host.readline().decode().rstrip() for _ in KHEPERA.banner] == list(KHEPERA.banner)
-        assert khepera.fault_counts == FaultCounts(replies=7)
+        assert khepera.fault_counts == {"replies": 7}
 
 
 def test_pseudo_terminal_works_without_any_configuration(stage: Stage) -> None:
@@ -81,9 +86,9 @@ def test_host_that_does_not_read_loses_replies(stage: Stage) -> None:
             host.write(b"O\n" * 20)
             time.sleep(0.001)
         deadline = time.monotonic() + WAIT
-        while khepera.fault_counts.replies < 800 and time.monotonic() < deadline:
+        while khepera.fault_counts["replies"] < 800 and time.monotonic() < deadline:
             time.sleep(0.01)
-        assert khepera.fault_counts.replies == 800
+        assert khepera.fault_counts["replies"] == 800
         host.reset_input_buffer()
         host.write(b"B\n")
         assert host.readline().endswith(b"b,5.02,5.01\r\n")
@@ -141,7 +146,7 @@ def test_drop_loses_requests_and_replies_equally(stage: Stage) -> None:
         for address in range(64):
             host.write(f"R,{address}\n".encode())
             done += host.readline() == b"r,1\r\n"
-        assert khepera.fault_counts.drop == 64
+        assert khepera.fault_counts["drop"] == 64
     assert 16 < done < 48
 
 
@@ -157,7 +162,7 @@ def test_delayed_reply_arrives_after_the_next_request(stage: Stage) -> None:
         host.write(b"E\n")
         host.timeout = WAIT
         assert [host.readline(), host.readline()] == [b"b,5.02,5.01\r\n", b"e,0,0\r\n"]
-        assert khepera.fault_counts.delay == 1
+        assert khepera.fault_counts["delay"] == 1
 
 
 def test_garble_changes_the_reply_but_not_the_execution(stage: Stage) -> None:
@@ -171,7 +176,7 @@ def test_garble_changes_the_reply_but_not_the_execution(stage: Stage) -> None:
             intact += host.read(100) == b"w\r\n"
         assert intact < 4
         assert stage.numbers("R,7") == [39]
-        assert khepera.fault_counts.garble == 40
+        assert khepera.fault_counts["garble"] == 40
 
 
 def test_reset_stops_the_robot_and_sends_the_banner(stage: Stage, tcp: int | None) -> None:
@@ -215,7 +220,7 @@ def test_unplug_is_permanent_and_stops_the_robot(stage: Stage, tcp: int | None) 
         while khepera.connected and time.monotonic() < deadline:
             time.sleep(0.01)
         assert not khepera.connected
-        assert khepera.fault_counts.unplug == 1
+        assert khepera.fault_counts["unplug"] == 1
         before = stage.robot.sense()
         stage.rounds(3)
         assert stage.robot.sense().left_pulses == before.left_pulses
@@ -225,7 +230,7 @@ def test_unplug_is_permanent_and_stops_the_robot(stage: Stage, tcp: int | None) 
 
 def test_same_seed_sends_the_same_bytes(stage: Stage) -> None:
     faults = Faults(drop=0.1, garble=0.3, duplicate=0.2, reset=0.1)
-    runs: list[tuple[bytes, FaultCounts]] = []
+    runs: list[tuple[bytes, Counter[str]]] = []
     for _ in range(2):
         with (
             VirtualKhepera(stage.firmware, baud=None, faults=faults, rng=rng(4)) as khepera,
@@ -233,7 +238,7 @@ def test_same_seed_sends_the_same_bytes(stage: Stage) -> None:
         ):
             host.write(b"H\nT,1,H,0\nN\nB\n" * 10)
             deadline = time.monotonic() + WAIT
-            while khepera.fault_counts.replies < 40 and time.monotonic() < deadline:
+            while khepera.fault_counts["replies"] < 40 and time.monotonic() < deadline:
                 time.sleep(0.005)
             khepera.faults = Faults()
             host.write(b"\nI,3\n")

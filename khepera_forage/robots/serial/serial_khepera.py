@@ -10,7 +10,7 @@ from khepera_forage.robots.khepera import (
     Senses,
 )
 from khepera_forage.robots.model import KHEPERA
-from khepera_forage.robots.serial import khepera_protocol
+from khepera_forage.robots.serial.protocol import KHEPERA as PROTOCOL
 from khepera_forage.robots.serial.protocol import Request
 from khepera_forage.robots.serial.serial_robot import SerialRobot
 
@@ -37,7 +37,7 @@ class SerialKhepera(SerialRobot):
     """
 
     model = KHEPERA
-    protocol = khepera_protocol.KHEPERA
+    protocol = PROTOCOL
     default_baud = 38400
     motion_commands = ("C", "D", "P")
     lamps = (0, 1)
