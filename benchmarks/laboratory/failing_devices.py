@@ -157,7 +157,7 @@ def laboratory(
             simulated.wait()
             camera.expose(lab.frame_source.newest()[0])
 
-        lab.clock = SimulatedClock(advance)
+        lab.clock = SimulatedClock(lab.settings.period, advance)
         yield lab, camera
 
 
