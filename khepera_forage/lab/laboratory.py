@@ -163,7 +163,7 @@ class Laboratory:
 
     def food_places(self) -> tuple[FoodPlace, ...]:
         """The last position of each food object that the camera has seen, or of the gripper that holds it."""
-        return self._foods.places()
+        return tuple(self._foods.places)
 
     def place(self, robot: int, pose: Pose) -> None:
         """Pause, let the operator move a robot, check its pose by camera, and resume (5.3.1).
@@ -177,7 +177,7 @@ class Laboratory:
         foods_on_floor = [
             Point(food.x, food.y)
             for k, food in enumerate(self.food_places())
-            if not food.lifted and k != self._foods.held_by(robot)
+            if not food.lifted and k != self._foods.held.get(robot)
         ]
         check_robot(self.arenas[robot], pose)
         check_apart(Layout((*others, pose), tuple(foods_on_floor)))

@@ -121,8 +121,8 @@ class RealRobot(ABC):
         self._senses: Senses | None = None
         self._suspended = self._closed = self._in_urgent = False
         self._urgent: deque[Task[Any]] = deque()
-        self._ordinary: deque[Task[Any]] = deque()
-        self._wake: SimpleQueue[bool] = SimpleQueue()
+        self._tasks: SimpleQueue[Task[Any] | bool] = SimpleQueue()
+        """Ordinary work; True wakes the thread for an urgent task, and False ends it."""
         # A daemon: the interpreter waits for other threads at its exit before the robots can be stopped.
         self._thread = threading.Thread(target=self._serve, name=f"port {port}", daemon=True)
 
@@ -229,7 +229,7 @@ class RealRobot(ABC):
             task.run()
         else:
             self._urgent.append(task)
-            self._wake.put(True)
+            self._tasks.put(True)
         return task
 
     def suspend(self) -> bool:
@@ -260,7 +260,7 @@ class RealRobot(ABC):
     def _release(self) -> None:
         self._closed = True
         _OPEN_ROBOTS.remove(self)
-        self._wake.put(False)
+        self._tasks.put(False)
         if threading.current_thread() is not self._thread:
             self._thread.join(timeout=5.0)
         self.end_watchdog()
@@ -271,18 +271,16 @@ class RealRobot(ABC):
         if self._closed:
             raise ConnectionError(f"{self.port} is closed")
         task = Task(lambda: self._complete(work), done_queue)
-        self._ordinary.append(task)
-        self._wake.put(True)
+        self._tasks.put(task)
         return task
 
     # The methods below run in the robot's thread.
 
     def _serve(self) -> None:
-        while self._wake.get():
+        while task := self._tasks.get():
             self._run_urgent()
-            # An urgent task may have run inside an ordinary one; its wake-up then finds empty queues.
-            if self._ordinary:
-                self._ordinary.popleft().run()
+            if isinstance(task, Task):
+                task.run()
 
     def _run_urgent(self) -> None:
         self._in_urgent = True

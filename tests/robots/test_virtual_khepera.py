@@ -258,13 +258,6 @@ def test_faults_occur_at_their_rates() -> None:
         assert abs(drawn.count(fault) / len(drawn) - getattr(faults, fault)) < 0.01
 
 
-def test_faults_without_a_random_generator_are_rejected(stage: Stage) -> None:
-    with pytest.raises(ValueError, match="default_rng"):
-        VirtualKhepera(stage.firmware, faults=Faults(garble=0.1))
-    with VirtualKhepera(stage.firmware) as khepera, pytest.raises(ValueError, match="default_rng"):
-        khepera.faults = Faults(drop=0.1)
-
-
 @pytest.mark.parametrize(
     ("rates", "message"),
     [

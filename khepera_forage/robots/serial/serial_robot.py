@@ -180,7 +180,7 @@ class SerialRobot(RealRobot):
                 return work()
             except RobotRestarted:
                 self._must_restore = True
-                self._counters.restarted()
+                self._counters.restarted = True
                 restarts += 1
                 if restarts > _MAX_RESTARTS:
                     raise RobotLost(self.port, "restart", restarts, "it restarts again and again") from None
@@ -270,7 +270,8 @@ class SerialRobot(RealRobot):
 class Counters:
     """Counts of two wheels since the first reading, continued across wrap-around and restarts of the robot.
 
-    The counts between the last reading and a restart are lost: less than one round's worth.
+    The counts between the last reading and a restart are lost: less than one round's worth. `restarted` is set when the
+    robot has sent its banner: its counters begin at zero again.
     """
 
     def __init__(self, bits: int) -> None:
@@ -278,11 +279,7 @@ class Counters:
         self._bits = bits
         self._raw: tuple[int, int] | None = None
         self._doubt: tuple[int, int] | None = None
-        self._restarted = False
-
-    def restarted(self) -> None:
-        """Record that the robot sent its banner: its counters restarted at zero."""
-        self._restarted = True
+        self.restarted = False
 
     def update(self, left: int, right: int) -> bool:
         """Add a reading. One that jumps, which a disturbed one may, counts if the next one agrees with it.
@@ -294,14 +291,14 @@ class Counters:
             self._raw = self.total = raw
             return False
         jumped = self._is_far(raw, self._raw)
-        if jumped and not self._restarted and (self._doubt is None or self._is_far(raw, self._doubt)):
+        if jumped and not self.restarted and (self._doubt is None or self._is_far(raw, self._doubt)):
             self._doubt = raw
             return False
-        was_reset = (self._restarted or jumped) and not self._is_far(raw, (0, 0))
-        noticed = was_reset and not self._restarted
+        was_reset = (self.restarted or jumped) and not self._is_far(raw, (0, 0))
+        noticed = was_reset and not self.restarted
         left_change, right_change = raw if was_reset else self._changes(raw, self._raw)
         self.total = self.total[0] + left_change, self.total[1] + right_change
-        self._raw, self._doubt, self._restarted = raw, None, False
+        self._raw, self._doubt, self.restarted = raw, None, False
         return noticed
 
     def _changes(self, new: tuple[int, int], old: tuple[int, int]) -> tuple[int, int]:

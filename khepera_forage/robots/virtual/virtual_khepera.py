@@ -99,10 +99,11 @@ class VirtualKhepera:
         firmware: Executes the requests.
         tcp: Port on 127.0.0.1, 0 for any; a pseudo-terminal by default.
         baud: Speed of the line; None is as fast as possible.
-        faults: Rates of the faults, which may be set at any time; none by default.
-        rng: Draws the faults.
+        faults: Rates of the faults; none by default.
+        rng: Draws the faults; one with a constant seed by default.
 
     Attributes:
+        faults: Rates of the faults, which may be set at any time.
         fault_counts: How often each fault has occurred, by name; the number of all `replies`, with or without a fault;
             and of garbled ones that are `undetectable`.
         url: Argument of `serial.serial_for_url`: "/dev/pts/5" or "socket://127.0.0.1:40123".
@@ -110,7 +111,7 @@ class VirtualKhepera:
             command: a broken data wire, or a radio link out of range. May be set at any time.
 
     Raises:
-        ValueError: A baud rate that a Khepera does not support, or faults without `rng`.
+        ValueError: A baud rate that the robot does not support.
         OSError: The TCP port is in use, or the system has no pseudo-terminals.
     """
 
@@ -128,7 +129,7 @@ class VirtualKhepera:
             allowed = ", ".join(map(str, protocol.baud_rates))
             raise ValueError(f"baud is {baud!r}; allowed: {allowed}, or None for unlimited speed")
         self._byte_time = 0.0 if baud is None else seconds_on_wire(1, baud, protocol.stop_bits)
-        self._firmware, self._rng = firmware, rng
+        self._firmware, self._rng = firmware, np.random.default_rng(0) if rng is None else rng
         self.faults = Faults() if faults is None else faults
         self.fault_counts: Counter[str] = Counter()
         self._end = _Pty() if tcp is None else _TcpPort(tcp)
@@ -143,17 +144,6 @@ class VirtualKhepera:
         self._wake_reader, self._wake_writer = os.pipe()
         self._thread = threading.Thread(target=self._serve, name=f"khepera {self.url}", daemon=True)
         self._thread.start()
-
-    @property
-    def faults(self) -> Faults:
-        """Rates of the faults; may be set at any time, if there is an `rng`."""
-        return self._faults
-
-    @faults.setter
-    def faults(self, faults: Faults) -> None:
-        if faults.total and self._rng is None:
-            raise ValueError("faults without a random generator; allowed: rng=numpy.random.default_rng(seed)")
-        self._faults = faults
 
     @property
     def connected(self) -> bool:
@@ -195,10 +185,10 @@ class VirtualKhepera:
 
     def _execute(self, line: bytes) -> bool:
         """Execute a request, with a fault if one is drawn; returns whether the line still works."""
-        faults, rng, counts, firmware = self._faults, self._rng, self.fault_counts, self._firmware
-        fault = None if rng is None else faults.draw(rng)
+        faults, rng, counts, firmware = self.faults, self._rng, self.fault_counts, self._firmware
+        fault = faults.draw(rng)
         counts["replies"] += 1
-        if fault is None or rng is None:
+        if fault is None:
             self._reply(firmware.handle(line))
             return True
         counts[fault] += 1
