@@ -71,7 +71,7 @@ _LASTS = (60.0, 60.0)
 """Seconds after which a fault that nothing has noticed is repaired."""
 
 
-@dataclass(slots=True)
+@dataclass
 class FaultRow:
     """One fault.
 
@@ -102,7 +102,7 @@ class FaultRow:
     text: str = ""
 
 
-@dataclass(slots=True)
+@dataclass
 class TrainingResult:
     """One whole training.
 
