@@ -20,8 +20,6 @@ from khepera_forage.robots.serial.protocol import (
     TextLine,
 )
 
-"""Every command as in the drivers of the sources: request, its bytes, reply, its bytes."""
-
 
 def test_restart_has_no_reply_but_the_banner() -> None:
     assert KHEPERA.encode_request(Request(RESTART)) == b"restart\n"
@@ -64,19 +62,7 @@ def test_replies_survive_encoding_and_decoding(reply: Reply) -> None:
 
 def near_protocol() -> st.SearchStrategy[bytes]:
     """Any bytes, and bytes that resemble the protocol."""
-    parts = [
-        *(name.encode() for name in COMMANDS),
-        b"t",
-        b"d",
-        b"z",
-        b",",
-        b"-",
-        b"0",
-        b"7",
-        b"255",
-        b"1,",
-        b"\xff",
-    ]
+    parts = [*(name.encode() for name in COMMANDS), *b"t d z , - 0 7 255 1, \xff".split()]
     return st.one_of(st.binary(), st.lists(st.sampled_from(parts)).map(b"".join))
 
 

@@ -378,13 +378,12 @@ class Line:
         """
         missing_before, failed_before = len(exchange.missing), exchange.failed
         garbled, rejected, reason = 0, False, "received nothing"
-        expected = [*(slot for slot in exchange.missing if slot not in to_send), *to_send]
+        answers_left = missing_before
         self._forget_answered()
         if to_send[0].request.command in {slot.command for slot in self._pending}:
             # A query first: no late reply is then taken for that to the first request.
-            to_send = [self._fresh_query(expected), *to_send]
-            expected.append(to_send[0])
-        answers_left = len(expected)
+            to_send = [self._fresh_query(to_send), *to_send]
+            answers_left += 1
         deadline = self._send(to_send, answers_left) + exchange.backoff * self.timeout
         while exchange.missing:
             self._check()
@@ -398,10 +397,8 @@ class Line:
                     self._give_up(exchange, reason)
                 if garbled or exchange.insist:
                     break
-                query = self._fresh_query(expected)
-                expected.append(query)
+                deadline = self._send([self._fresh_query([])], 1) + exchange.backoff * self.timeout
                 answers_left += 1
-                deadline = self._send([query], 1) + exchange.backoff * self.timeout
             if line is None:
                 continue
             reply = self._decode(line)
@@ -455,9 +452,9 @@ class Line:
         del self._pending[:count]
         self._stale, self._received = max(0, self._stale - count), []
 
-    def _fresh_query(self, expected: list[_Slot]) -> _Slot:
+    def _fresh_query(self, to_send: list[_Slot]) -> _Slot:
         """A query whose reply cannot be taken for another."""
-        taken = {slot.command for slot in self._pending} | {slot.request.command for slot in expected}
+        taken = {slot.command for slot in self._pending} | {slot.request.command for slot in to_send}
         # If all are taken, the first is as good as any: its reply shows only that there is a robot.
         queries = self.protocol.queries
         return _Slot(next((query for query in queries if query.command not in taken), queries[0]))
