@@ -132,7 +132,7 @@ class VirtualKhepera:
         self._firmware, self._rng = firmware, np.random.default_rng(0) if rng is None else rng
         self.faults = Faults() if faults is None else faults
         self.fault_counts: Counter[str] = Counter()
-        self._end = _Pty() if tcp is None else _TcpPort(tcp)
+        self._end = _End(tcp)
         self.url = self._end.url
         self.interrupted = False
         self._splitter = LineSplitter()
@@ -261,59 +261,46 @@ def is_undetectable(data: bytes, reply: bytes, protocol: Protocol) -> bool:
     return False
 
 
-class _Pty:
-    """A pseudo-terminal without echo or translation. The host's end also stays open here, so that it can reconnect."""
+class _End:
+    """The robot's end of the line: a pseudo-terminal without echo or translation, or a TCP port of this machine.
 
-    def __init__(self) -> None:
+    The host's end of the terminal stays open here, too, so that it can reconnect. A TCP port has one host at a time: a
+    second connection is closed at once.
+    """
+
+    def __init__(self, tcp: int | None) -> None:
+        self._listener: socket.socket | None = None
+        self._host: int | None = None
+        self._terminal: int | None = None
+        if tcp is not None:
+            self._listener = socket.create_server(("127.0.0.1", tcp))
+            self._listener.setblocking(False)
+            self.url = f"socket://127.0.0.1:{self._listener.getsockname()[1]}"
+            return
         try:
             import pty
             import tty
-        except ImportError:  # systems without pseudo-terminals can still use `_TcpPort`
+        except ImportError:  # systems without pseudo-terminals can still use a TCP port
             raise OSError(
                 "a virtual robot's serial port is a pseudo-terminal, which this system does not have; allowed: Linux, "
                 "macOS, or Windows Subsystem for Linux"
             ) from None
-        self._master, self._slave = pty.openpty()
-        tty.setraw(self._slave)
-        os.set_blocking(self._master, False)
-        self.url = os.ttyname(self._slave)
+        self._host, self._terminal = pty.openpty()
+        tty.setraw(self._terminal)
+        os.set_blocking(self._host, False)
+        self.url = os.ttyname(self._terminal)
 
     def filenos(self) -> list[int]:
         """Descriptors that become readable when `read` has bytes to return."""
-        return [self._master]
-
-    def read(self) -> bytes:
-        with contextlib.suppress(BlockingIOError):
-            return os.read(self._master, _CHUNK)
-        return b""
-
-    def write(self, data: bytes) -> None:
-        with contextlib.suppress(BlockingIOError):
-            os.write(self._master, data)
-
-    def close(self) -> None:
-        os.close(self._master)
-        os.close(self._slave)
-
-
-class _TcpPort:
-    """A TCP port on 127.0.0.1 for one host at a time; a second connection is closed at once."""
-
-    def __init__(self, port: int) -> None:
-        self._listener = socket.create_server(("127.0.0.1", port))
-        self._listener.setblocking(False)
-        self._host: socket.socket | None = None
-        self.url = f"socket://127.0.0.1:{self._listener.getsockname()[1]}"
-
-    def filenos(self) -> list[int]:
-        return [end.fileno() for end in (self._host, self._listener) if end is not None]
+        listener = [] if self._listener is None else [self._listener.fileno()]
+        return listener if self._host is None else [self._host, *listener]
 
     def read(self) -> bytes:
         """The bytes that have arrived; also accepts a new host after the last one has disconnected."""
         data = b""
         if self._host is not None:
             try:
-                data = self._host.recv(_CHUNK)
+                data = os.read(self._host, _CHUNK)
             except BlockingIOError:
                 pass
             except OSError:
@@ -321,20 +308,22 @@ class _TcpPort:
             else:
                 if not data:
                     self._disconnect()
-        with contextlib.suppress(BlockingIOError):
-            host, _ = self._listener.accept()
-            if self._host is not None:
-                host.close()
-            else:
-                host.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                host.setblocking(False)
-                self._host = host
+        if self._listener is not None:
+            with contextlib.suppress(BlockingIOError):
+                host, _ = self._listener.accept()
+                if self._host is not None:
+                    host.close()
+                else:
+                    host.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                    host.setblocking(False)
+                    self._host = host.detach()
         return data
 
     def write(self, data: bytes) -> None:
+        """Send bytes; those that exceed the buffer are lost."""
         if self._host is not None:
             try:
-                self._host.send(data)
+                os.write(self._host, data)
             except BlockingIOError:
                 pass
             except (BrokenPipeError, ConnectionResetError):
@@ -342,9 +331,12 @@ class _TcpPort:
 
     def close(self) -> None:
         self._disconnect()
-        self._listener.close()
+        if self._terminal is not None:
+            os.close(self._terminal)
+        if self._listener is not None:
+            self._listener.close()
 
     def _disconnect(self) -> None:
         if self._host is not None:
-            self._host.close()
+            os.close(self._host)
             self._host = None
