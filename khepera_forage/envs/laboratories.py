@@ -6,8 +6,7 @@ from typing import Any
 
 from khepera_forage.envs.arguments import set_up_of, timing_of
 from khepera_forage.extras import require
-from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettings
-from khepera_forage.lab.settings_file import load
+from khepera_forage.lab.settings_file import CameraSettings, LabSettings, RobotSettings, load
 from khepera_forage.lab.virtual_laboratory import VirtualCubeLaboratory, VirtualLaboratory
 from khepera_forage.robots.model import KHEPERA, TOIO
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT

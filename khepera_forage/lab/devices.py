@@ -7,7 +7,7 @@ from contextlib import ExitStack
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.lab.settings import LabSettings
+from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.robots.drivers import open_robot
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import PULSE

@@ -18,10 +18,10 @@ from khepera_forage.lab.localisation import (
     pose_of,
 )
 from khepera_forage.lab.operator import Operator, OperatorRequest, RobotMark, ask_person
-from khepera_forage.lab.settings import LabSettings
+from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.robots.khepera import ARM_RAISED, FOOD_RADIUS, JAW_OPEN, RADIUS, Motors, RobotLost
 from khepera_forage.robots.proximity import clean_readings, reported_readings
-from khepera_forage.robots.real_robot import RealRobot, stop_and_log
+from khepera_forage.robots.real_robot import RealRobot, stop_all, stop_and_log
 from khepera_forage.robots.toio.driver import ToioRobot
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen
@@ -235,7 +235,7 @@ class Laboratory:
             yield
         except BaseException as error:
             self._ready = False
-            self._fleet.stop_all()
+            stop_all(self.robots)
             moving = [robot.port for robot in self.robots if not robot.stop_confirmed]
             if moving:  # the same message tells it: a second one would be overlooked
                 message = f"{error}; {', '.join(moving)} may still be moving: switch it off"

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from khepera_forage.lab.operator import RobotMark, holes_text
-from khepera_forage.lab.settings import Tolerance
+from khepera_forage.lab.settings_file import Tolerance
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
     ARM_RAISED,

@@ -11,7 +11,7 @@ from khepera_forage.lab.clock import SimulatedClock
 from khepera_forage.lab.cubes import CubeOperator
 from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import Operator, OperatorGaveUp, OperatorRequest
-from khepera_forage.lab.settings import LabSettings
+from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.drivers import serial_driver
 from khepera_forage.robots.khepera import CONTROL_PERIOD

@@ -41,16 +41,12 @@ class Fleet:
         """Stop all wheels."""
         _raise_any([error for _, error in stop_all(self.robots)])
 
-    def stop_all(self) -> None:
-        """Stop all wheels, and raise no error: `stop_confirmed` of each robot has the result."""
-        stop_all(self.robots)
-
     def close(self, report: bool = True) -> None:
         """Stop all robots in parallel, then close their ports; log those that do not confirm, unless told not to."""
         if report:
             stop_and_log(self.robots, "when its port was closed")
         else:
-            self.stop_all()
+            stop_all(self.robots)
         for robot in self.robots:
             robot.close(stop=False)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.lab.devices import FreshFrames
-from khepera_forage.lab.settings import CameraSettings, LabSettings
+from khepera_forage.lab.settings_file import CameraSettings, LabSettings
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import CameraLost
 from tests.version_0_1 import CORRIDOR

@@ -17,8 +17,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
-from khepera_forage.lab.settings import LabSettings
-from khepera_forage.lab.settings_file import parse
+from khepera_forage.lab.settings_file import LabSettings, parse
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
