@@ -157,7 +157,7 @@ def test_repeated_error_replies_raise_request_rejected() -> None:
 def test_disconnected_robot_is_lost_without_more_tries() -> None:
     with opened() as (line, scripted):
         line.exchange([N])
-        scripted.disconnect()
+        scripted.close()
         with pytest.raises(RobotLost, match="'H' was not sent: the port failed") as lost:
             line.exchange([H])
         assert lost.value.tries == 0

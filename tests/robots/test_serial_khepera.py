@@ -55,7 +55,7 @@ def requests_per_round(robot: SerialKhepera, rig: Rig, motors: Motors, rounds: i
 
 
 def test_round_sends_only_necessary_requests() -> None:
-    with make_rig() as rig, SerialKhepera(rig.url) as robot:
+    with make_rig() as rig, SerialKhepera(rig.url, timeout=5.0) as robot:
         run_rounds(rig, robot, STILL, 12)
         for sent in requests_per_round(robot, rig, FORWARD, 9):
             assert sent[:1] == ["D,5,5"]

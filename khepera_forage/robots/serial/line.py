@@ -75,8 +75,6 @@ both positions and with all digits."""
 _ROUND, _GRIPPER_ROUND = (4, 61), (6, 103)
 """The same for a round in which the gripper rests (D, N, T,1,G and H), or moves: medians of `benchmarks/wire.py`."""
 
-_MEASURING_TIMEOUT = 1.2
-"""Seconds after which no further measurement begins."""
 _PATIENCE = 0.6
 """Seconds to wait for a reply before the latency is known: a repeated request would distort the measurement."""
 
@@ -275,22 +273,22 @@ class Line:
         begin, patience, latencies = self.now(), self.timeout, list[float]()
         query, identity = self.protocol.queries[0], self.protocol.identity
         self.timeout = max(patience, _PATIENCE)
-        for request in (identity, stop, query, identity, query):
-            if len(latencies) > 1 and self.now() > begin + _MEASURING_TIMEOUT:
+        for requests in ([identity, stop], [query], [identity], [query]):
+            if latencies and self.now() + latencies[-1] > begin + OPENING_TIMEOUT:
                 break
             self.deadline = self.now() + max(OPENING_TIMEOUT, _TRIES * patience)
-            latencies.append(self._excess_time([request]))
-        # The shortest: the others may contain disturbances. The lower of two medians, for the same reason.
-        usual = statistics.median_low(latencies)
-        self.timeout = max(patience, min(2 * usual, MAX_ADAPTED_TIMEOUT))
-        self.timing = self.timing._replace(latency=min(latencies))
+            latencies.append(self._excess_time(requests))
+        # The lower of two medians, and the shortest: the others may contain disturbances. The first is too short where
+        # the transmission of its two requests overlaps.
+        self.timeout = max(patience, min(2 * statistics.median_low(latencies), MAX_ADAPTED_TIMEOUT))
+        self.timing = self.timing._replace(latency=min(latencies[1:] or latencies))
         # Again: a stall of the computer looks like a robot that replies to one request after the other.
         together = any(self._answers_together(begin) for _ in range(3))
         self.timing = self.timing._replace(pipelined=together)
 
     def _answers_together(self, opened: float) -> bool:
         """Whether all replies to pipelined requests arrive together, after one latency."""
-        if self.now() > opened + _MEASURING_TIMEOUT:
+        if self.now() + self.timing.latency > opened + OPENING_TIMEOUT:
             return True  # no time to test it
         requests = [query for query in self.protocol.queries if query.command in ("N", "E", "O")]
         self.deadline = self.now() + self.timeout + self._on_wire(len(requests) * _MAX_REPLY_LENGTH)

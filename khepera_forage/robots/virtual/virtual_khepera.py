@@ -214,7 +214,7 @@ class VirtualKhepera:
 
     def _reply(self, data: bytes, lateness: float = 0.0) -> None:
         """Queue a reply at the speed of the line. Later ones wait behind it, but requests are executed meanwhile."""
-        piece = max(1, round(_PIECE_DURATION / self._byte_time)) if self._byte_time else len(data)
+        piece = max(1, round(_PIECE_DURATION / self._byte_time) if self._byte_time else len(data))
         due = max(self._sent_until, time.monotonic() + lateness)
         for i in range(0, len(data), piece):
             self._replies.append((due + min(i + piece, len(data)) * self._byte_time, data[i : i + piece]))
