@@ -273,7 +273,7 @@ class Line:
         begin, patience, latencies = self.now(), self.timeout, list[float]()
         query, identity = self.protocol.queries[0], self.protocol.identity
         self.timeout = max(patience, _PATIENCE)
-        for requests in ([identity, stop], [query], [identity], [query]):
+        for requests in ([identity, stop], [query], [identity], [query], [identity]):
             if latencies and self.now() + latencies[-1] > begin + OPENING_TIMEOUT:
                 break
             self.deadline = self.now() + max(OPENING_TIMEOUT, _TRIES * patience)
