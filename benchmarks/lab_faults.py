@@ -54,7 +54,7 @@ from khepera_forage.study import Count, Page, Picture, collect, finish, parse
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-COUNT = Count("series", 34, 1, f"series of trainings, each with {len(KINDS)} faults", adds_units=True)
+COUNT = Count("series", 10, 1, f"series of trainings, each with {len(KINDS)} faults", adds_units=True)
 QUICK = 3
 """Every third kind of fault, with --quick."""
 EPISODES = 2
