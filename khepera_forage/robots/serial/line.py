@@ -14,7 +14,6 @@ Requires pyserial, the extra `robots`; it is imported when a port is opened, not
 
 import contextlib
 import math
-import socket
 import statistics
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -255,12 +254,9 @@ class Line:
     @property
     def descriptor(self) -> int | None:
         """File descriptor of the open port; None if it has none, as `loop://`."""
-        # `rfc2217://` has no `fileno`.
-        connection = getattr(self._serial, "_socket", None)
-        if isinstance(connection, socket.socket):
-            return connection.fileno()
         try:
-            return int(self._serial.fileno())
+            # `rfc2217://` has no `fileno`.
+            return int((getattr(self._serial, "_socket", None) or self._serial).fileno())
         except (AttributeError, OSError):
             return None
 
