@@ -234,7 +234,8 @@ class RealRobot(ABC):
 
     def suspend(self) -> bool:
         """Make the next request raise `RobotSuspended` if the wheels may be turning; returns whether they may."""
-        turning = not self.stop_confirmed
+        # A command may be on its way, whatever was confirmed.
+        turning = not self.stop_confirmed or (self._command is not None and any(self._command[:2]))
         self._suspended = self._suspended or turning
         return turning
 
