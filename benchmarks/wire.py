@@ -16,12 +16,13 @@ from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
+from unittest.mock import patch
 
 import numpy as np
 from laboratory import Work
 
 from khepera_forage.envs.arguments import checked_arena, timing_of
-from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, extremes, pick, quantiles
+from khepera_forage.estimates import UNKNOWN, Estimate, Table, Value, extremes, pick, quantiles, table_of
 from khepera_forage.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
 from khepera_forage.lab.clock import WallClock
 from khepera_forage.robots.fleet import Fleet
@@ -35,19 +36,16 @@ from khepera_forage.robots.khepera import (
     RobotLost,
     Senses,
 )
-from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
-from khepera_forage.robots.serial.line import Traffic
-from khepera_forage.robots.serial.line_timing import LineTooSlow
-from khepera_forage.robots.serial.protocol import seconds_on_wire
+from khepera_forage.robots.serial.line import LineTooSlow
+from khepera_forage.robots.serial.protocol import BAUD_RATES, seconds_on_wire
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
 from khepera_forage.sim.arena import copies
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from khepera_forage.study import Count, Page, Picture, Rows, collect, finish, parse
+from khepera_forage.study import Count, Page, Picture, collect, finish, parse
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 if TYPE_CHECKING:
@@ -168,14 +166,13 @@ class Round:
 def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Round]:
     """Robots that drive about and now and then move the gripper; all drives have the same commands."""
     wheels = np.random.default_rng(seed).integers(-12, 13, (rounds + _WARM_UP, 2)).tolist()
-    rows = []
+    rows, heard = [], list[bytes]()
     with (
         virtual_fleet(baud, robots, seed) as virtual,
+        patch.object(virtual.firmwares[0], "handle", recorded(virtual.firmwares[0].handle, heard)),
         closing(SerialKhepera(virtual.ports[0].url, baud=baud)) as first,
         Fleet([first, *(SerialKhepera(port.url, baud=baud) for port in virtual.ports[1:])]) as fleet,
     ):
-        heard: list[Traffic] = []
-        first.on_traffic(heard.append)
         for number, (left, right) in enumerate(wheels, -_WARM_UP):
             down = number >= 0 and number // _MOVEMENT_PERIOD % 2
             for robot in fleet.robots:
@@ -189,12 +186,22 @@ def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Round]:
             fleet.receive()
             taken += time.perf_counter() - begin
             if number >= 0:
-                sent = b"".join(traffic.data for traffic in heard if traffic.sent)
-                gripper = any(command in sent for command in (b"T,1,D", b"T,1,E", b"T,1,H"))
-                count = sum(len(traffic.data) for traffic in heard)
+                gripper = any(line.startswith((b"T,1,D", b"T,1,E", b"T,1,H")) for line in heard)
+                count = len(b"".join(heard))
                 wire = 1000 * seconds_on_wire(count, baud)
                 rows.append(Round(baud, robots, gripper, count, wire, 1000 * taken))
     return rows
+
+
+def recorded(handle: Callable[[bytes], bytes], heard: list[bytes]) -> Callable[[bytes], bytes]:
+    """A firmware that also records requests and replies."""
+
+    def handle_and_record(line: bytes) -> bytes:
+        reply = handle(line)
+        heard.extend((line + b"\n", reply))
+        return reply
+
+    return handle_and_record
 
 
 @dataclass(frozen=True, slots=True)
@@ -310,7 +317,7 @@ def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[DisturbedRo
                 error = max(abs(a - b) for a, b in zip(read[1:3], true[1:3], strict=True))
             except RobotLost:
                 taken, lost = time.perf_counter() - begin, True
-            counts = port.fault_counts.undetectable, robot.statistics.unknown
+            counts = port.fault_counts["undetectable"], robot.statistics.unknown
             rows.append(DisturbedRound(disturbance, 1000 * taken, error, *counts, lost))
         port.faults = Faults()
     return rows
@@ -365,21 +372,20 @@ def wire_table(rows: Sequence[Round]) -> Table:
         f"{DECISIONS.arm_travel_time:g} s; a byte takes 11 bits. On the wire: median [lowest, highest]. Measured: "
         "`transmit` and `receive` with a virtual Khepera at the pace of the baud rate; median [5th, 95th percentile]."
     )
-    columns = (
-        *map(Column, ("baud", "round", "rounds")),
-        Column("on the wire (ms)", estimate=True),
-        Column("measured (ms)", estimate=True),
-        Column(f"within {PERIOD_MS:.0f} ms (%)", digits=0),
-    )
-    lines = []
-    for baud in BAUD_RATES:
-        for gripper, kind in _KINDS.items():
-            own = pick(rows, baud=baud, robots=1, gripper=gripper)
-            if own:
-                wire, taken = extremes([row.wire for row in own]), [row.taken for row in own]
-                within = 100.0 * sum(ms <= PERIOD_MS for ms in taken) / len(own)
-                lines.append((baud, kind, len(own), wire, quantiles(taken), within))
-    return Table("wire", "Time on the wire", note, columns, lines)
+    lines: list[dict[str, Value]] = [
+        {
+            "baud": baud,
+            "round": kind,
+            "rounds": len(own),
+            "on the wire (ms)": extremes([row.wire for row in own]),
+            "measured (ms)": quantiles([row.taken for row in own]),
+            f"within {PERIOD_MS:.0f} ms (%)": 100.0 * sum(row.taken <= PERIOD_MS for row in own) / len(own),
+        }
+        for baud in BAUD_RATES
+        for gripper, kind in _KINDS.items()
+        if (own := pick(rows, baud=baud, robots=1, gripper=gripper))
+    ]
+    return table_of("wire", "Time on the wire", note, lines)
 
 
 def _by_fleet(rows: Sequence[Round]) -> dict[int, Estimate]:
@@ -393,49 +399,43 @@ def fleet_table(rows: Sequence[Round]) -> Table:
         f"All at {BAUD} baud, each robot on a port of its own, virtual Kheperas and drivers on one computer. Median "
         "[5th, 95th percentile] of the rounds in which the first robot's gripper rests."
     )
-    columns = (Column("robots"), Column("a round (ms)", estimate=True), Column("times one robot's", digits=2))
     measured = _by_fleet(rows)
-    lines = [(robots, taken, taken.value / measured[1].value) for robots, taken in measured.items()]
-    return Table("fleet", "Several robots in parallel", note, columns, lines)
+    lines: list[dict[str, Value]] = [
+        {"robots": robots, "a round (ms)": taken, "times one robot's": taken.value / measured[1].value}
+        for robots, taken in measured.items()
+    ]
+    return table_of("fleet", "Several robots in parallel", note, lines, {"times one robot's": 2})
 
 
 def latency_table(rows: Sequence[SlowRound]) -> Table:
     """Opening and rounds by latency."""
     note = (
-        f"One robot at {BAUD} baud; wheels and gripper move. Opening: until the line is measured and accepted or "
-        "rejected. At the beginning of a period, the readings are requested; when they have arrived, the next commands "
-        "are sent. From the beginning of the period: until these are sent; bound: the period and one latency. Between "
-        "rounds: from the arrival of a round's readings to that of the next round's; bound: the period, and the "
-        "latency or the time that the transmission of two rounds can differ, whichever is longer. Median [5th, 95th "
-        "percentile], and the longest."
+        f"One robot at {BAUD} baud; wheels and gripper move. Times in ms. Opening: until the line is measured and "
+        "accepted or rejected. At the beginning of a period, the readings are requested; when they have arrived, the "
+        "next commands are sent. End: from the beginning of the period until these are sent; bound: the period and one "
+        "latency. Between: from the arrival of a round's readings to that of the next round's; bound: the period, and "
+        "the latency or the time that the transmission of two rounds can differ, whichever is longer. Median [5th, "
+        "95th percentile], and the longest."
     )
-    columns = (
-        Column("latency (ms)"),
-        Column("opening (ms)", digits=0),
-        Column("line"),
-        Column("from the beginning of the period (ms)", digits=0, estimate=True),
-        Column("longest (ms)", digits=0),
-        Column("bound: period + latency (ms)", digits=0),
-        Column("between rounds (ms)", digits=0, estimate=True),
-        Column("longest time between (ms)", digits=0),
-        Column("bound (ms)", digits=0),
-    )
-    lines: list[tuple[Value, ...]] = []
+    lines: list[dict[str, Value]] = []
     for latency in dict.fromkeys(row.latency for row in rows):
         own = pick(rows, latency=latency)
+        accepted = own[0].accepted
         exchanged, taken = [row.exchanged for row in own], [row.taken for row in own]
-        times: tuple[Value, ...] = 2 * (UNKNOWN, math.nan, math.nan)
-        if own[0].accepted:
-            times = (
-                quantiles(exchanged),
-                max(exchanged),
-                own[0].latest,
-                quantiles(taken),
-                max(taken),
-                own[0].bound,
-            )
-        lines.append((latency, own[0].opening, "accepted" if own[0].accepted else "rejected", *times))
-    return Table("latency", "Lines with a latency", note, columns, lines)
+        lines.append(
+            {
+                "latency": latency,
+                "opening": own[0].opening,
+                "line": "accepted" if accepted else "rejected",
+                "end": quantiles(exchanged) if accepted else UNKNOWN,
+                "longest": max(exchanged) if accepted else math.nan,
+                "bound": own[0].latest if accepted else math.nan,
+                "between": quantiles(taken) if accepted else UNKNOWN,
+                "longest between": max(taken) if accepted else math.nan,
+                "bound between": own[0].bound if accepted else math.nan,
+            }
+        )
+    return table_of("latency", "Lines with a latency", note, lines, dict.fromkeys(lines[0], 0))
 
 
 def disturbance_table(rows: Sequence[DisturbedRound]) -> Table:
@@ -447,21 +447,22 @@ def disturbance_table(rows: Sequence[DisturbedRound]) -> Table:
         "end: after the last round, which is undisturbed. Unknown: readings that could not be confirmed. Lost: rounds "
         "that ended with `RobotLost`."
     )
-    columns = (
-        *map(Column, ("replies", "rounds")),
-        Column("a round (ms)", digits=0, estimate=True),
-        Column("longest (ms)", digits=0),
-        *map(Column, ("undetectable", "counters wrong (rounds)", "counter error at the end (pulses)")),
-        *map(Column, ("unknown", "lost")),
-    )
-    lines: list[tuple[Value, ...]] = []
-    for disturbance in dict.fromkeys(row.disturbance for row in rows):
-        own = pick(rows, disturbance=disturbance)
-        taken, last = [row.taken for row in own], own[-1]
-        wrong, lost = sum(row.error > 0 for row in own[:-1]), sum(row.lost for row in own)
-        counts = (last.undetectable, wrong, last.error, last.unknown, lost)
-        lines.append((disturbance, len(own), quantiles(taken), max(taken), *counts))
-    return Table("disturbances", "Disturbed lines", note, columns, lines)
+    lines: list[dict[str, Value]] = [
+        {
+            "replies": disturbance,
+            "rounds": len(own),
+            "a round (ms)": quantiles([row.taken for row in own]),
+            "longest (ms)": max(row.taken for row in own),
+            "undetectable": own[-1].undetectable,
+            "counters wrong (rounds)": sum(row.error > 0 for row in own[:-1]),
+            "counter error at the end (pulses)": own[-1].error,
+            "unknown": own[-1].unknown,
+            "lost": sum(row.lost for row in own),
+        }
+        for disturbance in dict.fromkeys(row.disturbance for row in rows)
+        if (own := pick(rows, disturbance=disturbance))
+    ]
+    return table_of("disturbances", "Disturbed lines", note, lines, {"a round (ms)": 0, "longest (ms)": 0})
 
 
 def ending_table(rows: Sequence[End]) -> Table:
@@ -471,13 +472,17 @@ def ending_table(rows: Sequence[End]) -> Table:
         "stop: median [lowest, highest]. After a crash, `os._exit`, kill -9 and SIGSTOP the watchdog stops the robot; "
         "it notices SIGSTOP by 0.5 s without a sign of life."
     )
-    columns = (
-        *map(Column, ("end of the process", "processes")),
-        Column("wheels turn on (ms)", 0, estimate=True),
-    )
-    ends = {ending: [row.taken for row in pick(rows, ending=ending)] for ending in ENDINGS}
-    lines = [(ending, len(taken), extremes(taken)) for ending, taken in ends.items() if taken]
-    return Table("endings", "Ends of a process", note, columns, lines)
+    turning = "wheels turn on (ms)"
+    lines: list[dict[str, Value]] = [
+        {
+            "end of the process": ending,
+            "processes": len(own),
+            turning: extremes([row.taken for row in own]),
+        }
+        for ending in ENDINGS
+        if (own := pick(rows, ending=ending))
+    ]
+    return table_of("endings", "Ends of a process", note, lines, {turning: 0})
 
 
 def picture(rows: Sequence[Round]) -> "Figure":
@@ -505,20 +510,6 @@ def picture(rows: Sequence[Round]) -> "Figure":
     return figure
 
 
-def page(rows: Rows) -> Page:
-    """Tables and a picture."""
-    rounds = rows.of(Round)
-    parts: list[Table | Picture] = [
-        wire_table(rounds),
-        fleet_table(rounds),
-        latency_table(rows.of(SlowRound)),
-        disturbance_table(rows.of(DisturbedRound)),
-        ending_table(rows.of(End)),
-        Picture("wire", "milliseconds of a round by baud rate, and by number of robots", picture(rounds)),
-    ]
-    return Page("Serial lines", parts)
-
-
 def main() -> int:
     """Run the benchmark."""
     count = Count("rounds", 200, 12, "rounds at each baud rate and with each number of robots")
@@ -541,7 +532,17 @@ def main() -> int:
         ),
     ]
     tables = {Round: "rounds", SlowRound: "slow_lines", DisturbedRound: "disturbed_lines", End: "endings"}
-    return finish(given, page(collect(given, units, tables)))
+    rows = collect(given, units, tables)
+    rounds = rows.of(Round)
+    parts: list[Table | Picture] = [
+        wire_table(rounds),
+        fleet_table(rounds),
+        latency_table(rows.of(SlowRound)),
+        disturbance_table(rows.of(DisturbedRound)),
+        ending_table(rows.of(End)),
+        Picture("wire", "milliseconds of a round by baud rate, and by number of robots", picture(rounds)),
+    ]
+    return finish(given, Page("Serial lines", parts))
 
 
 if __name__ == "__main__":

@@ -11,8 +11,7 @@ import pytest
 import khepera_forage
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.lab.clock import WallClock
-from khepera_forage.lab.settings import LabSettings
-from khepera_forage.lab.settings_file import load, parse
+from khepera_forage.lab.settings_file import LabSettings, load, parse
 from khepera_forage.policies import NearestNeighbourImitator, Teacher
 from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.sim.arenas.thesis import SetUp

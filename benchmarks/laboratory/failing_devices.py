@@ -21,8 +21,8 @@ from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.lab.clock import SimulatedClock
 from khepera_forage.lab.operator import Operator
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
-from khepera_forage.robots.serial.line_timing import LineTooSlow
-from khepera_forage.robots.virtual.faults import Faults
+from khepera_forage.robots.serial.line import LineTooSlow
+from khepera_forage.robots.virtual.virtual_khepera import Faults
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.vision.video import VideoSource
 
@@ -157,7 +157,7 @@ def laboratory(
             simulated.wait()
             camera.expose(lab.frame_source.newest()[0])
 
-        lab.clock = SimulatedClock(advance)
+        lab.clock = SimulatedClock(lab.settings.period, advance)
         yield lab, camera
 
 
@@ -261,11 +261,11 @@ _cut = _changed(lambda target: target.lab.virtual_kheperas[target.robot], "inter
 
 def _restart(target: Target) -> Repair:
     khepera = target.lab.virtual_kheperas[target.robot]
-    before = khepera.fault_counts.reset
+    before = khepera.fault_counts["reset"]
     khepera.faults = Faults(reset=1.0)
 
     def until_restarted() -> None:
-        while khepera.fault_counts.reset == before and khepera.connected:
+        while khepera.fault_counts["reset"] == before and khepera.connected:
             time.sleep(0.0005)
         khepera.faults = Faults()
 

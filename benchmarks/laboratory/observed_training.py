@@ -19,8 +19,6 @@ from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.policy import HEARD
-from khepera_forage.robots.khepera import Motors, Senses, applicable
-from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import Behaviour, StateVector
 
@@ -92,7 +90,7 @@ class ObservedTraining(TrainingEnv):
             arena_map = arena_map_of(arena)
             tracker = tracker_of(arena.foods, arena_map)
             draw_food_types(tracker.foods, 0, food_odds(None))
-            self._true.append(Forager(_Body(body), arena_map, told.holes, tracker, told.decisions))
+            self._true.append(Forager(body, arena_map, told.holes, tracker, told.decisions))
         perceive_all(self._true, self._lab.camera.look())
 
     def observe(self, agent: str) -> NDArray[np.int64]:
@@ -126,25 +124,6 @@ class ObservedTraining(TrainingEnv):
                 true.applied = told.applied
             perceive_all(self._true, self._lab.camera.look())
         self._on_round(self)
-
-
-class _Body:
-    """A simulated body that is sensed here and driven by its driver, over the line."""
-
-    has_gripper = True
-
-    def __init__(self, body: SimulatedKhepera) -> None:
-        self._body = body
-
-    def sense(self) -> Senses:
-        return self._body.sense()
-
-    def drive(self, motors: Motors) -> Motors:
-        return applicable(motors)
-
-    def stop(self) -> None: ...
-
-    def close(self) -> None: ...
 
 
 def _vector(forager: Forager) -> StateVector:

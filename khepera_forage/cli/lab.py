@@ -10,7 +10,7 @@ from khepera_forage.cli.camera import calibrate_command
 from khepera_forage.cli.options import Command, command, option
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.extras import require
-from khepera_forage.lab.settings import LabSettings, RobotSettings
+from khepera_forage.lab.settings_file import LabSettings, RobotSettings
 from khepera_forage.robots.drivers import open_robot
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.model import MODELS, TOIO

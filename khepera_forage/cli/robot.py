@@ -28,8 +28,8 @@ from khepera_forage.robots.khepera import (
 from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS, TOIO
 from khepera_forage.robots.proximity import MAX_READING
 from khepera_forage.robots.real_robot import RealRobot
-from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT, RequestRejected
+from khepera_forage.robots.serial.protocol import BAUD_RATES
 from khepera_forage.robots.serial.serial_robot import SerialRobot
 from khepera_forage.robots.toio.driver import ToioRobot
 

@@ -12,13 +12,11 @@ import numpy as np
 from khepera_forage.cli.options import command, option, seed
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.option_values import whole_number
-from khepera_forage.robots.epuck.virtual import EPuckFirmware
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS
-from khepera_forage.robots.serial.khepera_protocol import BAUD_RATES
-from khepera_forage.robots.virtual.faults import FAULTS, Faults
-from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from khepera_forage.robots.serial.protocol import BAUD_RATES
+from khepera_forage.robots.virtual.firmware import EPuckFirmware, Firmware
+from khepera_forage.robots.virtual.virtual_khepera import FAULTS, Faults, VirtualKhepera
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
@@ -99,8 +97,8 @@ def virtual_command(arguments: argparse.Namespace) -> None:
         print("stopped" if khepera.connected else "unplugged", flush=True)
     world.close()
     counts = khepera.fault_counts
-    happened = [f"{getattr(counts, fault)} {fault}" for fault in FAULTS if getattr(counts, fault)]
-    print(", ".join([f"{counts.replies} requests", *happened]))
+    happened = [f"{counts[fault]} {fault}" for fault in FAULTS if counts[fault]]
+    print(", ".join([f"{counts['replies']} requests", *happened]))
     if overruns:
         print(f"{overruns} rounds began late")
 

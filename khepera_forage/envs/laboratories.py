@@ -1,20 +1,23 @@
 """Laboratories under decisions: what a `lab.toml` leaves open, and laboratories without hardware."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from khepera_forage.envs.arguments import set_up_of, timing_of
 from khepera_forage.extras import require
-from khepera_forage.lab.settings import LabSettings
-from khepera_forage.lab.settings_file import load
-from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
-from khepera_forage.sim.arena import Arena
+from khepera_forage.lab.settings_file import CameraSettings, LabSettings, RobotSettings, load
+from khepera_forage.lab.virtual_laboratory import VirtualCubeLaboratory, VirtualLaboratory
+from khepera_forage.robots.model import KHEPERA, TOIO
+from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
+from khepera_forage.robots.toio.driver import SIMPLE_MAT, VIRTUAL
+from khepera_forage.sim.arena import Arena, Point, copies
 from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR
+from khepera_forage.sim.layout_checks import cable_anchor
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
-
-if TYPE_CHECKING:
-    from khepera_forage.lab.virtual_cubes import VirtualCubeLaboratory
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
 
 def load_settings(path: Path | str, decisions: Decisions = DEFAULT_DECISIONS) -> LabSettings:
@@ -36,25 +39,38 @@ def virtual_laboratory(
     arena: Arena | str = CORRIDOR,
     robots: int = 2,
     decisions: Decisions = DEFAULT_DECISIONS,
+    *,
+    timeout: float = DEFAULT_TIMEOUT,
+    robot: str = KHEPERA.name,
     **options: Any,
 ) -> VirtualLaboratory:
     """A laboratory without hardware, with copies of one arena side by side.
 
     Args:
-        arena: An arena, which is the first copy; or one of the names in `ARENAS`.
+        arena: An arena, which is the first copy; or one of the names in `ARENAS`. The copies of a named arena are
+            centred in the picture, whose border would cut off markers that extend over a wall.
         robots: Number of robots, the teacher first; a single robot is a learner.
         decisions: Where start, food and home are in a named arena, how long a round lasts, how fast arm and jaw move,
             and the marker of a single robot.
-        **options: Arguments of `VirtualLaboratory`, and `timeout`, that of the driver in seconds.
+        timeout: Of the driver, in seconds: how late the virtual robots of a busy machine may reply.
+        robot: Kind of the robots: khepera or e-puck2.
+        **options: Arguments of `VirtualLaboratory`.
     """
-    return VirtualLaboratory.from_arena(
-        arena, robots, set_up_of(decisions), timing_of(decisions), decisions.recall_marker, **options
-    )
+    original, timing = _arena(arena, decisions), timing_of(decisions)
+    placed = copies(original, robots)
+    if isinstance(arena, str):
+        x, y = cable_anchor(placed)
+        dx, dy = PICTURE_WIDTH * MM_PER_PIXEL / 2 - x, PICTURE_HEIGHT * MM_PER_PIXEL / 2 - y
+        placed = tuple(copy.shifted(dx, dy) for copy in placed)
+    ports = ["virtual"] * robots
+    entries = _entries(original, placed, ports, decisions, type=robot, timeout=timeout)
+    settings = LabSettings(original, entries, CameraSettings("rendered frames"), timing.round_duration)
+    return VirtualLaboratory(settings, arm_speed=timing.arm_speed, jaw_speed=timing.jaw_speed, **options)
 
 
 def virtual_cubes(
     arena: Arena | str = CORRIDOR, robots: int = 2, decisions: Decisions = DEFAULT_DECISIONS
-) -> "VirtualCubeLaboratory":
+) -> VirtualCubeLaboratory:
     """A laboratory of virtual toio cubes on a mat, with copies of one arena side by side.
 
     Args:
@@ -67,7 +83,39 @@ def virtual_cubes(
         ImportError: toio-py is missing.
     """
     require("a laboratory of toio cubes", "toio")
-    from khepera_forage.lab.virtual_cubes import VirtualCubeLaboratory
+    original = _arena(arena, decisions)
+    x1, y1, _, y2 = original.bounds
+    placed = [original.shifted(_BORDER - x1, _BORDER - y1 + i * (y2 - y1 + _GAP)) for i in range(robots)]
+    width, height = SIMPLE_MAT.size
+    if any(copy.bounds[2] > width or copy.bounds[3] > height for copy in placed):
+        raise ValueError(f"{robots} arenas {original.name} do not fit a mat of {width:.0f} x {height:.0f} mm")
+    ports = [f"{VIRTUAL}robot {i}" for i in range(robots)]
+    foods = tuple(f"{VIRTUAL}food {i}" for i in range(robots * len(original.foods)))
+    entries = _entries(original, placed, ports, decisions, type=TOIO.name)
+    period = decisions.round_duration
+    return VirtualCubeLaboratory(LabSettings(original, entries, CameraSettings(), period, food_cubes=foods))
 
-    original = named_arena(arena, set_up_of(decisions)) if isinstance(arena, str) else arena
-    return VirtualCubeLaboratory(original, robots, decisions.round_duration, decisions.recall_marker)
+
+_BORDER, _GAP = 20.0, 6.0
+"""mm from the border of the mat to the first arena, and from one arena to the next."""
+
+
+def _arena(arena: Arena | str, decisions: Decisions) -> Arena:
+    return named_arena(arena, set_up_of(decisions)) if isinstance(arena, str) else arena
+
+
+def _entries(
+    original: Arena, placed: Sequence[Arena], ports: Sequence[str], decisions: Decisions, **options: Any
+) -> tuple[RobotSettings, ...]:
+    """A robot for each copy of an arena, the teacher first; a single robot is a learner."""
+    alone = len(placed) == 1
+    return tuple(
+        RobotSettings(
+            port=port,
+            name="teacher" if i == 0 and not alone else f"learner_{max(0, i - 1)}",
+            holes=decisions.recall_marker if alone else 1 if i == 0 else 2,
+            offset=Point(copy.home.x - original.home.x, copy.home.y - original.home.y),
+            **options,
+        )
+        for i, (copy, port) in enumerate(zip(placed, ports, strict=True))
+    )

@@ -3,46 +3,23 @@
 import logging
 import time
 from collections.abc import Callable
-from typing import Protocol
 
 _LOG = logging.getLogger(__name__)
 _WARNING_INTERVAL, _MANY_OVERRUNS = 100, 10
 """So many overruns among so many rounds cause a warning."""
 
 
-class Clock(Protocol):
-    """The clock that ends the rounds of a laboratory."""
-
-    @property
-    def rounds(self) -> int:
-        """Rounds since the clock was created."""
-        ...
-
-    @property
-    def overruns(self) -> int:
-        """Rounds that took longer than the period."""
-        ...
-
-    @property
-    def worst_overrun(self) -> float:
-        """Longest delay of a round in seconds."""
-        ...
-
-    def start(self) -> None:
-        """Begin the first round, or the first one after a pause."""
-        ...
-
-    def wait(self) -> None:
-        """Wait for the end of the current round."""
-        ...
-
-
 class WallClock:
-    """Rounds in real time, of `period` seconds. See `Clock`.
+    """Rounds in real time, of `period` seconds.
 
     Rounds end at multiples of the period, so that small delays do not add up. A round that overruns ends at once and is
     counted. The next one ends at the first multiple at least half a period later: a long delay is not followed by a
     burst of short rounds.
+
+    Attributes:
+        rounds: Since the clock was created.
+        overruns: Rounds that took longer than the period.
+        worst_overrun: Longest delay of a round in seconds.
 
     Raises:
         ValueError: A period that is not positive.
@@ -69,7 +46,7 @@ class WallClock:
         return self._due - self.period
 
     def start(self) -> None:
-        """See `Clock`."""
+        """Begin the first round, or the first one after a pause."""
         self._due = self._clock() + self.period
 
     def wait(self) -> None:
@@ -95,26 +72,20 @@ class WallClock:
                 )
 
 
-class SimulatedClock:
-    """The clock of a virtual laboratory: `wait` advances the simulation by one round. See `Clock`.
+class SimulatedClock(WallClock):
+    """The clock of a virtual laboratory: `wait` advances the simulation by one round.
 
-    With a wall clock it also keeps real time; without one it runs as fast as possible, and no round overruns.
+    It keeps real time if it is told to; otherwise it runs as fast as possible, and no round overruns.
     """
 
-    def __init__(self, advance: Callable[[], None], wall_clock: WallClock | None = None) -> None:
-        self.rounds = self.overruns = 0
-        self.worst_overrun = 0.0
-        self._advance, self._wall_clock = advance, wall_clock
-
-    def start(self) -> None:
-        """See `Clock`."""
-        if self._wall_clock is not None:
-            self._wall_clock.start()
+    def __init__(self, period: float, advance: Callable[[], None], real_time: bool = False) -> None:
+        super().__init__(period)
+        self._advance, self._real_time = advance, real_time
 
     def wait(self) -> None:
-        """See `Clock`."""
-        self.rounds += 1
-        if self._wall_clock is not None:
-            self._wall_clock.wait()
-            self.overruns, self.worst_overrun = self._wall_clock.overruns, self._wall_clock.worst_overrun
+        """Advance the simulation."""
+        if self._real_time:
+            super().wait()
+        else:
+            self.rounds += 1
         self._advance()

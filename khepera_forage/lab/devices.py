@@ -2,17 +2,15 @@
 
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.lab.cubes import MatCamera
-from khepera_forage.lab.settings import LabSettings
+from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.robots.drivers import open_robot
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import PULSE
-from khepera_forage.robots.toio.driver import ToioRobot
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.image_quality import is_well_exposed, why_unusable
 from khepera_forage.vision.tracked_camera import TrackedCamera
@@ -123,84 +121,23 @@ class FreshFrames:
         return reason and f"its picture {reason}"
 
 
-class Devices:
-    """The robots and the camera, open. Toio cubes on a mat need no camera.
+def open_camera(
+    settings: LabSettings, source: OpenSource, calibration: Calibration | None, fleet: Fleet
+) -> tuple[FreshFrames, TrackedCamera]:
+    """Open the camera above a fleet. Without a calibration, that of the settings applies."""
+    camera = settings.camera
+    if calibration is None and camera.calibration is not None:
+        calibration = Calibration.load(camera.calibration)
+    tracker = Tracker(settings.tracker, calibration)
+    if source is None:
+        size = camera.size or (None if calibration is None else calibration.size)
+        options = VideoSettings(size, camera.rate, camera.exposure, camera.focus)
+        source = VideoSource(camera.source, settings=options)
+    elif callable(source):
+        source = source()
 
-    A source of frames itself is used again after a loss; others are opened again. Without a calibration, that of the
-    settings applies.
+    def pulses() -> list[int]:
+        return [count for robot in fleet.robots for count in robot.sense()[1:3]]
 
-    Raises:
-        OSError: A port or the camera cannot be opened, or the calibration cannot be read; as `RobotLost`, that a robot
-            does not reply.
-        ValueError: The calibration is invalid.
-    """
-
-    def __init__(self, settings: LabSettings, source: OpenSource, calibration: Calibration | None) -> None:
-        self._source = source
-        file = settings.camera.calibration
-        self._calibration = (
-            Calibration.load(file) if calibration is None and file is not None else calibration
-        )
-        self.frames: FreshFrames | MatCamera
-        self.camera: TrackedCamera | MatCamera
-        self.foods: list[ToioRobot] = []
-        if settings.has_mat:
-            self._open_cubes(settings)
-            return
-        self.frames, self.camera = self._open_camera(settings)
-        try:
-            self.fleet = open_robots(settings)
-        except BaseException:
-            self.camera.close()
-            raise
-
-    def reopen(self, settings: LabSettings) -> None:
-        """Open all devices again after a loss; may raise `OSError` and `ValueError`, and be called again."""
-        self.fleet.close(report=False)
-        if settings.has_mat:
-            self.camera.close()
-            self._open_cubes(settings)
-            return
-        if self._source is None or callable(self._source):
-            self.camera.close()
-            self.frames, self.camera = self._open_camera(settings)
-        self.fleet = open_robots(settings)
-
-    def close(self) -> None:
-        """Stop the robots, and close all ports and the camera; a second call does nothing."""
-        with closing(self.camera):
-            self.fleet.close()
-
-    def _open_cubes(self, settings: LabSettings) -> None:
-        """Open the robots, then the food; if one fails, close the others."""
-        with ExitStack() as opened:
-            self.fleet = open_robots(settings)
-            opened.callback(self.fleet.close)
-            self.foods = []
-            for port in settings.food_cubes:
-                self.foods.append(ToioRobot(port))
-                opened.callback(self.foods[-1].close)
-            opened.pop_all()
-        holes = [entry.holes for entry in settings.robots]
-        self.frames = self.camera = MatCamera(self.cubes, holes, self.foods)
-
-    @property
-    def cubes(self) -> list[ToioRobot]:
-        """The robots, if they are toio cubes."""
-        return [robot for robot in self.fleet.robots if isinstance(robot, ToioRobot)]
-
-    def _open_camera(self, settings: LabSettings) -> tuple[FreshFrames, TrackedCamera]:
-        camera, calibration, source = settings.camera, self._calibration, self._source
-        tracker = Tracker(settings.tracker, calibration)
-        if source is None:
-            size = camera.size or (None if calibration is None else calibration.size)
-            options = VideoSettings(size, camera.rate, camera.exposure, camera.focus)
-            source = VideoSource(camera.source, settings=options)
-        elif callable(source):
-            source = source()
-        frames = FreshFrames(source, tracker, settings, self._pulses, lambda: self.fleet.stop())
-        return frames, TrackedCamera(frames, tracker)
-
-    def _pulses(self) -> list[int]:
-        """The encoder counters of all robots."""
-        return [count for robot in self.fleet.robots for count in robot.sense()[1:3]]
+    frames = FreshFrames(source, tracker, settings, pulses, fleet.stop)
+    return frames, TrackedCamera(frames, tracker)

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from typing import Self
 
 import numpy as np
 
-from khepera_forage.lab.clock import Clock, WallClock
+from khepera_forage.lab.clock import WallClock
 from khepera_forage.lab.cubes import CubeOperator, MatCamera
-from khepera_forage.lab.devices import Devices, OpenSource
+from khepera_forage.lab.devices import FreshFrames, OpenSource, open_camera, open_robots
 from khepera_forage.lab.localisation import (
     FoodLocator,
     find_marker,
@@ -18,11 +18,11 @@ from khepera_forage.lab.localisation import (
     pose_of,
 )
 from khepera_forage.lab.operator import Operator, OperatorRequest, RobotMark, ask_person
-from khepera_forage.lab.settings import LabSettings
-from khepera_forage.robots.fleet import Fleet
+from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.robots.khepera import ARM_RAISED, FOOD_RADIUS, JAW_OPEN, RADIUS, Motors, RobotLost
 from khepera_forage.robots.proximity import clean_readings, reported_readings
-from khepera_forage.robots.real_robot import RealRobot, stop_and_log
+from khepera_forage.robots.real_robot import RealRobot, stop_all, stop_and_log
+from khepera_forage.robots.toio.driver import ToioRobot
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen
 from khepera_forage.sim.world import FoodPlace, Layout
@@ -54,6 +54,7 @@ class Laboratory:
         arenas: The arena of every robot.
         markers: Number of holes of every robot's marker.
         round_duration: Seconds of one round, the period of the settings.
+        camera: With its tracker, or the mat of toio cubes; another one after a loss.
         clock: Also counts the rounds that overran.
 
     Raises:
@@ -69,32 +70,30 @@ class Laboratory:
         *,
         source: OpenSource = None,
         calibration: Calibration | None = None,
-        clock: Clock | None = None,
+        clock: WallClock | None = None,
     ) -> None:
         self.settings = settings
         self.arenas: tuple[Arena, ...] = settings.arenas
         check_seen(self.arenas)
         self.round_duration = settings.period
         self.markers = tuple(entry.holes for entry in settings.robots)
-        self.clock: Clock = WallClock(settings.period) if clock is None else clock
+        self.clock = WallClock(settings.period) if clock is None else clock
         self._ready = self._closed = False
         self._poses = [arena.start for arena in self.arenas]
         self._foods = FoodLocator((), self.arenas)
         self._lost = ""
-        self._devices = Devices(settings, source, calibration)
+        self._source, self._calibration = source, calibration
+        self.camera: TrackedCamera | MatCamera
+        self._frames: FreshFrames | MatCamera
+        self._open()
         if operator is None and settings.food_cubes:
-            operator = CubeOperator(lambda: self._devices.cubes, lambda: self._devices.foods)
+            operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes)
         self._operator: Operator = ask_person if operator is None else operator
 
     @property
     def robots(self) -> Sequence[RealRobot]:
         """The robots, the teacher first."""
         return self._fleet.robots
-
-    @property
-    def camera(self) -> TrackedCamera | MatCamera:
-        """The camera with its tracker, or the mat of toio cubes; another one after a loss."""
-        return self._devices.camera
 
     def reset(self, rng: np.random.Generator, layout: Layout) -> None:
         """Let the operator place everything, and check the result by camera.
@@ -116,23 +115,26 @@ class Laboratory:
         while self._lost:
             self._operator(OperatorRequest(f"reconnect what was lost: {self._lost}", (), None))
             try:
-                self._devices.reopen(self.settings)
+                self._fleet.close(report=False)
+                if self._source is None or callable(self._source):  # a given source stays open
+                    self.camera.close()
+                self._open()
                 self._lost = ""
             except (OSError, ValueError) as error:  # includes RobotLost, and a camera with other frames
                 self._lost = str(error)
         with self._stopping():
             self._fleet.stop()
-            for cube in self._devices.cubes:
+            for cube in self._cubes:
                 cube.clearance = None  # the operator may drive it anywhere
             for robot in self.robots:
                 robot.drive(Motors(0, 0, ARM_RAISED, JAW_OPEN))
             self._fleet.transmit()
             marks = tuple(self._mark(number, pose) for number, pose in enumerate(layout.starts))
-            self._devices.frames.forget()
+            self._frames.forget()
             self._place(OperatorRequest("start of an episode", marks, layout.foods))
             self._foods = FoodLocator(layout.foods, self.arenas)
             self._update_positions()
-            for cube, arena in zip(self._devices.cubes, self.arenas, strict=False):
+            for cube, arena in zip(self._cubes, self.arenas, strict=False):
                 cube.clearance = lambda x, y, arena=arena: arena.clearance(Point(x, y))
         self._ready = True
         self.clock.start()
@@ -148,7 +150,7 @@ class Laboratory:
         if not self._ready:
             raise RuntimeError("advance() before reset(), or after a loss; call reset() first")
         with self._stopping():
-            self._devices.frames.begin_round()
+            self._frames.begin_round()
             self._fleet.transmit()
             self.clock.wait()
             self._fleet.receive()
@@ -161,7 +163,7 @@ class Laboratory:
 
     def food_places(self) -> tuple[FoodPlace, ...]:
         """The last position of each food object that the camera has seen, or of the gripper that holds it."""
-        return self._foods.places()
+        return tuple(self._foods.places)
 
     def place(self, robot: int, pose: Pose) -> None:
         """Pause, let the operator move a robot, check its pose by camera, and resume (5.3.1).
@@ -175,13 +177,13 @@ class Laboratory:
         foods_on_floor = [
             Point(food.x, food.y)
             for k, food in enumerate(self.food_places())
-            if not food.lifted and k != self._foods.held_by(robot)
+            if not food.lifted and k != self._foods.held.get(robot)
         ]
         check_robot(self.arenas[robot], pose)
         check_apart(Layout((*others, pose), tuple(foods_on_floor)))
         with self._stopping():
             self._fleet.stop()
-            self._devices.frames.forget()
+            self._frames.forget()
             self._place(OperatorRequest("pause and resume", (self._mark(robot, pose),), None))
             self._update_positions()
         self.clock.start()
@@ -195,7 +197,8 @@ class Laboratory:
         if self._closed:
             return
         self._closed, self._ready = True, False
-        self._devices.close()
+        with closing(self.camera):
+            self._fleet.close()
 
     def __enter__(self) -> Self:
         return self
@@ -203,9 +206,23 @@ class Laboratory:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    @property
-    def _fleet(self) -> Fleet:
-        return self._devices.fleet
+    def _open(self) -> None:
+        """Open robots and camera, or the cubes on a mat; if one fails, close the others."""
+        with ExitStack() as opened:
+            self._fleet = open_robots(self.settings)
+            opened.callback(self._fleet.close)
+            self._cubes = [robot for robot in self.robots if isinstance(robot, ToioRobot)]
+            self._food_cubes: list[ToioRobot] = []
+            for port in self.settings.food_cubes:
+                self._food_cubes.append(ToioRobot(port))
+                opened.callback(self._food_cubes[-1].close)
+            if self.settings.has_mat:
+                self._frames = self.camera = MatCamera(self._cubes, self.markers, self._food_cubes)
+            else:
+                self._frames, self.camera = open_camera(
+                    self.settings, self._source, self._calibration, self._fleet
+                )
+            opened.pop_all()
 
     def _mark(self, number: int, pose: Pose) -> RobotMark:
         entry = self.settings.robots[number]
@@ -218,7 +235,7 @@ class Laboratory:
             yield
         except BaseException as error:
             self._ready = False
-            self._fleet.stop_all()
+            stop_all(self.robots)
             moving = [robot.port for robot in self.robots if not robot.stop_confirmed]
             if moving:  # the same message tells it: a second one would be overlooked
                 message = f"{error}; {', '.join(moving)} may still be moving: switch it off"
@@ -234,7 +251,7 @@ class Laboratory:
             self._operator(request)
             self.clock.start()
             for _ in range(CHECK_ROUNDS):
-                self._devices.frames.begin_round()
+                self._frames.begin_round()
                 self.clock.wait()
                 self._fleet.receive()
                 # No track of a hand that passed through the picture may continue in a new episode.

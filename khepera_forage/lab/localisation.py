@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from khepera_forage.lab.operator import RobotMark, holes_text
-from khepera_forage.lab.settings import Tolerance
+from khepera_forage.lab.settings_file import Tolerance
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
     ARM_RAISED,
@@ -59,26 +59,22 @@ class FoodLocator:
     A region without holes, in one of the arenas, stays assigned to one object; a new region is assigned to the nearest
     object without a region. While a robot's optical barrier is interrupted, it holds the object that was nearest to its
     gripper. A robot without a gripper pushes food that its marker hides: while it touches it, the food moves along.
+
+    Attributes:
+        places: Of each object.
+        held: The object in each robot's gripper, by number.
     """
 
     def __init__(self, places: Sequence[Point], arenas: Sequence[Arena]) -> None:
-        self._foods = [FoodPlace(x, y, False) for x, y in places]
+        self.places = [FoodPlace(x, y, False) for x, y in places]
         self._arenas = arenas
         self._object_of_region: dict[int, int] = {}
-        self._held: dict[int, int] = {}
-
-    def places(self) -> tuple[FoodPlace, ...]:
-        """Position of each object."""
-        return tuple(self._foods)
-
-    def held_by(self, robot: int) -> int | None:
-        """Number of the object in a robot's gripper."""
-        return self._held.get(robot)
+        self.held: dict[int, int] = {}
 
     def ahead_of(self, pose: Pose, reach: float) -> int | None:
         """Number of the object that lies before a robot without a gripper, at most `reach` mm from its centre."""
         cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
-        for k, food in enumerate(self._foods):
+        for k, food in enumerate(self.places):
             dx, dy = food.x - pose.x, food.y - pose.y
             if 0 < dx * cosine + dy * sine <= reach and abs(dy * cosine - dx * sine) <= FOOD_RADIUS:
                 return k
@@ -104,34 +100,34 @@ class FoodLocator:
                 self._object_of_region[region.label] = nearest
             k = self._object_of_region[region.label]
             seen.add(k)
-            if k not in self._held.values():
-                self._foods[k] = FoodPlace(*place, False)
+            if k not in self.held.values():
+                self.places[k] = FoodPlace(*place, False)
         for pose, robot in robots:
             k_ahead = self.ahead_of(pose, robot.model.reach)
             if not robot.model.has_gripper and robot.touches and k_ahead is not None and k_ahead not in seen:
                 x, y = (pose[i] + _CONTACT * f(pose.heading) for i, f in enumerate((math.cos, math.sin)))
-                self._foods[k_ahead] = FoodPlace(x, y, False)
+                self.places[k_ahead] = FoodPlace(x, y, False)
 
     def _update_held(self, number: int, pose: Pose, robot: RealRobot) -> None:
         """Move held food with its robot; released food stays at its last position."""
         senses = robot.sense()
-        if not senses.object_presence or not self._foods:
-            released = self._held.pop(number, None)
+        if not senses.object_presence or not self.places:
+            released = self.held.pop(number, None)
             if released is not None:
-                self._foods[released] = self._foods[released]._replace(lifted=False)
+                self.places[released] = self.places[released]._replace(lifted=False)
             return
         x = pose.x + _GRIP_CENTRE * math.cos(pose.heading)
         y = pose.y + _GRIP_CENTRE * math.sin(pose.heading)
-        if number not in self._held:
-            nearest = self._nearest_free(Point(x, y), set(self._held.values()))
+        if number not in self.held:
+            nearest = self._nearest_free(Point(x, y), set(self.held.values()))
             if nearest is None:
                 return
-            self._held[number] = nearest
-        self._foods[self._held[number]] = FoodPlace(x, y, senses.arm < ARM_ON_FLOOR)
+            self.held[number] = nearest
+        self.places[self.held[number]] = FoodPlace(x, y, senses.arm < ARM_ON_FLOOR)
 
     def _nearest_free(self, place: Point, taken: set[int]) -> int | None:
-        free = [k for k in range(len(self._foods)) if k not in taken]
-        return min(free, key=lambda k: math.dist(place, self._foods[k][:2]), default=None)
+        free = [k for k in range(len(self.places)) if k not in taken]
+        return min(free, key=lambda k: math.dist(place, self.places[k][:2]), default=None)
 
 
 _GRIPPER_TOLERANCE = 10

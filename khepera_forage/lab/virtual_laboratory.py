@@ -1,29 +1,24 @@
-"""A laboratory without hardware: the real driver and tracker, connected to a simulated world and its operator."""
+"""Laboratories without hardware: real drivers and trackers, connected to virtual robots or cubes."""
 
 import math
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Self
 
 import numpy as np
 
-from khepera_forage.lab.clock import SimulatedClock, WallClock
+from khepera_forage.lab.clock import SimulatedClock
+from khepera_forage.lab.cubes import CubeOperator
 from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import Operator, OperatorGaveUp, OperatorRequest
-from khepera_forage.lab.settings import CameraSettings, LabSettings, RobotSettings
+from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.drivers import serial_driver
-from khepera_forage.robots.epuck.virtual import EPuckFirmware
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS
-from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
-from khepera_forage.robots.virtual.faults import Faults
-from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
-from khepera_forage.sim.arena import Arena, Point, Pose, copies
-from khepera_forage.sim.arenas.named import named_arena
-from khepera_forage.sim.arenas.thesis import SetUp
+from khepera_forage.robots.model import E_PUCK, MODELS
+from khepera_forage.robots.virtual.firmware import EPuckFirmware, Firmware
+from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
+from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.layout_checks import cable_anchor, check_layout
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout, Timing
@@ -33,6 +28,9 @@ from khepera_forage.vision.rendering.frames import FrameRenderer, RenderedFrameS
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.video import FrameSource
+
+_INTERVAL = 0.001
+"""Seconds of the computer from one position of a virtual cube to the next."""
 
 
 class VirtualLaboratory(Laboratory):
@@ -53,15 +51,12 @@ class VirtualLaboratory(Laboratory):
         noise: Noise of robots and operator (not of the camera); the laboratory's by default.
         appearance: Appearance and disturbances of the frames; the laboratory's by default.
         paced: Whether bytes take the transmission time of each robot's baud rate.
-        faults: Faults of the lines: for all robots, or one per robot.
+        faults: Faults of the lines.
         fault_seed: Seed of the faults.
         real_time: Whether to keep real time, with the wall clock.
         operator: Replaces `virtual_operator`; for example, a person who directs it.
         camera: Opens the camera in front of the rendered frames, again after a loss; by default the laboratory takes
             the rendered frames themselves.
-
-    Raises:
-        ValueError: A wrong number of faults.
 
     Attributes:
         simulation: The simulated world, with the true poses.
@@ -80,7 +75,7 @@ class VirtualLaboratory(Laboratory):
         noise: Noise | str | None = None,
         appearance: CameraAppearance | None = None,
         paced: bool = False,
-        faults: Faults | Sequence[Faults | None] | None = None,
+        faults: Faults | None = None,
         fault_seed: int = 0,
         real_time: bool = False,
         operator: Operator | None = None,
@@ -115,81 +110,28 @@ class VirtualLaboratory(Laboratory):
         )
         self.frame_source = RenderedFrameSource(self._renderer)
         self.virtual_operator = VirtualOperator(self.simulation, noise, self._attach, self._reconnect_lines)
-        count = len(settings.robots)
-        faults_of_each = list(faults) if isinstance(faults, Sequence) else [faults] * count
-        if len(faults_of_each) != count:
-            raise ValueError(f"{len(faults_of_each)} faults for {count} robots; allowed: one each")
         drivers = [serial_driver(robot.type) for robot in settings.robots]
-        bauds = [
+        self._bauds = [
             (robot.baud or driver.default_baud) if paced and driver is not None else None
             for robot, driver in zip(settings.robots, drivers, strict=True)
         ]
-        rngs = np.random.default_rng(fault_seed).spawn(count)
-        self._line_settings = list(zip(bauds, faults_of_each, rngs, strict=True))
+        self._faults, self._rngs = faults, np.random.default_rng(fault_seed).spawn(len(drivers))
         self.virtual_kheperas: list[VirtualKhepera] = []
         calibration = None
         if appearance.height is not None:
             middle = PICTURE_WIDTH / 2 * MM_PER_PIXEL, PICTURE_HEIGHT / 2 * MM_PER_PIXEL
             calibration = Calibration.identity((*middle, appearance.height))
-        wall_clock = WallClock(settings.period) if real_time else None
         try:
             super().__init__(
                 self._open_lines(settings),
                 self.virtual_operator if operator is None else operator,
                 source=self.frame_source if camera is None else lambda: camera(self.frame_source),
                 calibration=calibration,
-                clock=SimulatedClock(self._advance_simulation, wall_clock),
+                clock=SimulatedClock(settings.period, self._advance_simulation, real_time),
             )
         except BaseException:
             self._close_lines()
             raise
-
-    @classmethod
-    def from_arena(
-        cls,
-        arena: Arena | str,
-        robots: int,
-        set_up: SetUp,
-        timing: Timing,
-        recall_marker: int,
-        timeout: float = DEFAULT_TIMEOUT,
-        robot: str = KHEPERA.name,
-        **options: object,
-    ) -> Self:
-        """A laboratory with copies of one arena side by side, the teacher first; a single robot is a learner.
-
-        Args:
-            arena: An arena, which is the first copy; or one of the names in `ARENAS`. The copies of a named arena are
-                centred in the picture, whose border would cut off markers that extend over a wall.
-            robots: Number of robots.
-            set_up: Where start, food and home are in one of the thesis's arenas.
-            timing: How long a round lasts, and how fast arm and jaw move.
-            recall_marker: Holes of the marker of a single robot, 1 or 2.
-            timeout: Of the driver, in seconds: how late the virtual robots of a busy machine may reply.
-            robot: Kind of the robots: khepera or e-puck2.
-            **options: Arguments of the class.
-        """
-        original = named_arena(arena, set_up) if isinstance(arena, str) else arena
-        arenas = copies(original, robots)
-        dx = dy = 0.0
-        if isinstance(arena, str):
-            middle_x, middle_y = cable_anchor(arenas)
-            dx, dy = PICTURE_WIDTH * MM_PER_PIXEL / 2 - middle_x, PICTURE_HEIGHT * MM_PER_PIXEL / 2 - middle_y
-        entries = tuple(
-            RobotSettings(
-                port="virtual",
-                name="teacher" if i == 0 and robots > 1 else f"learner_{max(0, i - 1)}",
-                holes=recall_marker if robots == 1 else 1 if i == 0 else 2,
-                timeout=timeout,
-                type=robot,
-                offset=Point(copy.home.x - original.home.x + dx, copy.home.y - original.home.y + dy),
-            )
-            for i, copy in enumerate(arenas)
-        )
-        camera = CameraSettings("rendered frames")
-        settings = LabSettings(original, entries, camera, period=timing.round_duration)
-        speeds: dict[str, object] = {"arm_speed": timing.arm_speed, "jaw_speed": timing.jaw_speed}
-        return cls(settings, **speeds, **options)  # type: ignore[arg-type] # the arguments of the class
 
     @property
     def port_urls(self) -> tuple[str, ...]:
@@ -224,15 +166,13 @@ class VirtualLaboratory(Laboratory):
 
     def _open_lines(self, settings: LabSettings) -> LabSettings:
         """Open the lines that are not connected; returns the settings with the ports of all lines."""
-        for i, (firmware, (baud, faults, rng)) in enumerate(
-            zip(self.firmwares, self._line_settings, strict=True)
-        ):
+        for i, (firmware, baud, rng) in enumerate(zip(self.firmwares, self._bauds, self._rngs, strict=True)):
             last = self.virtual_kheperas[i : i + 1]
             if not last or not last[0].connected:
                 for disconnected in last:
                     disconnected.close()
                 self.virtual_kheperas[i : i + 1] = [
-                    VirtualKhepera(firmware, baud=baud, faults=faults, rng=rng)
+                    VirtualKhepera(firmware, baud=baud, faults=self._faults, rng=rng)
                 ]
         # The virtual robots end with this process: no watchdog has anything to stop.
         robots = [
@@ -247,6 +187,32 @@ class VirtualLaboratory(Laboratory):
     def _close_lines(self) -> None:
         while self.virtual_kheperas:
             self.virtual_kheperas.pop().close()
+
+
+class VirtualCubeLaboratory(Laboratory):
+    """A `Laboratory` on a virtual mat, whose time passes in rounds and while the cubes drive to their places.
+
+    `table` has the true places of the cubes, whose ports in the settings begin with "virtual:".
+    """
+
+    def __init__(self, settings: LabSettings) -> None:
+        from khepera_forage.robots.toio.virtual import Table, use_table
+
+        self._now = 0.0
+        self.table = Table(lambda: self._now, _INTERVAL)
+        use_table(self.table)
+        operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes, self._sleep)
+        clock = SimulatedClock(settings.period, lambda: self._sleep(settings.period))
+        super().__init__(settings, operator, clock=clock)
+
+    @property
+    def port_urls(self) -> tuple[str, ...]:
+        """The names of the robots."""
+        return tuple(robot.port for robot in self.settings.robots)
+
+    def _sleep(self, seconds: float) -> None:
+        self._now += seconds
+        self.table.advance()
 
 
 _MAX_TRIES, _MAX_REPEATS = 200, 10

@@ -8,8 +8,6 @@ from typing import Any, Self
 from khepera_forage.robots.khepera import RobotLost
 from khepera_forage.robots.real_robot import RealRobot, Task, stop_all, stop_and_log
 
-_STOP_TIMEOUT = 4.0
-"""Seconds to wait for a robot to confirm its stop."""
 _Begin = Callable[[RealRobot, "SimpleQueue[Task[Any]]"], Task[None]]
 
 
@@ -43,16 +41,12 @@ class Fleet:
         """Stop all wheels."""
         _raise_any([error for _, error in stop_all(self.robots)])
 
-    def stop_all(self) -> None:
-        """Stop all wheels, and raise no error: `stop_confirmed` of each robot has the result."""
-        stop_all(self.robots)
-
     def close(self, report: bool = True) -> None:
         """Stop all robots in parallel, then close their ports; log those that do not confirm, unless told not to."""
         if report:
             stop_and_log(self.robots, "when its port was closed")
         else:
-            self.stop_all()
+            stop_all(self.robots)
         for robot in self.robots:
             robot.close(stop=False)
 
@@ -63,57 +57,41 @@ class Fleet:
         self.close()
 
     def _run(self, begin: _Begin) -> None:
+        """Let all robots work; after the first failure, stop the others at once."""
         done_queue: SimpleQueue[Task[Any]] = SimpleQueue()
+        errors: list[BaseException] = []
+        held, end = False, time.monotonic() + self._hold_after
         try:
             pending = {begin(robot, done_queue): robot for robot in self.robots}
-            errors = self._wait(pending, done_queue)
+            while pending:
+                try:
+                    task = done_queue.get(timeout=None if held else max(0.0, end - time.monotonic()))
+                except Empty:
+                    held = True
+                    for robot in set(self.robots) - set(pending.values()):
+                        robot.begin_hold()
+                    continue
+                robot = pending.pop(task)
+                if task.error is None:
+                    if held and pending:  # it is done after the others were held
+                        robot.begin_hold()
+                    continue
+                if not errors:
+                    # At once: a stop is urgent and interrupts the requests of this round. The lost robot may still
+                    # receive requests, too; nobody waits for its reply.
+                    for other in self.robots:
+                        other.begin_stop()
+                errors.append(task.error)
         except BaseException:
             stop_all(self.robots)
             raise
+        lost = {error.port for error in errors if isinstance(error, RobotLost)}
+        if errors:
+            errors += [e for _, e in stop_all([robot for robot in self.robots if robot.port not in lost])]
         _raise_any(errors)
 
-    def _wait(
-        self, pending: dict[Task[None], RealRobot], done_queue: "SimpleQueue[Task[Any]]"
-    ) -> list[Exception]:
-        """Wait for all tasks; after the first failure, stop the other robots. Returns the errors."""
-        errors: list[Exception] = []
-        stops: list[Task[None]] = []
-        held = False
-        end = time.monotonic() + self._hold_after
-        while pending:
-            try:
-                task = done_queue.get(timeout=None if held else max(0.0, end - time.monotonic()))
-            except Empty:
-                held = True
-                for robot in set(self.robots) - set(pending.values()):
-                    robot.begin_hold()
-                continue
-            robot = pending.pop(task)
-            if task.error is None:
-                if held and pending:  # it is done after the others were held
-                    robot.begin_hold()
-                continue
-            if not isinstance(task.error, Exception):
-                raise task.error
-            if not errors:
-                # At once: a stop is urgent and interrupts the requests of this round.
-                stops = [other.begin_stop() for other in self.robots if other is not robot]
-            # The lost robot may still receive requests; do not wait for its reply.
-            robot.begin_stop()
-            errors.append(task.error)
-        lost = {error.port for error in errors if isinstance(error, RobotLost)}
-        for stop in stops:
-            try:
-                stop.result(_STOP_TIMEOUT)
-            except RobotLost as error:
-                if error.port not in lost:
-                    errors.append(error)
-            except TimeoutError as error:
-                errors.append(error)
-        return errors
 
-
-def _raise_any(errors: Sequence[Exception]) -> None:
+def _raise_any(errors: Sequence[BaseException]) -> None:
     """Raise the errors, if any; one `RobotLost` names all lost robots."""
     if not errors:
         return

@@ -20,8 +20,6 @@ PULSE = 0.08
 """mm of wheel travel per encoder pulse (Khepera II manual)."""
 CONTROL_PERIOD = 0.1
 """Seconds of a control period of programs that have no rounds: robot commands, and the virtual robot's firmware."""
-PULSES_PER_UNIT = round(SPEED_UNIT / PULSE * CONTROL_PERIOD)
-"""Encoder pulses of a wheel in one control period at one speed unit: 10."""
 
 # The gripper turret. Positions are on the read scale of the turret (thesis 4.2.2).
 ARM_DOWN = 255

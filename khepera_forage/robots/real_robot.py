@@ -121,8 +121,8 @@ class RealRobot(ABC):
         self._senses: Senses | None = None
         self._suspended = self._closed = self._in_urgent = False
         self._urgent: deque[Task[Any]] = deque()
-        self._ordinary: deque[Task[Any]] = deque()
-        self._wake: SimpleQueue[bool] = SimpleQueue()
+        self._tasks: SimpleQueue[Task[Any] | bool] = SimpleQueue()
+        """Ordinary work; True wakes the thread for an urgent task, and False ends it."""
         # A daemon: the interpreter waits for other threads at its exit before the robots can be stopped.
         self._thread = threading.Thread(target=self._serve, name=f"port {port}", daemon=True)
 
@@ -229,12 +229,13 @@ class RealRobot(ABC):
             task.run()
         else:
             self._urgent.append(task)
-            self._wake.put(True)
+            self._tasks.put(True)
         return task
 
     def suspend(self) -> bool:
-        """Make the next request raise `RobotSuspended` if the wheels are turning; returns whether they are."""
-        turning = self._turning()
+        """Make the next request raise `RobotSuspended` if the wheels may be turning; returns whether they may."""
+        # A command may be on its way, whatever was confirmed.
+        turning = not self.stop_confirmed or (self._command is not None and any(self._command[:2]))
         self._suspended = self._suspended or turning
         return turning
 
@@ -246,10 +247,6 @@ class RealRobot(ABC):
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def _turning(self) -> bool:
-        """Whether the wheels were commanded to turn."""
-        return self._command is not None and any(self._command[:2])
 
     def _open(self, work: Callable[[], None]) -> None:
         """Start the thread, and open the connection in it; release everything if that fails."""
@@ -264,7 +261,7 @@ class RealRobot(ABC):
     def _release(self) -> None:
         self._closed = True
         _OPEN_ROBOTS.remove(self)
-        self._wake.put(False)
+        self._tasks.put(False)
         if threading.current_thread() is not self._thread:
             self._thread.join(timeout=5.0)
         self.end_watchdog()
@@ -275,18 +272,16 @@ class RealRobot(ABC):
         if self._closed:
             raise ConnectionError(f"{self.port} is closed")
         task = Task(lambda: self._complete(work), done_queue)
-        self._ordinary.append(task)
-        self._wake.put(True)
+        self._tasks.put(task)
         return task
 
     # The methods below run in the robot's thread.
 
     def _serve(self) -> None:
-        while self._wake.get():
+        while task := self._tasks.get():
             self._run_urgent()
-            # An urgent task may have run inside an ordinary one; its wake-up then finds empty queues.
-            if self._ordinary:
-                self._ordinary.popleft().run()
+            if isinstance(task, Task):
+                task.run()
 
     def _run_urgent(self) -> None:
         self._in_urgent = True

@@ -11,7 +11,7 @@ from khepera_forage.cli.camera import calibrate_command
 from khepera_forage.cli.lab import lab_text
 from khepera_forage.cli.main import main
 from khepera_forage.envs.laboratories import load_settings
-from khepera_forage.robots.epuck.virtual import EPuckFirmware
+from khepera_forage.robots.virtual.firmware import EPuckFirmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.vision.calibration import Calibration
 from tests.robots.rig import make_rig

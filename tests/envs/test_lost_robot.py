@@ -17,7 +17,7 @@ from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
-from khepera_forage.robots.virtual.faults import Faults
+from khepera_forage.robots.virtual.virtual_khepera import Faults
 from khepera_forage.rollouts import recall as recalling
 from khepera_forage.rollouts import training
 

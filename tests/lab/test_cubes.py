@@ -13,7 +13,7 @@ pytest.importorskip("cv2")
 from khepera_forage.envs.laboratories import virtual_cubes
 from khepera_forage.lab.operator import OperatorGaveUp
 from khepera_forage.lab.settings_file import parse
-from khepera_forage.lab.virtual_cubes import VirtualCubeLaboratory
+from khepera_forage.lab.virtual_laboratory import VirtualCubeLaboratory
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.sim.world import Layout
 from tests.version_0_1 import SET_UP, V0_1

@@ -1,12 +1,10 @@
 """Frames of a round: old, frozen and empty ones are waited out, with the wheels stopped, or the camera is lost."""
 
-import time
-
 import numpy as np
 import pytest
 
 from khepera_forage.lab.devices import FreshFrames
-from khepera_forage.lab.settings import CameraSettings, LabSettings
+from khepera_forage.lab.settings_file import CameraSettings, LabSettings
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import CameraLost
 from tests.version_0_1 import CORRIDOR
@@ -18,6 +16,26 @@ BLACK = np.zeros((480, 640), np.uint8)
 SCENES = render_frames(PAIR, frames=3)
 for number, frame in enumerate(SCENES):
     frame[0, 0] = number  # each differs from the others
+
+
+class Time:
+    """Time that passes only in `sleep`, whatever the load of the machine."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+
+
+@pytest.fixture(autouse=True)
+def time(monkeypatch: pytest.MonkeyPatch) -> Time:
+    time = Time()
+    monkeypatch.setattr("khepera_forage.lab.devices.time", time)
+    return time
 
 
 class Source:
@@ -48,14 +66,12 @@ class Setting:
         return self.frames.newest()[0]
 
 
-def test_frame_from_before_the_round_is_not_taken() -> None:
+def test_frame_from_before_the_round_is_not_taken(time: Time) -> None:
     setting = Setting(SCENES[0])
     setting.source.age = 0.05
-    begin = time.monotonic()
+    begin = time.now
     setting.next_round()
-    assert time.monotonic() - begin >= 0.05, (
-        "the age stays the same, so that the frame is taken later and later"
-    )
+    assert 0.05 <= time.now - begin < 0.06, "the age stays the same: the frame is taken later and later"
     assert setting.stops == 1, "after two periods"
 
 

@@ -15,9 +15,9 @@ from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.serial.line_timing import LineTooSlow
+from khepera_forage.robots.serial.line import LineTooSlow
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from khepera_forage.robots.virtual.faults import Faults
+from khepera_forage.robots.virtual.virtual_khepera import Faults
 from khepera_forage.vision.video import CameraLost, FrameSource
 from tests.lab.laboratories import (
     ARENAS,

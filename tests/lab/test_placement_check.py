@@ -7,7 +7,7 @@ import pytest
 
 from khepera_forage.lab.localisation import gripper_errors, placement_errors
 from khepera_forage.lab.operator import RobotMark
-from khepera_forage.lab.settings import Tolerance
+from khepera_forage.lab.settings_file import Tolerance
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.sim.arena import Point, copies

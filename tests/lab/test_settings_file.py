@@ -10,8 +10,7 @@ import pytest
 
 from khepera_forage.envs.arguments import set_up_of
 from khepera_forage.envs.laboratories import load_settings
-from khepera_forage.lab.settings import LabSettings, RobotSettings
-from khepera_forage.lab.settings_file import parse, sample
+from khepera_forage.lab.settings_file import LabSettings, RobotSettings, parse, sample
 from khepera_forage.sim.arena import Point
 from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.sim.arenas.thesis import SetUp

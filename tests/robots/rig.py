@@ -1,17 +1,19 @@
 """A test rig: simulated robots behind virtual Kheperas on pseudo-terminals or TCP ports."""
 
 import contextlib
+import math
 import threading
 from collections.abc import Iterator
 
 import numpy as np
+import pytest
 
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors, Senses
+from khepera_forage.robots.serial import serial_robot
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from khepera_forage.robots.virtual.faults import Faults
 from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import SimulatedKhepera
@@ -79,6 +81,8 @@ def make_rig(
     world.reset(np.random.default_rng(seed), Layout(tuple(poses), ()))
     rig = Rig(world, [], [])
     with contextlib.ExitStack() as stack:
+        # A busy machine can make the line look slow; commands would then be confirmed later than the tests expect.
+        stack.enter_context(pytest.MonkeyPatch.context()).setattr(serial_robot, "FAST", math.inf)
         for number, robot in enumerate(world.robots):
             firmware = Firmware(robot, rig.lock)
             port = VirtualKhepera(

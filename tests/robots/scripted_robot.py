@@ -1,68 +1,34 @@
-"""A scripted robot on a pseudo-terminal, for byte sequences that no intact Khepera sends."""
+"""A robot on a pseudo-terminal that replies as scripted: with what no intact Khepera sends, or not at all."""
 
-import os
-import pty
-import select
-import threading
-import time
-import tty
 from collections.abc import Callable
-from types import TracebackType
-from typing import Self
+
+from khepera_forage.robots.virtual.firmware import Firmware
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 
 Action = bytes | float
-"""Bytes to send, or seconds to wait."""
+"""Bytes to send, or seconds to wait, which only `SimulatedLine` does."""
+Script = Callable[[bytes, int], list[Action]]
+"""The actions for a request and its number."""
 
 
-class ScriptedRobot:
-    """Performs, for each request line, the actions that `script(request, number)` returns."""
-
-    def __init__(self, script: Callable[[bytes, int], list[Action]]) -> None:
+class _Scripted(Firmware):
+    def __init__(self, script: Script) -> None:
         self.requests: list[bytes] = []
         self._script = script
-        self._master, slave = pty.openpty()
-        tty.setraw(slave)
-        self._slave = slave
-        self.url = os.ttyname(slave)
-        self._running = True
-        self._thread = threading.Thread(target=self._run)
-        self._thread.start()
 
-    def _run(self) -> None:
-        incomplete = b""
-        while self._running:
-            if not select.select([self._master], [], [], 0.01)[0]:
-                continue
-            incomplete += os.read(self._master, 1000)
-            *lines, incomplete = incomplete.split(b"\n")
-            for line in lines:
-                self.requests.append(line)
-                for action in self._script(line, len(self.requests) - 1):
-                    if isinstance(action, bytes):
-                        os.write(self._master, action)
-                    else:
-                        time.sleep(action)
+    def handle(self, line: bytes) -> bytes:
+        self.requests.append(line)
+        actions = self._script(line, len(self.requests) - 1)
+        return b"".join(action for action in actions if isinstance(action, bytes))
 
-    def send(self, data: bytes) -> None:
-        """Send bytes without a request."""
-        os.write(self._master, data)
 
-    def disconnect(self) -> None:
-        self._running = False
-        self._thread.join()
-        for end in (self._master, self._slave):
-            if end >= 0:
-                os.close(end)
-        self._master = self._slave = -1
+class ScriptedRobot(VirtualKhepera):
+    """A virtual robot whose replies follow a script; `requests` are those that it has received."""
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._master >= 0:
-            self.disconnect()
+    def __init__(self, script: Script) -> None:
+        firmware = _Scripted(script)
+        self.requests = firmware.requests
+        super().__init__(firmware, baud=None)
 
 
 class NumberedReplies:

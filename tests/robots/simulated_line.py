@@ -47,6 +47,15 @@ class SimulatedLine:
     def sleep(self, until: float) -> None:
         self.now = max(self.now, until)
 
+    @property
+    def commands(self) -> list[bytes]:
+        """The requests without their times."""
+        return [request for _, request in self.requests]
+
+    def say(self, data: bytes) -> None:
+        """Send bytes without a request."""
+        self._replies += [(self.now, bytes((value,))) for value in data]
+
     def sent_since(self, begin: float, prefix: bytes = b"") -> list[bytes]:
         """The requests that arrived after a moment."""
         return [request for at, request in self.requests if at > begin and request.startswith(prefix)]

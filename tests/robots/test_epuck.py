@@ -8,10 +8,10 @@ import pytest
 
 from khepera_forage.robots.epuck.driver import PROTOCOL as E_PUCK
 from khepera_forage.robots.epuck.driver import SerialEPuck
-from khepera_forage.robots.epuck.virtual import EPuckFirmware
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.protocol import Reply, Request
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
+from khepera_forage.robots.virtual.firmware import EPuckFirmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from tests.robots.driver_process import DRIVE, start_driver, wait_for, wait_for_exit
 from tests.robots.rig import Rig, make_rig
@@ -50,7 +50,7 @@ def test_bytes_of_commands(request_: Request, sent: bytes, reply: Reply, receive
 
 
 def test_motion_and_counters_are_those_of_the_simulated_robot() -> None:
-    with virtual_e_puck() as (rig, port), SerialEPuck(port.url) as robot:
+    with virtual_e_puck() as (rig, port), SerialEPuck(port.url, timeout=5.0) as robot:
         for motors in (Motors(5, 4, 215, 200), Motors(-3, 6, 255, 0)):
             for _ in range(20):
                 assert robot.drive(motors)[:2] == motors[:2]

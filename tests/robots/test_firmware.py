@@ -7,9 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.serial.khepera_protocol import KHEPERA
-from khepera_forage.robots.serial.protocol import ErrorReply, LineSplitter, Reply, TextLine
-from khepera_forage.robots.virtual.firmware import WheelPositionController
+from khepera_forage.robots.serial.protocol import KHEPERA, ErrorReply, LineSplitter, Reply, TextLine
 from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.world import Layout
 from tests.robots.stage import Stage, make_stage
@@ -75,93 +73,97 @@ def test_any_bytes_get_a_reply_that_decodes(line: bytes) -> None:
 _FUZZED = make_stage()
 
 
-class TestSpeed:
-    def test_speed_holds_until_the_next_one(self, stage: Stage) -> None:
-        stage.request("D,5,10")
-        stage.rounds(30)
-        assert stage.numbers("H") == [1500, 3000]
-        assert stage.numbers("E") == [5, 10]
-        stage.request("D,0,0")
-        assert stage.numbers("E") == [5, 10], "the speeds of the last period"
-        stage.rounds(1)
-        assert stage.numbers("E") == [0, 0]
-        stage.rounds(5)
-        assert stage.numbers("H") == [1500, 3000]
+def test_speed_holds_until_the_next_one(stage: Stage) -> None:
+    stage.request("D,5,10")
+    stage.rounds(30)
+    assert stage.numbers("H") == [1500, 3000]
+    assert stage.numbers("E") == [5, 10]
+    stage.request("D,0,0")
+    assert stage.numbers("E") == [5, 10], "the speeds of the last period"
+    stage.rounds(1)
+    assert stage.numbers("E") == [0, 0]
+    stage.rounds(5)
+    assert stage.numbers("H") == [1500, 3000]
 
 
-class TestCounters:
-    def test_counters_continue_from_the_set_values(self, stage: Stage) -> None:
-        stage.request("D,5,-5")
-        stage.rounds(4)
-        stage.request("G,1000,-1000")
-        assert stage.numbers("H") == [1000, -1000]
-        stage.rounds(4)
-        assert stage.numbers("H") == [1200, -1200]
+def test_counters_continue_from_the_set_values(stage: Stage) -> None:
+    stage.request("D,5,-5")
+    stage.rounds(4)
+    stage.request("G,1000,-1000")
+    assert stage.numbers("H") == [1000, -1000]
+    stage.rounds(4)
+    assert stage.numbers("H") == [1200, -1200]
 
 
-class TestPositionControl:
-    def test_robot_drives_to_its_target(self, stage: Stage) -> None:
-        stage.request("C,1250,1250")
-        assert stage.numbers("K")[:3] == [0, 1, 1250]
-        stage.rounds(40)
-        target, mode, error = stage.numbers("K")[:3]
-        assert (target, mode) == (1, 1)
-        assert abs(error) <= 5
-        assert math.dist(stage.world.poses()[0][:2], (300.0, 300.0)) < 1.0, "1250 pulses of 0.08 mm"
-        assert stage.numbers("E") == [0, 0]
-
-    def test_speed_command_ends_position_control(self, stage: Stage) -> None:
-        stage.request("C,5000,5000")
-        stage.rounds(5)
-        stage.request("D,0,0")
-        stage.rounds(1)
-        before = stage.numbers("H")
-        stage.rounds(10)
-        assert stage.numbers("H") == before
-        assert stage.numbers("K")[1] == 0
+def test_robot_drives_to_its_target(stage: Stage) -> None:
+    stage.request("C,1250,1250")
+    assert stage.numbers("K")[:3] == [0, 1, 1250]
+    stage.rounds(40)
+    target, mode, error = stage.numbers("K")[:3]
+    assert (target, mode) == (1, 1)
+    assert abs(error) <= 5
+    assert math.dist(stage.world.poses()[0][:2], (300.0, 300.0)) < 1.0, "1250 pulses of 0.08 mm"
+    assert stage.numbers("E") == [0, 0]
 
 
-class TestGripper:
-    def test_resistivity_of_wooden_food_is_that_of_open_fingers(self) -> None:
-        stage = make_stage(food_ahead=57.0)
-        stage.request("T,1,E,255")
-        stage.rounds(12)
-        stage.request("T,1,D,1")
-        stage.rounds(20)
-        assert stage.numbers("T,1,H,0")[0] > 100
-        assert stage.numbers("T,1,F")[0] <= 20
-
-    def test_food_is_detected_gripped_and_carried(self) -> None:
-        stage = make_stage(food_ahead=57.0)
-        assert stage.numbers("T,1,G") == [0], "the raised arm is above it"
-        stage.request("T,1,E,255")
-        stage.rounds(12)
-        assert stage.numbers("T,1,G")[0] > 100
-        stage.request("T,1,D,1")
-        stage.rounds(8)
-        assert 100 < stage.numbers("T,1,H,0")[0] < 150, "closed on 35 mm"
-        stage.request("T,1,E,215")
-        stage.rounds(12)
-        stage.request("D,5,5")
-        stage.rounds(10)
-        food = stage.world.food_places()[0]
-        assert food.lifted
-        assert math.dist((food.x, food.y), (297.0, 300.0)) < 3.0
+def test_profile_limits_the_speed(stage: Stage) -> None:
+    stage.request("J,7,64,0,64")
+    stage.request("C,5000,5000")
+    stage.rounds(3)
+    assert stage.numbers("E") == [7, 0]
 
 
-class TestPowerOn:
-    def test_restart_sends_the_banner_and_resets_everything(self, stage: Stage) -> None:
-        for line in ("A,1,2,3", "F,4,5,6", "J,1,1,1,1", "L,0,1", "W,9,9", "G,77,77", "D,8,8"):
-            stage.request(line)
-        stage.rounds(5)
-        banner = stage.firmware.handle(b"restart")
-        assert banner == b"".join(line.encode() + b"\r\n" for line in KHEPERA.banner)
-        assert banner.startswith(b"ROM of minirobot KHEPERA")
-        assert stage.numbers("R,9") == [0]
-        assert stage.numbers("H") == [0, 0]
-        assert stage.numbers("E") == [0, 0]
-        stage.rounds(5)
-        assert stage.numbers("H") == [0, 0], "the wheels are stopped"
+def test_speed_command_ends_position_control(stage: Stage) -> None:
+    stage.request("C,5000,5000")
+    stage.rounds(5)
+    stage.request("D,0,0")
+    stage.rounds(1)
+    before = stage.numbers("H")
+    stage.rounds(10)
+    assert stage.numbers("H") == before
+    assert stage.numbers("K")[1] == 0
+
+
+def test_resistivity_of_wooden_food_is_that_of_open_fingers() -> None:
+    stage = make_stage(food_ahead=57.0)
+    stage.request("T,1,E,255")
+    stage.rounds(12)
+    stage.request("T,1,D,1")
+    stage.rounds(20)
+    assert stage.numbers("T,1,H,0")[0] > 100
+    assert stage.numbers("T,1,F")[0] <= 20
+
+
+def test_food_is_detected_gripped_and_carried() -> None:
+    stage = make_stage(food_ahead=57.0)
+    assert stage.numbers("T,1,G") == [0], "the raised arm is above it"
+    stage.request("T,1,E,255")
+    stage.rounds(12)
+    assert stage.numbers("T,1,G")[0] > 100
+    stage.request("T,1,D,1")
+    stage.rounds(8)
+    assert 100 < stage.numbers("T,1,H,0")[0] < 150, "closed on 35 mm"
+    stage.request("T,1,E,215")
+    stage.rounds(12)
+    stage.request("D,5,5")
+    stage.rounds(10)
+    food = stage.world.food_places()[0]
+    assert food.lifted
+    assert math.dist((food.x, food.y), (297.0, 300.0)) < 3.0
+
+
+def test_restart_sends_the_banner_and_resets_everything(stage: Stage) -> None:
+    for line in ("A,1,2,3", "F,4,5,6", "J,1,1,1,1", "L,0,1", "W,9,9", "G,77,77", "D,8,8"):
+        stage.request(line)
+    stage.rounds(5)
+    banner = stage.firmware.handle(b"restart")
+    assert banner == b"".join(line.encode() + b"\r\n" for line in KHEPERA.banner)
+    assert banner.startswith(b"ROM of minirobot KHEPERA")
+    assert stage.numbers("R,9") == [0]
+    assert stage.numbers("H") == [0, 0]
+    assert stage.numbers("E") == [0, 0]
+    stage.rounds(5)
+    assert stage.numbers("H") == [0, 0], "the wheels are stopped"
 
 
 def test_attached_body_continues_the_motion(stage: Stage) -> None:
@@ -174,22 +176,3 @@ def test_attached_body_continues_the_motion(stage: Stage) -> None:
     stage.rounds(20)
     assert stage.numbers("H") == [2000, 2000]
     assert stage.numbers("T,1,H,1") == [255]
-
-
-@given(st.integers(-5000, 5000), st.integers(-5000, 5000), st.integers(1, 127), st.integers(1, 255))
-def test_wheel_reaches_its_target_within_its_profile_and_stays(
-    target: int, count: int, max_speed: int, acceleration: int
-) -> None:
-    wheel = WheelPositionController(max_speed=max_speed, acceleration=acceleration, target=target)
-    for _ in range(1500):
-        speed = wheel.next_speed(count)
-        assert abs(speed) <= max_speed
-        count += 10 * speed
-    assert wheel.reached(count)
-    assert wheel.next_speed(count) == 0
-
-
-@pytest.mark.parametrize(("max_speed", "acceleration"), [(0, 64), (20, 0)])
-def test_zero_speed_or_acceleration_means_no_motion(max_speed: int, acceleration: int) -> None:
-    wheel = WheelPositionController(max_speed=max_speed, acceleration=acceleration, target=1000)
-    assert [wheel.next_speed(0) for _ in range(20)] == [0] * 20

@@ -10,7 +10,7 @@ import pytest
 from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from khepera_forage.robots.virtual.faults import Faults
+from khepera_forage.robots.virtual.virtual_khepera import Faults
 from tests.robots.rig import FORWARD, Rig, make_rig
 from tests.robots.scripted_robot import Action, NumberedReplies, ScriptedRobot
 
@@ -69,7 +69,7 @@ def test_slow_robot_holds_the_others() -> None:
         for robot in fleet.robots:
             robot.drive(FORWARD)
         late = fleet.robots[0].begin_receive()
-        while not rig.ports[0].fault_counts.delay:
+        while not rig.ports[0].fault_counts["delay"]:
             time.sleep(0.001)
         rig.ports[0].faults = Faults()
         fleet.receive()

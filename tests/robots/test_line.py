@@ -9,10 +9,10 @@ import serial
 
 from khepera_forage.extras import MissingExtraError
 from khepera_forage.robots.khepera import RobotLost
-from khepera_forage.robots.serial.khepera_protocol import KHEPERA
 from khepera_forage.robots.serial.line import Line, RequestRejected, RobotRestarted
-from khepera_forage.robots.serial.protocol import Reply, Request
+from khepera_forage.robots.serial.protocol import KHEPERA, Reply, Request
 from tests.robots.scripted_robot import Action, NumberedReplies, ScriptedRobot
+from tests.robots.simulated_line import SimulatedLine
 
 N, H, BARRIER = Request("N"), Request("H"), Request("T,1,G")
 ARM, JAW = Request("T,1,H", (1,)), Request("T,1,H", (0,))
@@ -24,9 +24,18 @@ LATE = 0.3
 @contextmanager
 def connected(
     script: Callable[[bytes, int], list[Action]], *, timeout: float = 0.08
-) -> Iterator[tuple[Line, ScriptedRobot]]:
-    with ScriptedRobot(script) as scripted:
-        line = Line(scripted.url, KHEPERA, baud=115200, timeout=timeout)
+) -> Iterator[tuple[Line, SimulatedLine]]:
+    """A line with a clock of its own."""
+    with pytest.MonkeyPatch.context() as patch:
+        simulated = SimulatedLine(script, baud=115200).install(patch)
+        yield Line("simulated", KHEPERA, baud=115200, timeout=timeout), simulated
+
+
+@contextmanager
+def opened() -> Iterator[tuple[Line, ScriptedRobot]]:
+    """A line on a pseudo-terminal."""
+    with ScriptedRobot(NumberedReplies({})) as scripted:
+        line = Line(scripted.url, KHEPERA, baud=115200)
         try:
             yield line, scripted
         finally:
@@ -53,16 +62,14 @@ def test_garbled_and_unmatched_lines_are_ignored() -> None:
     others = b"N\r\nt,2,b,1\r\nh,4,5\r\n\r\n\r\n\xff\x80\r\nn,1,2\r\nhello there\r\n"
     with connected(NumberedReplies({0: lambda reply: [others + reply]}), timeout=5.0) as (line, scripted):
         assert first(line, N) == 1
-        assert scripted.requests == [b"N"]
+        assert scripted.commands == [b"N"]
         assert (line.statistics.unmatched, line.statistics.garbled) == (1, 5)
 
 
 def test_input_before_a_request_is_not_its_reply() -> None:
     with connected(NumberedReplies({})) as (line, scripted):
-        scripted.send(b"n,9,9,9,9,9,9,9,9\r\nn,9,9")
-        while not line._serial.in_waiting:
-            pass
-        assert first(line, N) == len(scripted.requests)
+        scripted.say(b"n,9,9,9,9,9,9,9,9\r\nn,9,9")
+        assert first(line, N) == len(scripted.commands)
 
 
 @pytest.mark.parametrize("lost", [{0, 1}, {1, 2}, {2, 3}, {1, 3}, {4}, {0, 4}, {1, 2, 3}])
@@ -70,7 +77,7 @@ def test_arm_and_jaw_are_never_mistaken(lost: set[int]) -> None:
     with connected(NumberedReplies({number: lambda reply: [] for number in lost})) as (line, scripted):
         values = [reply.values[0] for reply in line.exchange([N, ARM, BARRIER, JAW, H])]
         sent = [b"N", b"T,1,H,1", b"T,1,G", b"T,1,H,0", b"H"]
-        assert [scripted.requests[int(value) - 1] for value in values] == sent
+        assert [scripted.commands[int(value) - 1] for value in values] == sent
 
 
 def test_repeated_reply_is_not_matched_to_the_next_request() -> None:
@@ -80,7 +87,7 @@ def test_repeated_reply_is_not_matched_to_the_next_request() -> None:
             values = [reply.values for reply in line.exchange(requests)]
             sent = [str(request).encode() for request in requests]
             for request, value in zip(sent, values, strict=True):
-                assert not value or scripted.requests[int(value[0]) - 1] == request
+                assert not value or scripted.commands[int(value[0]) - 1] == request
 
 
 D5 = Request("D", (5, 5))
@@ -92,7 +99,8 @@ def test_late_reply_to_an_earlier_request_is_not_matched() -> None:
         with pytest.raises(RobotLost):
             line.exchange([ARM])
         line.deadline = math.inf
-        assert scripted.requests[int(first(line, JAW)) - 1] == b"T,1,H,0"
+        number = int(first(line, JAW))
+        assert scripted.commands[number - 1] == b"T,1,H,0"
 
 
 def test_each_try_begins_with_a_query_that_is_not_pending() -> None:
@@ -105,7 +113,7 @@ def test_each_try_begins_with_a_query_that_is_not_pending() -> None:
             line.exchange([N])
         line.deadline = math.inf
         assert first(line, N) != 1
-        queries = [request for request in scripted.requests if request != b"N"]
+        queries = [request for request in scripted.commands if request != b"N"]
         assert len(queries) == len(set(queries)) >= 3
 
 
@@ -117,8 +125,8 @@ def test_request_without_a_reply_loses_the_robot(ignored: bytes) -> None:
     with connected(script, timeout=0.01) as (line, scripted):
         with pytest.raises(RobotLost) as lost:
             line.exchange([N])
-        assert (lost.value.port, lost.value.command) == (scripted.url, "N")
-        assert lost.value.tries == len(scripted.requests)
+        assert (lost.value.port, lost.value.command) == ("simulated", "N")
+        assert lost.value.tries == len(scripted.commands)
         assert 6 <= lost.value.tries <= 12
 
 
@@ -147,9 +155,9 @@ def test_repeated_error_replies_raise_request_rejected() -> None:
 
 
 def test_disconnected_robot_is_lost_without_more_tries() -> None:
-    with connected(NumberedReplies({})) as (line, scripted):
+    with opened() as (line, scripted):
         line.exchange([N])
-        scripted.disconnect()
+        scripted.close()
         with pytest.raises(RobotLost, match="'H' was not sent: the port failed") as lost:
             line.exchange([H])
         assert lost.value.tries == 0
@@ -187,7 +195,7 @@ def test_commands_that_may_not_be_repeated_are_rejected() -> None:
                 line.exchange([request])
         with pytest.raises(ValueError, match="999"):
             line.exchange([Request("D", (999, 0))])
-        assert scripted.requests == []
+        assert scripted.commands == []
 
 
 @pytest.mark.parametrize(
@@ -207,7 +215,7 @@ def test_port_that_is_missing_or_in_use_is_reported() -> None:
     with pytest.raises(ConnectionError, match="/dev/nowhere cannot be opened"):
         Line("/dev/nowhere", KHEPERA, baud=38400)
     with (
-        connected(NumberedReplies({})) as (line, _),
+        opened() as (line, _),
         pytest.raises(ConnectionError, match=f"{line.port} cannot be opened"),
     ):
         Line(line.port, KHEPERA, baud=38400)
@@ -231,7 +239,7 @@ def test_write_timeout_is_a_lost_request(monkeypatch: pytest.MonkeyPatch) -> Non
         return write(port, data)
 
     monkeypatch.setattr(serial.Serial, "write", slow)
-    with connected(NumberedReplies({})) as (line, scripted):
+    with opened() as (line, scripted):
         assert first(line, N) == len(scripted.requests)
 
 
@@ -240,7 +248,7 @@ def test_garbled_reply_is_requested_again_at_once() -> None:
     garbled = NumberedReplies({0: lambda reply: [b"n,1,1,1,\x8f,1,1,1,1\r\n"]})
     with connected(garbled, timeout=10.0) as (line, scripted):
         assert line.exchange([N, H]) == [Reply("N", (3,) * 8), Reply("H", (2, 2))]
-        assert scripted.requests == [b"N", b"H", b"N"]
+        assert scripted.commands == [b"N", b"H", b"N"]
         assert line.statistics.timeouts == 0
 
 

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.robots.serial.khepera_protocol import COMMANDS, KHEPERA
 from khepera_forage.robots.serial.protocol import (
+    COMMANDS,
+    KHEPERA,
     MAX_LINE,
     RESTART,
     ArgumentError,
@@ -18,8 +19,6 @@ from khepera_forage.robots.serial.protocol import (
     Text,
     TextLine,
 )
-
-"""Every command as in the drivers of the sources: request, its bytes, reply, its bytes."""
 
 
 def test_restart_has_no_reply_but_the_banner() -> None:
@@ -63,19 +62,7 @@ def test_replies_survive_encoding_and_decoding(reply: Reply) -> None:
 
 def near_protocol() -> st.SearchStrategy[bytes]:
     """Any bytes, and bytes that resemble the protocol."""
-    parts = [
-        *(name.encode() for name in COMMANDS),
-        b"t",
-        b"d",
-        b"z",
-        b",",
-        b"-",
-        b"0",
-        b"7",
-        b"255",
-        b"1,",
-        b"\xff",
-    ]
+    parts = [*(name.encode() for name in COMMANDS), *b"t d z , - 0 7 255 1, \xff".split()]
     return st.one_of(st.binary(), st.lists(st.sampled_from(parts)).map(b"".join))
 
 

@@ -14,7 +14,6 @@ Requires pyserial, the extra `robots`; it is imported when a port is opened, not
 
 import contextlib
 import math
-import socket
 import statistics
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -25,7 +24,6 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 from khepera_forage.extras import require
 from khepera_forage.robots.khepera import RobotLost
-from khepera_forage.robots.serial.line_timing import LineTiming
 from khepera_forage.robots.serial.protocol import (
     RESTART,
     ErrorReply,
@@ -66,8 +64,16 @@ _BANNER_GAP, _MAX_BANNER_DURATION = 0.06, 3.0
 _RFC2217 = "rfc2217://"
 """For these, pyserial has a fixed write timeout and rejects any other."""
 
-_MEASURING_TIMEOUT = 1.2
-"""Seconds after which no further measurement begins."""
+FAST = 0.005
+"""Seconds: up to this latency, a command is confirmed before the round goes on."""
+MAX_ROUND_BYTES, MAX_ROUND_REQUESTS = 170, 8
+"""Bytes and requests of a round in which arm and jaw move and all numbers have the maximum number of digits."""
+_SHORTEST_ANSWERS, _LONGEST_ANSWERS = (3, 45), (5, 129)
+"""Requests of `receive` and bytes both ways: without positions of the gripper and with numbers of one digit, or with
+both positions and with all digits."""
+_ROUND, _GRIPPER_ROUND = (4, 61), (6, 103)
+"""The same for a round in which the gripper rests (D, N, T,1,G and H), or moves: medians of `benchmarks/wire.py`."""
+
 _PATIENCE = 0.6
 """Seconds to wait for a reply before the latency is known: a repeated request would distort the measurement."""
 
@@ -80,11 +86,65 @@ class RequestRejected(RobotLost):
     """The robot sends only error replies: it lacks the command, or the turret that the command addresses."""
 
 
-class Traffic(NamedTuple):
-    """Bytes on a line, `sent` or received by the host."""
+class LineTooSlow(ConnectionError):  # noqa: N818
+    """The latency of a line does not allow rounds of the required duration."""
 
-    sent: bool
-    data: bytes
+
+class LineTiming(NamedTuple):
+    """The timing of a line, and the rounds that it allows.
+
+    Attributes:
+        latency: Seconds that a reply takes in addition to the transmission of its bytes: under 2 ms on a serial port,
+            up to 16 ms with a USB adapter, more over radio or a network.
+        pipelined: Whether the robot answers requests that are sent together; if not, it gets them one by one.
+    """
+
+    baud: int
+    stop_bits: int = 2
+    latency: float = 0.0
+    pipelined: bool = False
+
+    @property
+    def round_time(self) -> float:
+        """Seconds that the exchange of a round takes while the gripper rests."""
+        return self.duration(*_ROUND)
+
+    def duration(self, requests: int, length: int) -> float:
+        """Seconds that requests take whose bytes, with those of the replies, have this length."""
+        waits = requests if not self.pipelined else 1 if self.latency > FAST else min(requests, 2)
+        return waits * self.latency + seconds_on_wire(length, self.baud, self.stop_bits)
+
+    def longest_round(self, period: float) -> float:
+        """Seconds from the end of a round to the end of the next one, at most, at a fixed rate without late replies."""
+        variation = self.duration(*_LONGEST_ANSWERS) - self.duration(*_SHORTEST_ANSWERS)
+        usual = period + max(self.latency, variation)
+        if self.duration(*_GRIPPER_ROUND) <= period:
+            return usual
+        # A clock that such rounds have delayed by half a period skips the rest of it.
+        return max(usual, 1.5 * period + variation)
+
+    def latest_end(self, period: float) -> float:
+        """Seconds from the beginning of a period to the end of its exchange, at most: the period and one latency.
+
+        The readings are requested at the beginning of each period; the exchange ends when the next commands have been
+        sent. This holds without late replies if a round in which the gripper moves takes at most half a period and one
+        latency.
+        """
+        return period + self.latency
+
+    def check(self, port: str, period: float) -> None:
+        """Raise `LineTooSlow` if a round does not fit into its period."""
+        if self.round_time <= period:
+            return
+        waits = 1 if self.pipelined else _ROUND[0]
+        possible = math.ceil(100 * self.round_time) / 100
+        longest = max(0.0, (period - self._replace(latency=0.0).round_time) / waits)
+        raise LineTooSlow(
+            f"{port} is too slow for rounds of {period:g} s: a reply takes {1000 * self.latency:.0f} ms longer than "
+            f"its transmission, and a round {1000 * self.round_time:.0f} ms; required: at most {1000 * longest:.0f} ms "
+            f"for a reply at {self.baud} baud. Lengthen the period to {possible:.2f} s or more, raise the baud "
+            "rate, or shorten the latency (latency timer of a USB adapter, radio, network)"
+        )
 
 
 @dataclass(slots=True)
@@ -106,23 +166,24 @@ class LineStatistics:
     """Readings that contradicted each other, so that the previous one was kept."""
 
 
+@dataclass(slots=True, eq=False)
 class _Slot:
-    """A request of the present exchange, and its reply."""
+    """A request, the command that was really sent for it, and its reply."""
 
-    def __init__(self, request: Request) -> None:
-        self.request, self.command = request, request.command
-        self.reply: Reply | None = None
+    request: Request
+    command: str = ""
+    reply: Reply | None = None
 
 
+@dataclass(slots=True)
 class _Exchange:
-    """The state of one exchange: see `Line.exchange`."""
+    """The state of one exchange: tries in a row that brought no reply, and those of them with an error reply."""
 
-    def __init__(self, slots: Sequence[_Slot], insist: bool, sent_before: int) -> None:
-        self.slots, self.insist, self.sent_before = slots, insist, sent_before
-        self.failed = self.rejected = 0.0
-        """Tries in a row that brought no reply to a request; those of them with an error reply."""
-        self.silent = 0.0
-        """Tries in a row without a reply to anything."""
+    slots: list[_Slot]
+    insist: bool
+    sent_before: int
+    failed: float = 0.0
+    rejected: float = 0.0
 
     @property
     def missing(self) -> list[_Slot]:
@@ -132,11 +193,7 @@ class _Exchange:
     @property
     def backoff(self) -> int:
         """Timeouts to wait for a reply."""
-        return min(1 << int(self.silent), _MAX_BACKOFF_OF_STOP if self.insist else _MAX_BACKOFF)
-
-
-_STALE, _ASIDE = _Slot(Request("")), _Slot(Request(""))
-"""Owners of replies that may still arrive: to requests of an earlier exchange, and to those of `send_aside`."""
+        return min(1 << int(self.failed), _MAX_BACKOFF_OF_STOP if self.insist else _MAX_BACKOFF)
 
 
 class Line:
@@ -153,7 +210,6 @@ class Line:
 
     Attributes:
         deadline: Moment on the monotonic clock `now` after which the robot counts as lost.
-        on_traffic: Called with all bytes that are sent or received.
 
     Raises:
         ValueError: A baud rate or timeout that is not allowed; a URL that pyserial does not support.
@@ -180,28 +236,27 @@ class Line:
         self.timing = LineTiming(baud, protocol.stop_bits, pipelined=True)
         self.deadline = math.inf
         self.statistics = LineStatistics()
-        self.on_traffic: Callable[[Traffic], None] | None = None
         self._replace, self._check = replace, check
         self._serial = open_port(port, baud, protocol.stop_bits, timeout)
         self._splitter = LineSplitter()
         self._lines: deque[bytes] = deque()
         self._mid_line = self._skip_line = False
         """Whether the last received byte did not end a line."""
-        self._pending: list[tuple[str, _Slot]] = []
-        """Commands to which a reply may still arrive, in the order in which they were sent: the unanswered ones, and
-        the last answered one, whose reply may be repeated."""
+        self._pending: list[_Slot] = []
+        """Requests to which a reply may still arrive, in the order in which they were sent: the unanswered ones, and
+        the last answered one, whose reply may be repeated. Those of earlier exchanges come first: `_stale` of them."""
+        self._stale = 0
+        self._received: list[Reply] = []
+        """Replies of this exchange."""
         self._ahead: list[_Slot] = []
         """Requests of `send_ahead`, which the next exchange confirms."""
 
     @property
     def descriptor(self) -> int | None:
         """File descriptor of the open port; None if it has none, as `loop://`."""
-        # `rfc2217://` has no `fileno`.
-        connection = getattr(self._serial, "_socket", None)
-        if isinstance(connection, socket.socket):
-            return connection.fileno()
         try:
-            return int(self._serial.fileno())
+            # `rfc2217://` has no `fileno`.
+            return int((getattr(self._serial, "_socket", None) or self._serial).fileno())
         except (AttributeError, OSError):
             return None
 
@@ -209,75 +264,51 @@ class Line:
         """Close the port; a second call does nothing."""
         self._serial.close()
 
-    def measure(self, stop: Request, period: float | None) -> bool:
-        """Check that the robot replies, stop it, and measure the line; `timing` and `timeout` then follow it.
-
-        After a reply that took long, the next one decides: a single stall of the computer or the robot is no latency.
-        Returns whether the robot has confirmed the stop; if not, the line is too slow for the period.
-        """
-        begin, latencies, patience = self.now(), list[float](), self.timeout
-        self.deadline = begin + max(OPENING_TIMEOUT, _TRIES * self.timeout)
-        self.timeout = max(patience, _PATIENCE)
+    def measure(self, stop: Request) -> None:
+        """Check that the robot replies, stop it, and measure the line; `timing` and `timeout` then follow it."""
+        begin, patience, latencies = self.now(), self.timeout, list[float]()
         query, identity = self.protocol.queries[0], self.protocol.identity
-        for number, request in enumerate((identity, stop, query, identity, query)):
-            sent_at = self.now()
-            is_late = number > 0 and (min(latencies) > _PATIENCE or sent_at > begin + _MEASURING_TIMEOUT)
-            if is_late and number > 1:
+        self.timeout = max(patience, _PATIENCE)
+        for requests in ([identity, stop], [query], [identity], [query], [identity]):
+            if latencies and self.now() + latencies[-1] > begin + OPENING_TIMEOUT:
                 break
-            limit = self.deadline
-            if is_late and period is not None:
-                self.deadline = min(limit, sent_at + _PATIENCE)
-            try:
-                reply = self.exchange([request])[0]
-            except RobotLost:
-                if self.deadline == limit or self.now() < self.deadline:
-                    raise
-                break
-            self.deadline = limit
-            length = len(self.protocol.encode_request(request) + self.protocol.encode_reply(reply))
-            latencies.append(self.now() - sent_at - self._on_wire(length))
-        # The shortest: the others may contain disturbances. The lower of two medians, for the same reason.
-        latency, usual = max(0.0, min(latencies)), max(0.0, statistics.median_low(latencies))
-        self.timeout = max(patience, min(2 * usual, MAX_ADAPTED_TIMEOUT))
-        self.timing = self.timing._replace(latency=latency)
+            self.deadline = self.now() + max(OPENING_TIMEOUT, _TRIES * patience)
+            latencies.append(self._excess_time(requests))
+        # The lower of two medians, and the shortest: the others may contain disturbances. The first is too short where
+        # the transmission of its two requests overlaps.
+        self.timeout = max(patience, min(2 * statistics.median_low(latencies), MAX_ADAPTED_TIMEOUT))
+        self.timing = self.timing._replace(latency=min(latencies[1:] or latencies))
         # Again: a stall of the computer looks like a robot that replies to one request after the other.
         together = any(self._answers_together(begin) for _ in range(3))
         self.timing = self.timing._replace(pipelined=together)
-        return len(latencies) > 1
 
     def _answers_together(self, opened: float) -> bool:
         """Whether all replies to pipelined requests arrive together, after one latency."""
-        if self.now() > opened + _MEASURING_TIMEOUT:
+        if self.now() + self.timing.latency > opened + OPENING_TIMEOUT:
             return True  # no time to test it
-        begin, limit = self.now(), self.deadline
         requests = [query for query in self.protocol.queries if query.command in ("N", "E", "O")]
-        self.deadline = min(limit, begin + self.timeout + self._on_wire(len(requests) * _MAX_REPLY_LENGTH))
+        self.deadline = self.now() + self.timeout + self._on_wire(len(requests) * _MAX_REPLY_LENGTH)
         try:
-            replies = self.exchange(requests)
+            return self._excess_time(requests) <= 1.5 * self.timing.latency + 0.01
         except RobotLost:
             return False
-        finally:
-            self.deadline = limit
-        encode_request, encode_reply = self.protocol.encode_request, self.protocol.encode_reply
-        length = len(b"".join([*map(encode_request, requests), *map(encode_reply, replies)]))
-        return self.now() - begin <= 1.5 * self.timing.latency + 0.01 + self._on_wire(length)
 
-    def send_ahead(self, requests: Sequence[Request]) -> bool:
-        """Send requests for whose replies the next exchange waits.
+    def _excess_time(self, requests: Sequence[Request]) -> float:
+        """Seconds that requests take in addition to the transmission of all bytes."""
+        begin, replies = self.now(), self.exchange(requests)
+        took = self.now() - begin
+        data = [*map(self.protocol.encode_request, requests), *map(self.protocol.encode_reply, replies)]
+        return max(0.0, took - self._on_wire(len(b"".join(data))))
 
-        Returns False if nothing was sent: an older reply may still arrive, or the robot gets requests one by one.
-        """
-        pending = {command for command, _ in self._pending}
-        if self._ahead or not self.timing.pipelined or not pending.isdisjoint(r.command for r in requests):
-            return False
+    def send_ahead(self, requests: Sequence[Request]) -> None:
+        """Send requests for whose replies the next exchange waits."""
         self._ahead = [_Slot(request) for request in requests]
+        sent_before = self.statistics.sent
         try:
-            self._send(self._ahead)
+            self._send(self._ahead, 0)
         except OSError as error:
-            self._give_up(
-                _Exchange(self._ahead, False, self.statistics.sent), f"the port failed: {error}", error
-            )
-        return True
+            tries = self.statistics.sent - sent_before
+            raise RobotLost(self.port, str(requests[0]), tries, f"the port failed: {error}") from error
 
     def forget_ahead(self) -> bool:
         """Do not wait for the replies to requests sent ahead; returns whether there were any."""
@@ -286,8 +317,7 @@ class Line:
 
     def send_aside(self, request: Request) -> None:
         """Send a request in the middle of an exchange, without waiting for its reply."""
-        self._pending.append((request.command, _ASIDE))
-        self._write([request])
+        self._send([_Slot(request)], 0)
 
     def exchange(self, requests: Sequence[Request], *, insist: bool = False) -> list[Reply]:
         """Send requests and return their replies, in their order; repeats what is not answered.
@@ -312,21 +342,21 @@ class Line:
             return [self.exchange([request], insist=insist)[0] for request in requests]
         own = [_Slot(request) for request in requests]
         exchange = _Exchange([*self._ahead, *own], insist, self.statistics.sent)
-        self._pending = [(name, owner if owner in self._ahead else _STALE) for name, owner in self._pending]
+        self._forget_answered()
+        self._stale = len(self._pending) - len(self._ahead)
         try:
             if not self._ahead:
                 self._discard_input()
             to_send = own
             while exchange.missing:
                 self._check()
-                self._batch(exchange, to_send)
+                self._try(exchange, to_send)
                 missing = exchange.missing
                 # Of equal neighbours only the first: a repeated reply to it could be taken for that to the second.
-                different = (slot for last, slot in pairwise(missing) if slot.command != last.command)
-                to_send = [*missing[:1], *different]
+                others = (slot for last, slot in pairwise(missing) if slot.command != last.command)
+                to_send = [*missing[:1], *others]
         except RobotRestarted:
-            self._pending.clear()
-            self._ahead = []
+            self._pending, self._received, self._ahead = [], [], []
             raise
         except RobotLost:
             raise
@@ -335,120 +365,110 @@ class Line:
         self._ahead = []
         return [slot.reply for slot in own if slot.reply is not None]
 
-    def _batch(self, exchange: "_Exchange", to_send: list[_Slot]) -> None:
+    def _try(self, exchange: _Exchange, to_send: list[_Slot]) -> None:
         """Send requests, and assign the replies that arrive, until all have arrived or the missing ones must be lost.
 
         After silence, a query follows: once it is answered, what is missing is lost.
         """
-        counts, missing_before = self.statistics, len(exchange.missing)
-        rejected_before, garbled, reason = counts.rejected, 0, "received nothing"
-        sent = list(to_send)
-        if sent and sent[0].command in {command for command, _ in self._pending}:
+        missing_before, failed_before = len(exchange.missing), exchange.failed
+        garbled, rejected, reason = 0, False, "received nothing"
+        answers_left = missing_before
+        self._forget_answered()
+        if to_send[0].request.command in {slot.command for slot in self._pending}:
             # A query first: no late reply is then taken for that to the first request.
-            sent.insert(0, self._fresh_query(to_send))
-        expected = [*(slot for slot in exchange.missing if slot not in to_send), *sent]
-        count = len(expected)
-        due = self.now() + self._on_wire(self._send(sent) + count * _MAX_REPLY_LENGTH)
-        deadline = due + exchange.backoff * self.timeout
-        received: list[Reply] = []
+            to_send = [self._fresh_query(to_send), *to_send]
+            answers_left += 1
+        deadline = self._send(to_send, answers_left) + exchange.backoff * self.timeout
         while exchange.missing:
             self._check()
             line = self._receive_line()
             now = self.now()
             if now > (self.deadline if line else min(deadline, self.deadline)):
-                counts.timeouts += 1
-                exchange.silent += _COST_OF_GARBAGE if garbled else 1.0
-                if exchange.silent >= _TRIES or now > self.deadline:
+                self.statistics.timeouts += 1
+                exchange.failed += _COST_OF_GARBAGE if garbled and not rejected else 1.0
+                exchange.rejected += rejected
+                if exchange.failed >= _TRIES or now > self.deadline:
                     self._give_up(exchange, reason)
                 if garbled or exchange.insist:
                     break
-                expected.append(self._fresh_query(expected))
-                due = now + self._on_wire(self._send(expected[-1:]) + _MAX_REPLY_LENGTH)
-                deadline = due + exchange.backoff * self.timeout
+                deadline = self._send([self._fresh_query([])], 1) + exchange.backoff * self.timeout
+                answers_left += 1
             if line is None:
                 continue
             reply = self._decode(line)
             if self._skip_line:  # its first part arrived before the requests were sent
                 self._skip_line = False
             elif isinstance(reply, Reply):
-                matched, is_last = self._assign(reply)
-                if not matched:
+                place = self._assign(reply)
+                if place < self._stale:
+                    self.statistics.unmatched += 1
                     reason = self._reason(line)
                     continue
-                exchange.silent = 0.0
-                received.append(reply)
-                # Replies in exactly the order of the requests also tell two with the same letter apart.
-                commands = [reply.command for reply in received]
-                if len(commands) >= count and commands == [
-                    slot.command for slot in expected[: len(commands)]
-                ]:
-                    for slot, reply in zip(expected, received, strict=False):
-                        slot.reply = reply
-                if is_last:
-                    break
+                answers_left -= 1
+                exchange.failed = min(exchange.failed, failed_before + 1.0)
+                if place == len(self._pending) - 1:
+                    break  # no other reply can follow
             elif not isinstance(reply, TextLine):
                 garbled, reason = garbled + 1, self._reason(line)
                 if isinstance(reply, ErrorReply):
-                    counts.rejected += 1
-                    if garbled + len(received) == len(expected):
-                        break
-                rest = max(1, len(expected) - len(received) - garbled + 1)
+                    rejected = True
+                    self.statistics.rejected += 1
+                rest = max(1, answers_left - garbled + 1)
                 wait = self._on_wire(rest * _MAX_REPLY_LENGTH) + self.timing.latency + _WAIT_AFTER_GARBAGE
                 deadline = min(deadline, now + wait)
         if len(exchange.missing) < missing_before:
             exchange.failed = exchange.rejected = 0.0
-            return
-        was_rejected = counts.rejected > rejected_before
-        exchange.rejected += was_rejected
-        exchange.failed += _COST_OF_GARBAGE if garbled and not was_rejected else 1.0
-        if exchange.failed >= _TRIES:
-            self._give_up(exchange, reason)
 
-    def _assign(self, reply: Reply) -> tuple[bool, bool]:
-        """Assign a reply to the request that it must belong to, if there is only one.
+    def _assign(self, reply: Reply) -> int:
+        """Take a reply, and assign all replies so far that can belong to one request only.
 
-        Returns whether it belongs to this exchange, and whether no other reply can follow.
+        Returns the first place among the pending requests that it can belong to; -1 if there is none.
         """
-        places = [i for i, (command, _) in enumerate(self._pending) if command == reply.command]
-        owners = {self._pending[place][1] for place in places}
-        is_last = places == [len(self._pending) - 1]
-        del self._pending[: places[0] if places else 0]
-        if not owners or _STALE in owners:
-            self.statistics.unmatched += 1
-            return False, False
-        self.statistics.answered += 1
-        owners.discard(_ASIDE)
-        if len(owners) == 1:
-            owners.pop().reply = reply
-        return True, is_last
+        commands = [slot.command for slot in self._pending]
+        received = [*self._received, reply]
+        first = _first_places(commands, received)
+        if len(first) < len(received):
+            return -1
+        self._received = received
+        backwards = _first_places(commands[::-1], received[::-1])
+        last = [len(commands) - 1 - place for place in reversed(backwards)]
+        for i, (low, high) in enumerate(zip(first, last, strict=True)):
+            slot = self._pending[low]
+            if low >= self._stale and slot is self._pending[high] and slot.reply is None:
+                slot.reply = received[i]
+                self.statistics.answered += 1
+        return first[-1]
 
-    def _fresh_query(self, expected: list[_Slot]) -> _Slot:
+    def _forget_answered(self) -> None:
+        """Forget the requests before the last one that was answered."""
+        places = _first_places([slot.command for slot in self._pending], self._received)
+        count = places[-1] if places else 0
+        del self._pending[:count]
+        self._stale, self._received = max(0, self._stale - count), []
+
+    def _fresh_query(self, to_send: list[_Slot]) -> _Slot:
         """A query whose reply cannot be taken for another."""
-        taken = {command for command, _ in self._pending} | {slot.command for slot in expected}
+        taken = {slot.command for slot in self._pending} | {slot.request.command for slot in to_send}
         # If all are taken, the first is as good as any: its reply shows only that there is a robot.
         queries = self.protocol.queries
         return _Slot(next((query for query in queries if query.command not in taken), queries[0]))
 
-    def _send(self, slots: Sequence[_Slot]) -> int:
-        requests = [self._replace(slot.request) for slot in slots]
-        self._pending += zip((request.command for request in requests), slots, strict=True)
-        return self._write(requests)
-
-    def _write(self, requests: Sequence[Request]) -> int:
-        """Send requests; returns the number of bytes.
+    def _send(self, slots: Sequence[_Slot], replies: int) -> float:
+        """Send requests; returns the moment at which a number of replies has arrived if they are not late.
 
         A port that is blocked for longer than its time limit loses requests, like a disturbed line.
         """
         from serial import SerialTimeoutException
 
+        requests = [self._replace(slot.request) for slot in slots]
+        for slot, request in zip(slots, requests, strict=True):
+            slot.command = request.command
+        self._pending += slots
         data = b"".join(map(self.protocol.encode_request, requests))
-        if data:
-            if self.on_traffic is not None:
-                self.on_traffic(Traffic(True, data))
-            with contextlib.suppress(SerialTimeoutException):
-                self._serial.write(data)
-            self.statistics.sent += len(requests)
-        return len(data)
+        with contextlib.suppress(SerialTimeoutException):
+            self._serial.write(data)
+        self.statistics.sent += len(requests)
+        return self.now() + self._on_wire(len(data) + replies * _MAX_REPLY_LENGTH)
 
     def _discard_input(self) -> None:
         """Discard all received bytes: none of them can belong to the next reply."""
@@ -500,8 +520,6 @@ class Line:
         if data and (more := self._serial.in_waiting):
             data += self._arrived(more)
         if data:
-            if self.on_traffic is not None:
-                self.on_traffic(Traffic(False, data))
             self._lines.extend(self._splitter.feed(data))
             self._mid_line = data[-1] not in b"\r\n"
         return data
@@ -529,13 +547,24 @@ class Line:
         hint = "" if understood else f" (is the robot set to {self.timing.baud} baud?)"
         return f"received only {unmatched!r}{hint}"
 
-    def _give_up(self, exchange: "_Exchange", reason: str, cause: Exception | None = None) -> NoReturn:
+    def _give_up(self, exchange: _Exchange, reason: str, cause: Exception | None = None) -> NoReturn:
         if cause is None:
             self._check()
         is_rejected = 0.0 < exchange.rejected == exchange.failed
         tries = self.statistics.sent - exchange.sent_before
         kind = RequestRejected if is_rejected else RobotLost
         raise kind(self.port, str(exchange.missing[0].request), tries, reason) from cause
+
+
+def _first_places(commands: Sequence[str], replies: Sequence[Reply]) -> list[int]:
+    """The first place among commands to which each reply can belong, as far as they can: a reply may be repeated."""
+    places, place = list[int](), 0
+    for reply in replies:
+        place = next((i for i in range(place, len(commands)) if commands[i] == reply.command), -1)
+        if place < 0:
+            break
+        places.append(place)
+    return places
 
 
 def open_port(port: str, baud: int, stop_bits: int, write_timeout: float) -> "Serial":

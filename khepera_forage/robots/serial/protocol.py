@@ -1,4 +1,4 @@
-"""Request-reply protocols in lines of ASCII: encoding and decoding, for host and robot. No input or output.
+"""Request-reply protocols in lines of ASCII, and that of the Khepera: encoding and decoding. No input or output.
 
 A request is a capital letter followed by decimal numbers, separated by commas; its reply repeats the letter in lower
 case and ends with CR LF. The Khepera and the e-puck share this form; a `Protocol` has the commands of one of them.
@@ -35,12 +35,28 @@ class Range(NamedTuple):
     low: int
     high: int
 
+    def __str__(self) -> str:
+        return f"a whole number {self.low}..{self.high}"
+
+    def read(self, text: str) -> int | None:
+        """The number in a text; None if it is not allowed."""
+        # Check the length first: int() rejects strings of thousands of digits with another error.
+        is_number = len(text) <= _MAX_DIGITS and _DECIMAL.fullmatch(text)
+        return int(text) if is_number and self.low <= int(text) <= self.high else None
+
 
 class Text(NamedTuple):
     """A value that is not a number: a regular expression, and an example for messages."""
 
     pattern: str
     example: str
+
+    def __str__(self) -> str:
+        return self.example
+
+    def read(self, text: str) -> str | None:
+        """The text; None if it is not allowed."""
+        return text if re.fullmatch(self.pattern, text) else None
 
 
 VERSION = Text(r"[0-9]{1,3}(\.[0-9]{1,3})?", "a version such as 5.02")
@@ -225,9 +241,9 @@ def _printable(text: str) -> bool:
 def _encoded(name: str, values: Sequence[int | str], allowed: Sequence[Range | Text]) -> list[str]:
     fields = [str(value) for value in values]
     # `_decoded` would accept the string of True, of "5" or of numpy's numbers.
-    for value, range_ in zip(values, allowed, strict=False):
-        if type(value) is not (str if isinstance(range_, Text) else int):
-            raise ArgumentError(f"{name} with {value!r}; allowed: {_allowed_values(range_)}")
+    for value, wanted in zip(values, allowed, strict=False):
+        if type(value) is not (str if isinstance(wanted, Text) else int):
+            raise ArgumentError(f"{name} with {value!r}; allowed: {wanted}")
     _decoded(name, fields, allowed)
     return fields
 
@@ -236,24 +252,93 @@ def _decoded(name: str, fields: Sequence[str], allowed: Sequence[Range | Text]) 
     if len(fields) != len(allowed):
         raise ArgumentError(f"{name} with {len(fields)} values; allowed: {len(allowed)}")
     values: list[int | str] = []
-    for text, range_ in zip(fields, allowed, strict=True):
-        if isinstance(range_, Text):
-            valid = re.fullmatch(range_.pattern, text) is not None
-        else:  # Check the length first: int() rejects strings of thousands of digits with another error.
-            is_number = len(text) <= _MAX_DIGITS and _DECIMAL.fullmatch(text)
-            valid = bool(is_number) and range_.low <= int(text) <= range_.high
-        if not valid:
-            raise ArgumentError(f"{name} with {text[:MAX_LINE]!r}; allowed: {_allowed_values(range_)}")
-        values.append(text if isinstance(range_, Text) else int(text))
+    for text, wanted in zip(fields, allowed, strict=True):
+        value = wanted.read(text)
+        if value is None:
+            raise ArgumentError(f"{name} with {text[:MAX_LINE]!r}; allowed: {wanted}")
+        values.append(value)
     return tuple(values)
-
-
-def _allowed_values(allowed: Range | Text) -> str:
-    if isinstance(allowed, Range):
-        return f"a whole number {allowed.low}..{allowed.high}"
-    return allowed.example
 
 
 _DECIMAL = re.compile(r"0|-?[1-9][0-9]*")
 _WORD = re.compile(r"[A-Za-z-]{4,}")
 _MAX_DIGITS = len("-2147483648")
+
+# K-Team's protocol: every command of a Khepera with a gripper, as the manuals and drivers describe it. "Assumption"
+# marks a range without a source.
+
+SPEED = Range(-127, 127)
+"""Speed units, pulses in 10 ms: 8 mm/s (K-Team)."""
+TARGET = Range(-(2**23 - 2), 2**23 - 2)
+"""Pulses: range of position control, 671 m either way (RN)."""
+COUNTER = Range(-(2**31), 2**31 - 1)
+"""Pulses: 32 bits (RN)."""
+GAIN = Range(0, 2**15 - 1)
+"""A coefficient of a PID controller. Assumption: a positive 16-bit number. Kp, Ki, Kd at power-on: 3800, 800, 100 of
+the speed controller, 3000, 20, 4000 of the position controller (KH2PY)."""
+ACCELERATION = Range(0, 255)
+"""1/256 speed unit in 10 ms: 3.125 mm/s2. Assumption: one byte; the default is 64 (KNET)."""
+PWM = Range(-255, 255)
+TEN_BITS = Range(0, 1023)
+BYTE = Range(0, 255)
+ADDRESS = Range(0, 63)
+CHANNEL = Range(0, 5)
+SWITCH = Range(0, 1)
+
+BAUD_RATES = (9600, 19200, 38400, 57600, 115200)
+"""Settings of a Khepera's mode switch."""
+
+COMMANDS: dict[str, Command] = {
+    "A": Command((GAIN,) * 3, (), "set the speed controller's Kp, Ki, Kd"),
+    "B": Command((), (VERSION, VERSION), "versions of the BIOS and of the protocol"),
+    "C": Command((TARGET,) * 2, (), "set the target counts, left and right (position control)"),
+    "D": Command((SPEED,) * 2, (), "set the speeds, left and right (speed control)"),
+    "E": Command((), (SPEED,) * 2, "measured speeds"),
+    "F": Command((GAIN,) * 3, (), "set the position controller's Kp, Ki, Kd"),
+    "G": Command((COUNTER,) * 2, (), "set the encoder counters"),
+    "H": Command((), (COUNTER,) * 2, "read the encoder counters"),
+    "I": Command((CHANNEL,), (TEN_BITS,), "read an analogue input, 4 mV a bit"),
+    "J": Command((Range(0, 127), ACCELERATION) * 2, (), "maximum speed and acceleration of position control"),
+    # No source defines the codes of mode and error, hence wide ranges.
+    "K": Command(
+        (), (SWITCH, BYTE, COUNTER) * 2, "position control: target reached, mode, error; left, right"
+    ),
+    "L": Command((SWITCH, Range(0, 2)), (), "switch an LED: off, on, toggle"),
+    "N": Command((), (TEN_BITS,) * 8, "proximity, clockwise from the left"),
+    "O": Command((), (TEN_BITS,) * 8, "ambient light, in the same order; low is bright"),
+    "P": Command((PWM,) * 2, (), "pulse-width modulation of the motors"),
+    "R": Command((ADDRESS,), (BYTE,), "read the extension bus"),
+    # Data first: three sources of four (KMAT, RN and KH2PY against NIC-IF).
+    "W": Command((BYTE, ADDRESS), (), "write to the extension bus: data, address"),
+    "T,1,B": Command((), (BYTE, BYTE), "gripper: version and revision of its software"),
+    "T,1,D": Command((SWITCH,), (), "gripper: open the jaw (0) or close it (1)"),
+    "T,1,E": Command((BYTE,), (), "gripper: set the target position of the arm"),
+    "T,1,F": Command((), (BYTE,), "gripper: resistivity sensor; above 20 if the fingers conduct (PYRO)"),
+    "T,1,G": Command((), (BYTE,), "gripper: optical barrier; about 0 without an object, above 100 with one"),
+    # The reply does not repeat the argument (NIC-IF, KNET): only the request distinguishes jaw and arm.
+    "T,1,H": Command((SWITCH,), (BYTE,), "gripper: position of the jaw (0) or of the arm (1)"),
+    "T,1,J": Command((), (BYTE,), "gripper: jumpers"),
+    RESTART: Command((), (), "restart, as after power-on"),
+}
+"""By the command name of a `Request`: a letter, a gripper message, or the word restart."""
+
+BANNER = (
+    "ROM of minirobot KHEPERA, Edoardo Franzi",
+    "K-Team S.A.",
+    "October 22, 1998",
+    "Rev. 5.01",
+    "Serial Communication Protocol",
+)
+"""The text is K-Team's; the line breaks are an assumption."""
+
+KHEPERA = Protocol(
+    COMMANDS,
+    BANNER,
+    identity=Request("B"),
+    queries=(
+        *(Request("E"), Request("B"), Request("K"), Request("I", (0,))),
+        *(Request("H"), Request("O"), Request("N")),
+    ),
+    baud_rates=BAUD_RATES,
+    stop_bits=2,
+)

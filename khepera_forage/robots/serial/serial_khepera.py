@@ -10,7 +10,7 @@ from khepera_forage.robots.khepera import (
     Senses,
 )
 from khepera_forage.robots.model import KHEPERA
-from khepera_forage.robots.serial import khepera_protocol
+from khepera_forage.robots.serial.protocol import KHEPERA as PROTOCOL
 from khepera_forage.robots.serial.protocol import Request
 from khepera_forage.robots.serial.serial_robot import SerialRobot
 
@@ -37,7 +37,7 @@ class SerialKhepera(SerialRobot):
     """
 
     model = KHEPERA
-    protocol = khepera_protocol.KHEPERA
+    protocol = PROTOCOL
     default_baud = 38400
     motion_commands = ("C", "D", "P")
     lamps = (0, 1)
@@ -48,9 +48,9 @@ class SerialKhepera(SerialRobot):
         self.request("D", left, right)
 
     def _prepare(self) -> None:
-        self._arm = Reading(max_change=8, can_stall=False, phase=0)
-        self._jaw = Reading(max_change=45, can_stall=True, phase=5)
-        self._barrier = Reading(max_change=0, can_stall=False, phase=0)
+        self._arm = Reading(_ARM, max_change=8, can_stall=False, phase=0)
+        self._jaw = Reading(_JAW, max_change=45, can_stall=True, phase=5)
+        self._barrier = Reading(_BARRIER, max_change=0, can_stall=False, phase=0)
 
     def _requests(self, command: Motors) -> list[Request]:
         requests = [Request("D", (int(command.left), int(command.right)))]
@@ -68,10 +68,8 @@ class SerialKhepera(SerialRobot):
         self._begin_call()
         begin = self._line.now()
         # Equal letters never follow each other: their replies could not be told apart.
-        arm = [_ARM] if self._arm.is_due() else []
-        jaw = [_JAW] if self._jaw.is_due() else []
-        requests = [_PROXIMITY, *arm, _BARRIER, *jaw, _COUNTERS]
-        values = self._read(requests)
+        arm, jaw = ([reading.request] if reading.is_due() else [] for reading in (self._arm, self._jaw))
+        values = self._read([_PROXIMITY, *arm, _BARRIER, *jaw, _COUNTERS])
         unconfirmed = self._unconfirmed(values)
         if unconfirmed:
             between = [_BARRIER] if unconfirmed == [_ARM, _JAW] else []
@@ -92,34 +90,35 @@ class SerialKhepera(SerialRobot):
         self._last_round = self._line.now()
 
     def _read(self, requests: list[Request]) -> dict[Request, tuple[int, ...]]:
-        """The values of replies that are numbers."""
+        """The values of replies, all numbers; 1 for an interrupted barrier."""
         replies = zip(requests, self._exchange(requests), strict=True)
-        return {request: tuple(map(int, reply.values)) for request, reply in replies}
+        values = {request: tuple(map(int, reply.values)) for request, reply in replies}
+        if _BARRIER in values:
+            values[_BARRIER] = (int(values[_BARRIER][0] > BARRIER_THRESHOLD),)
+        return values
 
     def _unconfirmed(self, values: dict[Request, tuple[int, ...]]) -> list[Request]:
         """Take readings; returns the requests of those that another reading must confirm."""
-        unconfirmed = []
-        for request, reading in ((_ARM, self._arm), (_BARRIER, self._barrier), (_JAW, self._jaw)):
-            if request in values:
-                (value,) = values[request]
-                is_barrier = request == _BARRIER
-                if not reading.take(int(value > BARRIER_THRESHOLD) if is_barrier else value):
-                    unconfirmed.append(request)
-        return unconfirmed
+        return [
+            reading.request
+            for reading in (self._arm, self._barrier, self._jaw)
+            if reading.request in values and not reading.take(values[reading.request][0])
+        ]
 
 
 class Reading:
     """A reading of the gripper: its value, the commanded target (None: unknown), and when to request it.
 
     Args:
+        request: Reads it.
         max_change: Largest change from round to round that needs no confirmation.
         can_stall: Whether it may stop short of its target for good, as a jaw does that closes on food. An arm that
             rests on an obstacle moves on once there is room: it is requested until it reaches its target.
         phase: Round of `_REFRESH_ROUNDS` in which it is always requested.
     """
 
-    def __init__(self, *, max_change: int, can_stall: bool, phase: int) -> None:
-        self.value = 0
+    def __init__(self, request: Request, *, max_change: int, can_stall: bool, phase: int) -> None:
+        self.request, self.value = request, 0
         self.target: int | None = None
         self._max_change, self._can_stall = max_change, can_stall
         self._doubt: int | None = None

@@ -8,12 +8,13 @@ from khepera_forage.robots.khepera import CONTROL_PERIOD, Motors, RobotLost
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import (
     DEFAULT_TIMEOUT,
+    FAST,
+    MAX_ROUND_BYTES,
+    MAX_ROUND_REQUESTS,
     Line,
-    LineStatistics,
+    LineTiming,
     RobotRestarted,
-    Traffic,
 )
-from khepera_forage.robots.serial.line_timing import FAST, MAX_ROUND_BYTES, MAX_ROUND_REQUESTS, LineTiming
 from khepera_forage.robots.serial.protocol import Protocol, Reply, Request, wrap_counter
 from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
 
@@ -85,9 +86,9 @@ class SerialRobot(RealRobot):
         self._period = period
         self._base_timeout = timeout
         self._watchdog: Watchdog | None = None
-        self._speeds = (0, 0)
-        self._turned_by_request = self._held = self._must_restore = False
-        self._restarts = 0
+        self._moves = False
+        """Whether the last speeds that were sent turn the wheels."""
+        self._held = self._must_restore = False
         self._hold_at = float("inf")
         self._last_round = float("-inf")
         self._line = Line(
@@ -98,6 +99,7 @@ class SerialRobot(RealRobot):
             replace=lambda request: STOP if self._held and self._turns(request) else request,
             check=self._check,
         )
+        self.statistics = self._line.statistics
         self._counters = Counters(self.counter_bits)
         self._prepare()
         self._open(self._begin_session)
@@ -115,18 +117,9 @@ class SerialRobot(RealRobot):
         return self._line.timeout
 
     @property
-    def statistics(self) -> LineStatistics:
-        """Counts of events on the line so far."""
-        return self._line.statistics
-
-    @property
     def longest_exchange(self) -> float:
         """See `RealRobot`."""
         return self.timeout + self.timing.duration(MAX_ROUND_REQUESTS, MAX_ROUND_BYTES)
-
-    def on_traffic(self, callback: Callable[[Traffic], None] | None) -> None:
-        """Call a function, in the robot's thread, with all bytes sent and received; None ends that."""
-        self._line.on_traffic = callback
 
     def request(self, command: str, *values: int) -> tuple[int | str, ...]:
         """Send any other request of the protocol; returns the values of the reply.
@@ -135,18 +128,12 @@ class SerialRobot(RealRobot):
             ValueError: An unknown command, values out of range; or G or restart, which may not be repeated.
             RobotLost: No reply; `RequestRejected` if the robot sends only error replies.
         """
-        request = Request(command, values)
-        if command in self.motion_commands:
-            self._turned_by_request = self._turns(request)
-        return self._begin(lambda: self._request(request)).result().values
+        return self._begin(lambda: self._request(Request(command, values))).result().values
 
     def end_watchdog(self) -> None:
         """See `RealRobot`."""
         if self._watchdog is not None:
             self._watchdog.end()
-
-    def _turning(self) -> bool:
-        return self._turned_by_request or super()._turning()
 
     def _turns(self, request: Request) -> bool:
         """Whether a request sets the wheels in motion."""
@@ -157,13 +144,14 @@ class SerialRobot(RealRobot):
     def _begin_session(self) -> None:
         """Check that a robot replies, stop its wheels, and measure the line."""
         try:
-            self.stop_confirmed = self._line.measure(STOP, self._period)
+            self._line.measure(STOP)
         except RobotLost as lost:
             if not self.protocol.hint:
                 raise
             raise RobotLost(
                 self.port, lost.command, lost.tries, f"{lost.reason}; {self.protocol.hint}"
             ) from lost
+        self.stop_confirmed = True
         if self._period is not None:
             self.timing.check(self.port, self._period)
 
@@ -182,26 +170,20 @@ class SerialRobot(RealRobot):
             self._held = True
             self._line.send_aside(STOP)
 
-    def _attempt(self, work: Callable[[], T]) -> T:
+    def _attempt(self, work: Callable[[], T], restore: bool = True) -> T:
         """Run work; after a restart of the robot, send the last command again and run it from its beginning."""
+        restarts = 0
         while True:
             try:
-                self._restore()
-                result = work()
+                if restore:
+                    self._restore()
+                return work()
             except RobotRestarted:
-                self._note_restart()
-            else:
-                self._restarts = 0
-                return result
-
-    def _note_restart(self) -> None:
-        """Record that the robot sent its banner."""
-        self._must_restore = True
-        self._restarts += 1
-        self._counters.restarted()
-        if self._restarts > _MAX_RESTARTS:
-            count, self._restarts = self._restarts, 0
-            raise RobotLost(self.port, "restart", count, "it restarts again and again")
+                self._must_restore = True
+                self._counters.restarted = True
+                restarts += 1
+                if restarts > _MAX_RESTARTS:
+                    raise RobotLost(self.port, "restart", restarts, "it restarts again and again") from None
 
     def _restore(self) -> None:
         if self._must_restore:
@@ -218,31 +200,30 @@ class SerialRobot(RealRobot):
     def _send_command(self, command: Motors, held: bool) -> None:
         """Send a command; as a stop if the wheels are held."""
         self._begin_call()
-        self._held = held
-        self._turned_by_request = False
-        requests = self._requests(command)
-        self._speeds = (0, 0) if held else (int(command.left), int(command.right))
-        if any(self._speeds):
+        self._held, self._moves = held, not held and any(command[:2])
+        if self._moves:
             self.stop_confirmed = False
+        requests = self._requests(command)
         # A fast line confirms the speeds at once: after a lost request the wheels would keep their last speeds.
-        if self.timing.latency <= FAST or not self._line.send_ahead(requests):
+        if self.timing.latency <= FAST or not self.timing.pipelined:
             self._exchange(requests)
+        else:
+            self._line.send_ahead(requests)
         self._note_sent(command)
 
     def _exchange(self, requests: Sequence[Request]) -> list[Reply]:
         """Send requests; returns their replies, once those to the last command have arrived, too."""
         replies = self._line.exchange(requests)
-        if self._speeds == (0, 0) and not self._held:
+        if not (self._moves or self._held):
             self.stop_confirmed = True
         return replies
 
     def _request(self, request: Request) -> Reply:
         self._begin_call()
-        if not self._turns(request):
-            if request.command in self.motion_commands:
-                self._speeds = (0, 0)
-            return self._exchange([request])[0]
-        self._speeds, self._held, self.stop_confirmed = (1, 1), False, False
+        if request.command in self.motion_commands:
+            self._moves = self._turns(request)
+            if self._moves:
+                self._held = self.stop_confirmed = False
         return self._exchange([request])[0]
 
     def _stop_wheels(self) -> None:
@@ -250,15 +231,8 @@ class SerialRobot(RealRobot):
         self._held = True
         if self._line.forget_ahead():
             self._note_sent(None)  # Their replies can no longer be told from others: send them again.
-        while True:
-            try:
-                self._line.exchange([STOP], insist=True)
-            except RobotRestarted:
-                self._note_restart()
-            else:
-                self._restarts = 0
-                self._speeds, self.stop_confirmed = (0, 0), True
-                return
+        self._attempt(lambda: self._line.exchange([STOP], insist=True), restore=False)
+        self._moves, self.stop_confirmed = False, True
 
     def _flash(self) -> None:
         for action in (1, 0, 1, 0):
@@ -296,7 +270,8 @@ class SerialRobot(RealRobot):
 class Counters:
     """Counts of two wheels since the first reading, continued across wrap-around and restarts of the robot.
 
-    The counts between the last reading and a restart are lost: less than one round's worth.
+    The counts between the last reading and a restart are lost: less than one round's worth. `restarted` is set when the
+    robot has sent its banner: its counters begin at zero again.
     """
 
     def __init__(self, bits: int) -> None:
@@ -304,11 +279,7 @@ class Counters:
         self._bits = bits
         self._raw: tuple[int, int] | None = None
         self._doubt: tuple[int, int] | None = None
-        self._restarted = False
-
-    def restarted(self) -> None:
-        """Record that the robot sent its banner: its counters restarted at zero."""
-        self._restarted = True
+        self.restarted = False
 
     def update(self, left: int, right: int) -> bool:
         """Add a reading. One that jumps, which a disturbed one may, counts if the next one agrees with it.
@@ -320,14 +291,14 @@ class Counters:
             self._raw = self.total = raw
             return False
         jumped = self._is_far(raw, self._raw)
-        if jumped and not self._restarted and (self._doubt is None or self._is_far(raw, self._doubt)):
+        if jumped and not self.restarted and (self._doubt is None or self._is_far(raw, self._doubt)):
             self._doubt = raw
             return False
-        was_reset = (self._restarted or jumped) and not self._is_far(raw, (0, 0))
-        noticed = was_reset and not self._restarted
+        was_reset = (self.restarted or jumped) and not self._is_far(raw, (0, 0))
+        noticed = was_reset and not self.restarted
         left_change, right_change = raw if was_reset else self._changes(raw, self._raw)
         self.total = self.total[0] + left_change, self.total[1] + right_change
-        self._raw, self._doubt, self._restarted = raw, None, False
+        self._raw, self._doubt, self.restarted = raw, None, False
         return noticed
 
     def _changes(self, new: tuple[int, int], old: tuple[int, int]) -> tuple[int, int]:

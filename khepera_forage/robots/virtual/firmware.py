@@ -1,31 +1,33 @@
-"""The firmware of a Khepera in front of any `Robot`: executes requests and encodes the replies.
+"""The firmware of a Khepera, or an e-puck2, in front of any `Robot`: executes requests and encodes the replies.
 
 A simulated robot takes whole speed units up to 20 and moves its arm between 215 and 255, although the protocol allows
 more. Like the real firmware, this one confirms any value that the protocol allows.
 """
 
-import math
 import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 
+from khepera_forage.robots.epuck.driver import PROTOCOL as E_PUCK_PROTOCOL
 from khepera_forage.robots.khepera import (
+    ARM_RAISED,
     CONTROL_PERIOD,
     JAW_CLOSED,
     JAW_ON_FOOD,
     JAW_OPEN,
     PULSE,
-    PULSES_PER_UNIT,
     SPEED_UNIT,
     Motors,
     Robot,
 )
-from khepera_forage.robots.serial.khepera_protocol import KHEPERA, PWM, SPEED
+from khepera_forage.robots.model import E_PUCK
 from khepera_forage.robots.serial.protocol import (
+    KHEPERA,
     NOT_FOUND_TEXT,
     PROTOCOL_ERROR_TEXT,
+    PWM,
     RESTART,
+    SPEED,
     ArgumentError,
     ErrorReply,
     Protocol,
@@ -38,6 +40,8 @@ _VERSIONS = ("5.02", "5.01")
 """Of the BIOS and of the protocol (K-Team)."""
 _GRIPPER_VERSION = (2, 1)
 """Assumption: the version of the gripper's manual."""
+_DEFAULT_SPEED = 20
+"""Speed units: the highest in position control (KNET, KH2PY)."""
 _SPEED_MODE, _POSITION_MODE = 0, 1
 """The mode in the reply to K, as KIKS has it."""
 
@@ -116,9 +120,13 @@ class Firmware:
             self._measured_speeds = self._speed(pulses[0] - left), self._speed(pulses[1] - right)
             self._last_pulses = pulses
             if self._position_control:
-                left_count, right_count = self._counters()
-                left_wheel, right_wheel = self._wheels
-                self._drive(left=left_wheel.next_speed(left_count), right=right_wheel.next_speed(right_count))
+                left, right = (
+                    self._towards(target - count, limit)
+                    for target, count, limit in zip(
+                        self._targets, self._counters(), self._max_speeds, strict=True
+                    )
+                )
+                self._drive(left=left, right=right)
 
     def power_on(self) -> bytes:
         """Start after a power failure: wheels stopped, settings reset, counters at 0; returns the banner.
@@ -143,10 +151,7 @@ class Firmware:
         """Set the state at power-on."""
         self._command = self._command._replace(left=0, right=0)
         self._position_control = False
-        self._wheels = (
-            WheelPositionController(self._pulses_per_unit),
-            WheelPositionController(self._pulses_per_unit),
-        )
+        self._targets, self._max_speeds = (0, 0), (_DEFAULT_SPEED, _DEFAULT_SPEED)
         self._last_pulses = self._pulses()
         self._offsets = -self._last_pulses[0], -self._last_pulses[1]
         self._measured_speeds = 0, 0
@@ -198,9 +203,7 @@ class Firmware:
         return wrap_counter(left + self._offsets[0]), wrap_counter(right + self._offsets[1])
 
     def _set_targets(self, *targets: int) -> Values:
-        self._position_control = True
-        for wheel, target, speed in zip(self._wheels, targets, self._command[:2], strict=True):
-            wheel.target, wheel.speed = target, speed
+        self._position_control, self._targets = True, (targets[0], targets[1])
         return ()
 
     def _set_speeds(self, left: int, right: int) -> Values:
@@ -217,57 +220,78 @@ class Firmware:
         return ()
 
     def _set_profiles(self, *profiles: int) -> Values:
-        for wheel, i in zip(self._wheels, (0, 2), strict=True):
-            wheel.max_speed, wheel.acceleration = profiles[i : i + 2]
+        self._max_speeds = profiles[0], profiles[2]  # the simulated motors reach any speed at once
         return ()
 
     def _position_status(self) -> Values:
         if not self._position_control:
             left, right = self._measured_speeds
-            errors = self._command.left - left, self._command.right - right
-            return tuple(value for error in errors for value in (0, _SPEED_MODE, int(error)))
-        return tuple(
-            value
-            for wheel, count in zip(self._wheels, self._counters(), strict=True)
-            for value in (int(wheel.reached(count)), _POSITION_MODE, wrap_counter(wheel.target - count))
-        )
+            left_error, right_error = int(self._command.left - left), int(self._command.right - right)
+            return 0, _SPEED_MODE, left_error, 0, _SPEED_MODE, right_error
+        errors = [
+            wrap_counter(target - count)
+            for target, count in zip(self._targets, self._counters(), strict=True)
+        ]
+        reached = [int(self._towards(error, 1) == 0) for error in errors]
+        return reached[0], _POSITION_MODE, errors[0], reached[1], _POSITION_MODE, errors[1]
+
+    def _towards(self, error: int, max_speed: int) -> int:
+        """The speed at which a wheel reaches its target, as exactly as whole speed units allow."""
+        return max(-max_speed, min(max_speed, round(error / self._pulses_per_unit)))
 
     def _speed(self, pulses: int) -> int:
         """The speed, in speed units, of a wheel that turned by `pulses` in one control period."""
         return max(SPEED.low, min(SPEED.high, round(pulses / self._pulses_per_unit)))
 
 
-@dataclass
-class WheelPositionController:
-    """Drives one wheel to a target count, at most at `max_speed` speed units.
+_E_PUCK_VERSIONS = "Version 2.0 January 2018 GCtronic", "HW version: E"
+_E_PUCK_DARK = 3900
+"""Ambient light reading without a lamp. Assumption."""
+_PULSES_PER_STEP = E_PUCK.pulse / E_PUCK.scale / PULSE
+"""A Khepera's pulses for one step."""
 
-    Args:
-        pulses_per_unit: Pulses of a wheel in one control period at one speed unit.
-        acceleration: In 1/256 speed unit in 10 ms; both defaults are KNET's and KH2PY's, 160 mm/s and 200 mm/s2.
+
+class EPuckFirmware(Firmware):
+    """The firmware of an e-puck2. See `Firmware`.
+
+    The robot's speeds and counters are those of a Khepera; the firmware converts them into steps of the e-puck's
+    wheels. A simulated gripper stays raised, where it touches nothing.
     """
 
-    pulses_per_unit: float = PULSES_PER_UNIT
-    max_speed: int = 20
-    acceleration: int = 64
-    target: int = 0
-    speed: float = 0.0
+    protocol = E_PUCK_PROTOCOL
+    argument_error = NOT_FOUND_TEXT
 
-    def reached(self, count: int) -> bool:
-        """Whether a wheel at this count has reached the target, as exactly as whole speed units allow."""
-        return abs(self.target - count) <= 0.5 * self.pulses_per_unit
+    def handle(self, line: bytes) -> bytes:
+        """Execute one request; returns the reply with its ending."""
+        reply = super().handle(line)
+        return reply + f"{_E_PUCK_VERSIONS[1]}\r\n".encode() if reply.startswith(b"v,") else reply
 
-    def next_speed(self, count: int) -> int:
-        """The speed for the next control period, in whole units, of a wheel at this count."""
-        if self.reached(count):
-            self.speed = 0.0
-            return 0
-        distance = abs(self.target - count) / self.pulses_per_unit
-        step = self.acceleration / 256 * self.pulses_per_unit
-        # From this speed the wheel stops within the distance; the last step may be slower still.
-        braking_speed = math.sqrt(step * step / 4 + 2 * step * distance) - step / 2
-        wanted = math.copysign(min(self.max_speed, braking_speed, distance), self.target - count)
-        if distance > step or abs(self.speed) > 2 * step:
-            wanted = max(self.speed - step, min(self.speed + step, wanted))
-        self.speed = wanted
-        # A speed below half a unit would leave the wheel short of its target.
-        return round(wanted) or (wanted > 0) - (wanted < 0)
+    def _initialise(self) -> None:
+        super()._initialise()
+        self._speeds = 0, 0
+        self._drive(arm=ARM_RAISED, jaw=JAW_OPEN)
+
+    def _handler(self, command: str) -> Callable[..., Values]:
+        handlers: dict[str, Callable[..., Values]] = {
+            "D": self._set_steps,
+            "E": lambda: self._speeds,
+            "N": self._infra_reds,
+            "O": lambda: (_E_PUCK_DARK,) * 8,
+            "P": lambda left, right: self._set_counters(
+                *(round(n * _PULSES_PER_STEP) for n in (left, right))
+            ),
+            "Q": lambda: tuple(wrap_counter(round(n / _PULSES_PER_STEP), 16) for n in self._counters()),
+            "S": lambda: self._set_steps(0, 0),
+            "V": lambda: (_E_PUCK_VERSIONS[0],),
+        }
+        return handlers.get(command, lambda *_: ())
+
+    def _set_steps(self, left: int, right: int) -> Values:
+        self._speeds = left, right
+        return self._drive(left=round(left / E_PUCK.unit), right=round(right / E_PUCK.unit))
+
+    def _infra_reds(self) -> Values:
+        left90, left45, left10, right10, right45, right90, back_right, back_left = (
+            4 * reading for reading in self._robot.sense().proximity
+        )
+        return right10, right45, right90, back_right, back_left, left90, left45, left10
