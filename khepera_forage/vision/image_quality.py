@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
-from khepera_forage.vision.detection.segmentation import Frame, as_grey, segment
 from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.segmentation import Frame, as_grey, segment
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 if TYPE_CHECKING:

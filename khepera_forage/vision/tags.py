@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.segmentation import Frame
 from khepera_forage.vision.scene import MM_PER_PIXEL, place_text
+from khepera_forage.vision.segmentation import Frame
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 DICTIONARY = "DICT_4X4_50"

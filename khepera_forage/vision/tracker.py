@@ -5,8 +5,8 @@ import math
 from khepera_forage.extras import require
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.segmentation import Frame, Segmentation, as_grey, segment
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene, place_text
+from khepera_forage.vision.segmentation import Frame, Segmentation, as_grey, segment
 from khepera_forage.vision.tags import FloorTags, TagDetector
 from khepera_forage.vision.tracker_settings import TrackerSettings
 from khepera_forage.vision.tracks import Confirmation, FloorVisibility, Tracks
@@ -124,7 +124,7 @@ class Tracker:
 
     def _prepare(self, calibration: Calibration) -> None:
         """Use a calibration: its picture is resized to 5 mm a pixel, if it is much coarser or finer."""
-        from khepera_forage.vision.detection.detector import Detector
+        from khepera_forage.vision.detection import Detector
 
         settings = self.settings
         self.calibration = calibration

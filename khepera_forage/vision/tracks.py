@@ -8,8 +8,8 @@ import numpy as np
 from khepera_forage.robots.khepera import MARKER_WIDTH
 from khepera_forage.vision.association import GATE, Detection, Track, match, may_vanish, start_tracks
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.segmentation import Segmentation
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
+from khepera_forage.vision.segmentation import Segmentation
 from khepera_forage.vision.shapes import Plate, under_plate
 from khepera_forage.vision.tracker_settings import TrackerSettings
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.extras import require
-from khepera_forage.vision.detection.segmentation import as_grey
 from khepera_forage.vision.lens import DEFAULT_SIZE, Size
+from khepera_forage.vision.segmentation import as_grey
 
 if TYPE_CHECKING:
     import cv2
