@@ -13,7 +13,6 @@ from khepera_forage.vision.markers import DetectedMarker, MarkerDetector, Readin
 from khepera_forage.vision.scene import MM_PER_PIXEL, place_text
 from khepera_forage.vision.segmentation import (
     Contour,
-    Frame,
     ImagePatch,
     Segmentation,
     ShapeMoments,
@@ -28,13 +27,9 @@ _MIN_FOOD_AREA, _MIN_PIECE_AREA = 0.4, 0.15
 """Shares of food's area below which a bright shape is not taken for food, and not for a piece of anything."""
 _GAP = 20.0
 """Width in mm of the gaps that are closed between the pieces of a shape split by a cable (12 mm wide, blurred)."""
-_MAX_TOUCHING_FOODS = 4.5
-"""Area, in food objects, below which a shape may consist of touching food objects."""
 _MARKER_AREA = (0.5, 3.0)
 """Least and greatest area of a marker, holes filled, as shares of its true area: smaller shapes are at most food,
 larger ones are walls or sheets of paper."""
-_WIDE, _LONG, _CORE = 1.4, 2.4, 0.7
-"""Diameters of food: shapes that are wider, or longer, are walls; and the least width of food beside them."""
 _MEASURE_INTERVAL, _NEWEST, _LEAST_BLUR = 5, 0.3, 0.5
 """Markers from one measurement of white to the next, the weight of the newest, and the least blur in pixels."""
 _PART = 0.35
@@ -45,19 +40,21 @@ _MIN_FILL = 0.7
 _AREA = (0.8, 1.7)
 """Least and greatest area of a whole disc, as shares of food's true area: a half hidden disc has no known centre, and
 overexposed white grows."""
-_MAX_EROSIONS = 3
-"""Greatest number of erosions by one pixel to separate touching discs."""
+_DEPTH, _RING, _AROUND = (0.75, 1.4), 1.35, 0.5
+"""Of a disc that touches another shape, in radii: how far its middle is from the nearest border, and the ring around it;
+and the least share of that ring that is not bright."""
 _SOFTNESS, _SPREAD = 1.25, 0.2
 """Greatest blur of food's border in pixels: this times that of markers' borders, and a spread."""
 _NOT_SATURATED, _SATURATED = 240.0, 0.1
 """Grey level of white below which it is not saturated; and the share of a disc that is saturated in a reflection."""
-_CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.uint8)
+_SQUARE = np.ones((3, 3), np.uint8)
 _ROUND = 0.98
 """Ratio of the axes from which a shape is taken for a whole disc: at most 1 % of it is then hidden."""
 _STEP, _REACH = 0.25, 2.0
 """Region pixels from one sample of a ray to the next, and between the radius and either end of a ray."""
-_HIDDEN = 0.12
-"""Region pixels by which the shape ends before the disc's rim where something hides it."""
+_HIDDEN, _JOINED, _GROWTH = 0.12, 0.4, 0.9
+"""Region pixels by which the shape ends before the disc's rim where something hides it; the weight of those by which it
+ends beyond the rim, where something joins it; and by how many blur and exposure change the radius at most."""
 _RAYS, _LEAST_RAYS, _REPEATS = 36, 15, 8
 """Rays, and rays to the visible rim from which the centre is known."""
 _ANGLES = 2 * math.pi * np.arange(_RAYS) / _RAYS
@@ -93,14 +90,6 @@ class Detector:
         self._radius = settings.food_radius / MM_PER_PIXEL
         scale = 1 / calibration.mm_per_pixel()
         self._gap_kernel = np.ones((max(1, math.ceil(_GAP * scale)) + 1,) * 2, np.uint8)
-        diameter = 2 * settings.food_radius * scale
-        wide, long, core = (max(3, round(share * diameter)) for share in (_WIDE, _LONG, _CORE))
-        line, diagonal = np.ones((1, long), np.uint8), np.eye(round(long / math.sqrt(2)), dtype=np.uint8)
-        self._wall_kernels: list[list[Frame]] = [
-            [cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (wide, wide))],  # type: ignore[list-item] # uint8
-            [line, line.T, diagonal, np.ascontiguousarray(diagonal[::-1])],
-        ]
-        self._food_kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (core, core))
         # In pixels of the picture.
         self._food_area = math.pi * settings.food_radius**2 * scale**2
         self._marker_area = settings.marker_length * settings.marker_width * scale**2
@@ -119,22 +108,20 @@ class Detector:
         found: list[Detection] = []
         if markers:
             found, pieces = self._markers_among(segmentation, pieces, seen, joined=False)
-        walls = [piece for piece in pieces if filled_area(piece) > self._most]
         small = [piece for piece in pieces if filled_area(piece) <= self._most]
         if markers and sum(map(filled_area, small)) >= self._least:
             # A cable cuts a marker in pieces, or cuts notches into its border.
             joined = self._joined(segmentation, small)
             found += self._markers_among(segmentation, joined, seen, joined=True)[0]
-        rest = [piece for piece in small if not any(_covers(marker, piece) for marker in seen)]
+        rest = [piece for piece in pieces if not any(_covers(marker, piece) for marker in seen)]
         foods, rest = self._foods_among(segmentation, rest)
         found += foods
+        rest = [piece for piece in rest if filled_area(piece) <= self._most]
         if len(rest) > 1:
             foods, rest = self._foods_among(segmentation, self._joined(segmentation, rest))
             found += foods
         for piece in rest if markers else ():
             self._report_cover(piece)
-        if walls:
-            found += self._foods_at_walls(segmentation, walls, small)
         return found
 
     def _markers_among(
@@ -186,42 +173,18 @@ class Detector:
         return found, rest
 
     def _foods_in(self, segmentation: Segmentation, piece: Contour) -> Iterator[Detection]:
-        """The food objects that one contour encloses."""
-        area = filled_area(piece)
-        if area < _MIN_FOOD_AREA * self._food_area:
+        """The food objects that one contour encloses: a disc, or several that touch each other or a bright wall."""
+        if filled_area(piece) < _MIN_FOOD_AREA * self._food_area:
             return
         patch = cut_patch(segmentation, piece)
-        food = self._disc(patch, patch.filled)
-        if food is not None:
-            if food.minor < _ROUND * food.major:
-                food = self._with_true_centre(patch, food)
-            trouble = self._trouble(patch, food)
+        food = self._disc(segmentation, patch)
+        discs = self._touching_discs(segmentation, patch, piece) if food is None else [(piece, food)]
+        for contour, food in discs:
+            trouble = self._trouble(cut_patch(segmentation, contour), food)
             if trouble:
                 self._report(trouble, food.x, food.y)
             else:
-                yield self._detection(piece, patch.edge, food)
-        elif area < _MAX_TOUCHING_FOODS * self._food_area:
-            for food, mask in self._split(patch):
-                part = max(outer_contours(mask, (patch.column, patch.row)), key=len)
-                yield self._detection(part, patch.edge, food)
-
-    def _foods_at_walls(
-        self, segmentation: Segmentation, walls: list[Contour], others: list[Contour]
-    ) -> Iterator[Detection]:
-        """Food that touches bright walls or a bright surface: what remains without long and wide shapes."""
-        mask = np.zeros_like(segmentation.mask)
-        cv2.drawContours(mask, walls, -1, 255, cv2.FILLED)
-        cv2.drawContours(mask, others, -1, 0, cv2.FILLED)
-        mask &= segmentation.mask
-        for kernels in self._wall_kernels:
-            mask &= ~np.max([cv2.morphologyEx(mask, cv2.MORPH_OPEN, kernel) for kernel in kernels], axis=0)
-        rest = cv2.morphologyEx(mask, cv2.MORPH_OPEN, self._food_kernel)
-        for piece in outer_contours(rest):  # type: ignore[arg-type] # uint8
-            patch = cut_patch(segmentation, piece)
-            food = self._disc(patch, patch.filled)
-            if food is not None:
-                # The shape has lost or won a part.
-                yield self._detection(piece, patch.edge, self._with_true_centre(patch, food))
+                yield self._detection(contour, patch.edge, food)
 
     def _joined(self, segmentation: Segmentation, pieces: list[Contour]) -> list[Contour]:
         """The shapes that result when the gaps between pieces, and their notches, are closed."""
@@ -269,16 +232,67 @@ class Detector:
 
     # ------------------------------------------------------------------ discs
 
-    def _disc(self, patch: ImagePatch, mask: Frame) -> ShapeMoments | None:
-        """Moments of a shape of food's size; None for anything else."""
-        moments = shape_moments(patch, mask, self._calibration, self._settings.food_height)
+    def _disc(self, segmentation: Segmentation, patch: ImagePatch) -> ShapeMoments | None:
+        """Moments of the one disc in a patch; None for anything else, or for a part of a disc."""
+        moments = shape_moments(patch, patch.filled, self._calibration, self._settings.food_height)
         if moments is None or not _AREA[0] <= moments.area / (math.pi * self._radius**2) <= _AREA[1]:
             return None
         if moments.area < _MIN_FILL * 4 * math.pi * moments.major * moments.minor:
             return None
         # The standard deviation of a disc along any axis is half its radius.
         ratios = (deviation * 2 / self._radius for deviation in (moments.major, moments.minor))
-        return moments if all(abs(ratio - 1) <= self._settings.tolerance for ratio in ratios) else None
+        if any(abs(ratio - 1) > self._settings.tolerance for ratio in ratios):
+            return None
+        if moments.minor < _ROUND * moments.major:
+            # What hides a part, such as the black frame of a marker, shifts the centre of the rest.
+            rim = self._rim(segmentation, moments.u, moments.v, moments.level)
+            if rim is not None:
+                u, v, *_ = rim
+                x, y = self._calibration.to_region(u, v, self._settings.food_height)
+                return moments._replace(u=u, v=v, x=x, y=y)
+        return moments
+
+    def _touching_discs(
+        self, segmentation: Segmentation, patch: ImagePatch, piece: Contour
+    ) -> Iterator[tuple[Contour, ShapeMoments]]:
+        """The discs in a shape: places as deep in it as the middle of a disc, with mostly floor around."""
+        _, labels = cv2.connectedComponents(patch.filled & patch.white)
+        column, row = (piece[0, 0] - (patch.column, patch.row)).tolist()
+        mask = (
+            np.where(labels == labels[row, column], np.uint8(255), np.uint8(0))
+            if labels[row, column]
+            else patch.filled
+        )
+        depth = cv2.distanceTransform(mask, cv2.DIST_L2, 5)
+        radius = self._radius * MM_PER_PIXEL / self._calibration.mm_per_pixel()
+        peaks = (
+            (depth >= cv2.dilate(depth, _SQUARE))
+            & (depth > _DEPTH[0] * radius)
+            & (depth < _DEPTH[1] * radius)
+        )
+        places = np.argwhere(peaks)
+        ring = np.rint(places[:, None] + _RING * radius * _DIRECTIONS).astype(int)
+        rows, columns = (ring[..., i].clip(0, mask.shape[i] - 1) for i in (0, 1))
+        around = (mask[rows, columns] == 0).mean(axis=1)
+        taken: list[tuple[float, float]] = []
+        for i in np.argsort(-around).tolist():
+            if around[i] < _AROUND:
+                break
+            row, column = places[i].tolist()
+            u, v = column + patch.column + 0.5, row + patch.row + 0.5
+            if any(math.dist((u, v), other) < radius for other in taken):
+                continue
+            level = float(patch.grey[max(0, row - 1) : row + 2, max(0, column - 1) : column + 2].mean())
+            rim = self._rim(segmentation, u, v, level)
+            if rim is None or abs(rim[2]) > _GROWTH or rim[3] < _AROUND * _RAYS:
+                continue
+            u, v, growth, _ = rim
+            taken.append((u, v))
+            x, y = self._calibration.to_region(u, v, self._settings.food_height)
+            deviation = (self._radius + growth) / 2
+            moments = ShapeMoments(u, v, x, y, deviation, deviation, 0.0, 4 * math.pi * deviation**2, level)
+            contour = np.rint((u, v) + radius * _DIRECTIONS - 0.5).astype(np.int32)[:, None]
+            yield contour, moments
 
     def _trouble(self, patch: ImagePatch, food: ShapeMoments) -> str:
         """Why a disc may be a reflection on the floor: a key of `TROUBLES`; empty if it is none.
@@ -294,61 +308,40 @@ class Detector:
         _, softness = white_and_blur(patch.grey, patch.filled > 0, max(patch.floor, 1))
         return "reflection" if softness > _SOFTNESS * self._blur + _SPREAD else ""
 
-    def _split(self, patch: ImagePatch) -> Iterator[tuple[ShapeMoments, Frame]]:
-        """The touching food objects in a patch, each with its own mask."""
-        # The darker border pixels lower this mean, which helps to separate the discs.
-        cores = patch.filled & (patch.grey > cv2.mean(patch.grey, patch.filled)[0])
-        for _ in range(_MAX_EROSIONS):
-            count, labels = cv2.connectedComponents(cores)
-            if count > 2:
-                break
-            cores = cv2.erode(cores, _CROSS)  # type: ignore[assignment]
-        else:
-            return
-        # Each pixel belongs to the nearest core: the border between two touching discs is then straight.
-        distances = [
-            cv2.distanceTransform((labels != i).astype(np.uint8), cv2.DIST_L2, 5) for i in range(1, count)
-        ]
-        nearest = np.argmin(distances, axis=0)
-        for i in range(count - 1):
-            mask = np.where(nearest == i, patch.filled, np.uint8(0))
-            moments = self._disc(patch, mask)
-            if moments is not None:
-                yield moments, mask
+    def _rim(
+        self, segmentation: Segmentation, u: float, v: float, level: float
+    ) -> tuple[float, float, float, int] | None:
+        """The centre of the disc around a place in the picture, growth of its radius, and number of rays to its rim.
 
-    def _with_true_centre(self, patch: ImagePatch, moments: ShapeMoments) -> ShapeMoments:
-        """The moments of a partly hidden disc with the centre of the whole disc, if enough of the rim is visible.
-
-        What hides a part, such as the black frame of a marker, shifts the centre of the rest. Rays from there find the
-        edge of the shape in all directions; the rim is a circle through the edge, without the points that lie inside.
+        Rays find the edge of the shape in all directions; the rim is a circle through the edges, without those that do
+        not fit. None if too little of it is visible. `level` is the grey level of the disc.
         """
-        height = self._settings.food_height
-        jacobian = self._calibration.jacobian(moments.u, moments.v, height)
+        jacobian = self._calibration.jacobian(u, v, self._settings.food_height)
         to_picture = np.linalg.inv(np.array(jacobian).reshape(2, 2))
         along = np.arange(max(0.0, self._radius - _REACH), self._radius + _REACH, _STEP)
-        start = np.array((moments.u - patch.column, moments.v - patch.row)) - 0.5
-        places = start + (_DIRECTIONS @ to_picture.T)[:, None] * along[:, None]
+        places = np.array((u, v)) - 0.5 + (_DIRECTIONS @ to_picture.T)[:, None] * along[:, None]
         columns, rows = np.moveaxis(places.astype(np.float32), 2, 0)
         grey = cv2.remap(
-            patch.grey.astype(np.float32), columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        )
-        edges = white_ends(grey.astype(np.float64), along, (moments.level + patch.floor) / 2)[:_RAYS]
+            segmentation.frame, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        ).astype(np.float64)
+        floor = segmentation.floor_at(int(u), int(v))
+        edges = white_ends(grey, along, (level + floor) / 2)[:_RAYS] - self._radius
         visible = np.isfinite(edges)
-        shift = np.zeros(3)
         for _ in range(_REPEATS):
             if visible.sum() < _LEAST_RAYS:
-                return moments
-            shift = np.linalg.lstsq(_TERMS[visible], edges[visible] - self._radius, rcond=None)[0]
-            residuals = edges - self._radius - _TERMS @ shift
-            # A quarter of the rays at a time, because the hidden part of the rim has shifted the circle, too.
-            worst = np.quantile(residuals[visible], 0.25)
-            hidden = visible & (residuals < -_HIDDEN) & (residuals <= worst)
+                return None
+            terms = _TERMS[visible]
+            shift = np.linalg.solve(terms.T @ terms, terms.T @ edges[visible])
+            residuals = edges - _TERMS @ shift
+            residuals = np.maximum(-residuals, _JOINED * residuals)
+            # A quarter of the rays at a time, because the other edges have shifted the circle, too.
+            worst = np.sort(residuals[visible])[3 * len(terms) // 4]
+            hidden = visible & (residuals > _HIDDEN) & (residuals >= worst)
             if not hidden.any():
                 break
             visible &= ~hidden
-        u, v = (np.array(moments[:2]) + to_picture @ shift[:2]).tolist()
-        x, y = self._calibration.to_region(u, v, height)
-        return moments._replace(u=u, v=v, x=x, y=y)
+        du, dv = (to_picture @ shift[:2]).tolist()
+        return u + du, v + dv, float(shift[2]), int(visible.sum())
 
 
 def _covers(marker: DetectedMarker, piece: Contour) -> bool:

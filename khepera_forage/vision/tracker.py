@@ -1,15 +1,19 @@
 """The tracker: frames become detections, and detections a scene (3.5)."""
 
 import math
+from collections.abc import Sequence
+
+import numpy as np
 
 from khepera_forage.extras import require
-from khepera_forage.vision.association import Detection
+from khepera_forage.vision.association import GATE, Detection
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.scene import MM_PER_PIXEL, Scene, place_text
+from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene, place_text
 from khepera_forage.vision.segmentation import Frame, Segmentation, as_grey, segment
+from khepera_forage.vision.shapes import Plate, under_plate
 from khepera_forage.vision.tags import FloorTags, TagDetector
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from khepera_forage.vision.tracks import Confirmation, FloorVisibility, Tracks
+from khepera_forage.vision.tracks import Confirmation, Tracks, distance
 
 __all__ = ["Tracker", "TrackerSettings"]
 
@@ -21,6 +25,14 @@ _AROUND, _DARK, _MOST_DARK = 1.5, 0.6, 0.5
 """Radii of food where floor is expected, the share of the floor's brightness below which a place is dark, and the
 least share of dark places around a white part of a tag."""
 _CIRCLE = [(math.cos(k * math.pi / 8), math.sin(k * math.pi / 8)) for k in range(16)]
+_CLEARANCE = 13.0
+"""Least distance in mm between the disc of food and a marker: the marker's black frame (8 mm), and a pixel of error."""
+_FLOOR_TOLERANCE = 0.25
+"""Share of the floor's brightness by which a pixel of floor may differ from it: noise, dirt, shade."""
+_MIN_FLOOR_SHARE = 0.6
+"""Least share of the disc's pixels that look like floor: a cable across the disc hides less, a robot's body more."""
+_MAX_BRIGHT_SHARE = 0.1
+"""Greatest share of bright pixels in the disc: more may be food, or a marker's rim over it."""
 
 
 class Tracker:
@@ -31,10 +43,10 @@ class Tracker:
 
     Detection:
         Pixels clearly brighter than the floor around them are segmented (`segmentation`). A bright shape of a marker's
-        size is a marker. Its centre and axis come from the visible parts of its four sides (`rectangle_fit`), and its
-        number and front from the arrangement of its holes, after cables are removed (`hole_pattern`). A disc of food's
-        size with a sharp border is food (`food_detector`). Tags are found by `tags`. All other shapes are ignored:
-        walls, cables, and markers or food of which too little is visible.
+        size is a marker. Its centre and axis come from the visible parts of its four sides, and its number and front
+        from the arrangement of its holes, after cables are removed (`markers`). A disc of food's size with a sharp
+        border is food (`detection`). Tags are found by `tags`. All other shapes are ignored: walls, cables, and markers
+        or food of which too little is visible.
 
     Uncertainty:
         An uncertain shape is lost; it is never reported with a number that may be wrong, and `warnings` names the
@@ -45,7 +57,7 @@ class Tracker:
     Lost food:
         Food is dropped once its last place is visible and empty (`association`). A place is visible when food there
         would be inside the picture and clear of every marker, found or lost, and when its pixels have looked like
-        floor in `settings.patience` consecutive frames (`tracks`).
+        floor in `settings.patience` consecutive frames.
 
     Not thread-safe.
 
@@ -83,8 +95,8 @@ class Tracker:
         self.scene = Scene(())
         self._confirmation = Confirmation(by_place=self.settings.featureless)
         self._tracks = Tracks(by_place=self.settings.featureless)
-        if self._size_is_known:
-            self._floor = FloorVisibility(self.settings, self._resized)
+        # Number of consecutive frames in which the floor was visible at the last place of lost food.
+        self._visible: dict[tuple[float, float], int] = {}
 
     def detect(self, frame: Frame) -> list[Detection]:
         """The detections of one frame, in no particular order; no track changes.
@@ -100,10 +112,18 @@ class Tracker:
     def update(self, frame: Frame) -> Scene:
         """The scene after one more frame; arguments and errors as for `detect`."""
         shown, segmentation = self._detect(frame)
-        self._floor.update(segmentation, shown, self.scene)
+        plates, before, now = self._plates(shown), self._visible, dict[tuple[float, float], int]()
+
+        def visible(x: float, y: float) -> bool:
+            if not self._shows_floor(segmentation, plates, x, y):
+                return False
+            now[x, y] = before.get((x, y), 0) + 1
+            return now[x, y] >= self.settings.patience
+
         detections = self._confirmation.confirmed(shown, self.scene)
         doomed = self._confirmation.doomed(detections, self.scene)
-        self.scene = self._tracks.update(detections, self._floor.visible, doomed)
+        self.scene = self._tracks.update(detections, visible, doomed)
+        self._visible = now
         self._confirmation.count(self.scene)
         for region in self.scene.regions:
             if region.holes and not region.found:
@@ -153,7 +173,6 @@ class Tracker:
         if not self._size_is_known and min(size) >= 16:
             self._prepare(Calibration.identity(size=size))
             self._size_is_known = True
-            self.reset()
         if size != self.calibration.size:
             wide, high = self.calibration.size
             raise ValueError(
@@ -174,9 +193,8 @@ class Tracker:
             tags, warnings = self._tags.detect(grey)
             self.warnings |= warnings
             # White parts of tags look like food.
-            places = [(t.x, t.y) for t in tags]
+            near, places = self._tags.reach, [(t.x, t.y) for t in tags]
             places += [(r.x, r.y) for r in self.scene.regions if r.holes and tagged]
-            near = self._tags.reach
             detections = tags + [
                 d
                 for d in detections
@@ -198,3 +216,40 @@ class Tracker:
             column, row = min(max(int(u), 0), columns - 1), min(max(int(v), 0), rows - 1)
             dark += segmentation.frame[row, column] < _DARK * segmentation.floor_at(column, row)
         return dark < _MOST_DARK * len(_CIRCLE)
+
+    def _plates(self, detections: Sequence[Detection]) -> list[Plate]:
+        """The markers of a frame, and the last places of those that were lost before it."""
+        markers: list[Detection | Region] = [d for d in detections if d.holes]
+        regions = [r for r in self.scene.regions if r.holes]
+        # In featureless tracking a lost region may have been anything, or may have a new label.
+        for region in () if self.settings.featureless else regions:
+            # Any marker with its number can be this region, if the frame shows all of them.
+            same = [d for d in detections if d.holes == region.holes]
+            all_shown = len(same) >= sum(r.holes == region.holes for r in regions)
+            if not all_shown and all(distance(d, region) > GATE for d in same):
+                markers.append(region)
+        turns = [math.radians(m.orientation) for m in markers]
+        return [
+            Plate(m.x * MM_PER_PIXEL, m.y * MM_PER_PIXEL, math.cos(turn), math.sin(turn))
+            for m, turn in zip(markers, turns, strict=True)
+        ]
+
+    def _shows_floor(self, segmentation: Segmentation, plates: list[Plate], x: float, y: float) -> bool:
+        """Whether the disc of food at a place (region coordinates) shows the floor."""
+        radius, food_height = self.settings.food_radius, self.settings.food_height
+        if under_plate(x * MM_PER_PIXEL, y * MM_PER_PIXEL, radius + _CLEARANCE, plates):
+            return False
+        u, v = self._resized.to_picture(x, y, food_height)
+        reach = radius / MM_PER_PIXEL / math.sqrt(self._resized.jacobian(u, v, food_height).area)
+        rows, columns = segmentation.frame.shape
+        if not (reach <= u <= columns - reach and reach <= v <= rows - reach):
+            return False
+        left, right = math.floor(u - reach), math.ceil(u + reach)
+        top, bottom = math.floor(v - reach), math.ceil(v + reach)
+        across, down = np.arange(left, right) + 0.5 - u, np.arange(top, bottom)[:, None] + 0.5 - v
+        disc = across**2 + down**2 <= reach * reach
+        grey = segmentation.frame[top:bottom, left:right][disc].astype(np.float64)
+        bright = segmentation.mask[top:bottom, left:right][disc] > 0
+        floor = segmentation.floor_at(math.floor(u), math.floor(v))
+        like_floor = np.abs(grey - floor) <= _FLOOR_TOLERANCE * floor
+        return bool(like_floor.mean() >= _MIN_FLOOR_SHARE and bright.mean() <= _MAX_BRIGHT_SHARE)

@@ -117,7 +117,6 @@ def test_featureless_tracking_uses_place_alone() -> None:
     [
         ({"contrast": 1.0}, r"contrast is 1\.0; allowed: above 1"),
         ({"contrast": math.nan}, "contrast is nan"),
-        ({"hole_contrast": 1.0}, "hole_contrast"),
         ({"tolerance": 0.0}, "tolerance"),
         ({"food_radius": 0.0}, "food_radius"),
         ({"marker_length": 80.0}, r"marker_length is 80\.0.*1\.2 times"),

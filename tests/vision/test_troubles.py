@@ -129,14 +129,15 @@ def test_reflection_on_the_floor_is_not_food(size: float) -> None:
 
 
 @pytest.mark.parametrize("grey", [190.0, 225.0])
-@pytest.mark.parametrize("width", [10.0, 20.0, 60.0])
-def test_food_that_touches_a_bright_wall_is_found(width: float, grey: float) -> None:
-    walls = ((500.0, 500.0, 2700.0, 500.0), (500.0, 500.0, 500.0, 1900.0), (500.0, 1900.0, 2700.0, 1900.0))
-    laboratory, tracker = Laboratory(replace(LABORATORY, wall=grey, wall_width=width), walls), Tracker()
+@pytest.mark.parametrize(
+    ("width", "turn"), [(10.0, 0.0), (20.0, 0.4), (30.0, 0.0), (38.0, 1.2), (50.0, 2.5), (120.0, 0.0)]
+)
+def test_food_that_touches_a_bright_wall_is_found(width: float, turn: float, grey: float) -> None:
+    cos, sin = math.cos(turn), math.sin(turn)
+    wall = (1600 - 900 * cos, 1200 - 900 * sin, 1600 + 900 * cos, 1200 + 900 * sin)
+    laboratory, tracker = Laboratory(replace(LABORATORY, wall=grey, wall_width=width), (wall,)), Tracker()
     for _ in range(8):
-        place = (
-            float(laboratory.rng.uniform(700, 2600)),
-            500 + width / 2 + 17.5 + float(laboratory.rng.uniform(0, 6)),
-        )
+        along, aside = laboratory.rng.uniform(-800, 800), width / 2 + 17.5 + laboratory.rng.uniform(1, 8)
+        place = (1600 + float(along * cos - aside * sin), 1200 + float(along * sin + aside * cos))
         (food,) = tracker.detect(laboratory.frame((), (place,)))
-        assert math.dist((food.x, food.y), (place[0] / 5, place[1] / 5)) < 1
+        assert math.dist((food.x, food.y), (place[0] / 5, place[1] / 5)) < 0.5
