@@ -41,8 +41,8 @@ _AREA = (0.8, 1.7)
 """Least and greatest area of a whole disc, as shares of food's true area: a half hidden disc has no known centre, and
 overexposed white grows."""
 _DEPTH, _RING, _AROUND = (0.75, 1.4), 1.35, 0.5
-"""Of a disc that touches another shape, in radii: how far its middle is from the nearest border, and the ring around it;
-and the least share of that ring that is not bright."""
+"""Of a disc that touches another shape, in radii: how far its middle is from the nearest border, and the ring around
+it; and the least share of that ring that is not bright."""
 _SOFTNESS, _SPREAD = 1.25, 0.2
 """Greatest blur of food's border in pixels: this times that of markers' borders, and a spread."""
 _NOT_SATURATED, _SATURATED = 240.0, 0.1
@@ -89,7 +89,7 @@ class Detector:
         self._markers = MarkerDetector(settings, calibration)
         self._radius = settings.food_radius / MM_PER_PIXEL
         scale = 1 / calibration.mm_per_pixel()
-        self._gap_kernel = np.ones((max(1, math.ceil(_GAP * scale)) + 1,) * 2, np.uint8)
+        self._gap_kernel = np.ones((max(1, math.ceil(_GAP * scale - 0.01)) + 1,) * 2, np.uint8)
         # In pixels of the picture.
         self._food_area = math.pi * settings.food_radius**2 * scale**2
         self._marker_area = settings.marker_length * settings.marker_width * scale**2

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.extras import require
-from khepera_forage.vision.lens import DEFAULT_SIZE, Size
+from khepera_forage.vision.calibration import DEFAULT_SIZE, Size
 from khepera_forage.vision.segmentation import as_grey
 
 if TYPE_CHECKING:

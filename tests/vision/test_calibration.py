@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.lens import Lens
+from khepera_forage.vision.calibration import Calibration, Lens
 
 PICTURE = ((52.0, 431.0), (611.0, 440.0), (560.0, 31.0), (95.0, 40.0))
 FLOOR = ((0.0, 0.0), (2400.0, 0.0), (2400.0, 2400.0), (0.0, 2400.0))

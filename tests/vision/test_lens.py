@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.calibration import Calibration, Lens
 from khepera_forage.vision.calibration_fit import CalibrationFit, fit_calibration, root_mean_square
-from khepera_forage.vision.lens import Lens
 from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import SceneRenderer, only_region, position_error, random_marker
 
