@@ -13,9 +13,7 @@ from khepera_forage.estimates import Column, Table, Value, percent, pick
 from khepera_forage.figures import COLOURS, GREY, SMALL, WIDTH, grid, new_figure
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.image_quality import measure_quality
-from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.drawing import draw_cable, to_pixels
-from khepera_forage.vision.rendering.frames import FrameRenderer, Light
+from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer, Light, draw_cable, to_pixels
 from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker import Tracker

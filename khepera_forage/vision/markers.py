@@ -66,14 +66,6 @@ _CLEAR_SHARE = 0.78
 of four sides."""
 _SPREAD_CUTOFF = 4.0
 """Least cutoff in median distances of the points from the rectangle: markers of another size have no exact fit."""
-_DARK, _DARK_BONUS = 0.85, 2.0
-"""Share of the floor's brightness below which a sample counts as dark; and the number of points that a region pixel of
-darkness beyond a side is worth when it is decided which side is hidden."""
-_BEHIND, _FLOOR_DEVIATION = (2.6, 5.4), 0.15
-"""Region pixels from the end of white where a visible side has floor: beyond the black frame and its blur. And the
-share of the floor's brightness by which it differs at most."""
-_USUAL_DIFFERENCE = 0.4
-"""Region pixels by which sides differ in this without a cable."""
 _USUAL_GROWTH, _GROWTH_DEVIATION, _GROWTH_PENALTY = -0.45, 0.6, 10.0
 """Region pixels by which blur and exposure move all sides outwards, and by which they differ from it at most: measured
 over all disturbances of `benchmarks/tracker.py`. And the number of points that every further region pixel costs when
@@ -148,13 +140,8 @@ _WEAK = 0.4
 """Darkness of a crossing, as a share of the darkest one's, below which it is no cable: blur, or the end of a shadow."""
 _CONTINUOUS = 0.5
 """Darkness of a cable at nine of ten places, as a share of its darkness on the ring."""
-_REACH = 9
-"""Samples on either side of a cable's middle at which its profile is measured: 22 mm."""
-_ACROSS = np.arange(-_REACH, _REACH + 1.0)
-_INNER = np.abs(_ACROSS) <= _REACH / 2
-_STIFFNESS = np.diag((1e4, 0.0, 0.0)) + 1e-3 * np.eye(3)
-"""Weight of straightness against the measured middles of a cable: squares of coefficients, from the square of the
-distance along the cable down."""
+_ACROSS = np.arange(-9.0, 10.0)
+"""Samples from a cable's middle at which its profile is measured: 22 mm to either side."""
 _SHARES = np.linspace(0, 1, 40)
 """Places between two crossings at which a cable must be dark."""
 
@@ -325,18 +312,10 @@ class _BorderFit:
         solutions, weights = self._solutions(first, (seen & shown)[None], _CLEAR_CUTOFFS, 0.0)
         if np.count_nonzero(weights) >= _CLEAR_SHARE * np.count_nonzero(shown):
             return (*solutions[0, :3].tolist(), True)
-        # Of two sides of which one must be hidden, it is the one with more darkness outside: the cable's.
-        # Behind a cable that leaves a strip of the marker there is something else than floor, too.
-        beyond = _OFFSETS - first[:, None]
-        behind = (beyond >= _BEHIND[0]) & (beyond <= _BEHIND[1]) & seen[:, None]
-        other = behind & (np.abs(samples - floor) > _FLOOR_DEVIATION * floor)
-        dark = (samples < _DARK * floor).sum(axis=1) + other.sum(axis=1)
-        strange = dark.reshape(4, -1).mean(axis=1) * _STEP
-        bonus = np.maximum(strange - strange.min() - _USUAL_DIFFERENCE, 0.0) * _DARK_BONUS
         for spread_cutoff in (0.0, _SPREAD_CUTOFF) if loose else (0.0,):
             solutions, weights = self._solutions(edges, self._trusted & visible, _CUTOFFS, spread_cutoff)
             unusual = np.maximum(np.abs(solutions[:, 3] - _USUAL_GROWTH) - _GROWTH_DEVIATION, 0.0)
-            scores = weights.sum(axis=1) + np.append(0.0, bonus) - _GROWTH_PENALTY * unusual
+            scores = weights.sum(axis=1) - _GROWTH_PENALTY * unusual
             best = int(scores.argmax())
             counts = np.bincount(self._sides[weights[best] > 0], minlength=4)
             if counts.sum() >= _LEAST_SHARE * 4 * _POINTS and (counts >= _LEAST_ON_SIDE).sum() >= 3:
@@ -557,41 +536,20 @@ def _continuity(
 
 
 def _band(darkness: Darkness, one: tuple[float, float], other: tuple[float, float]) -> Darkness:
-    """The darkness of a cable through two crossings: the median of its profiles, along a slightly curved line."""
+    """The darkness of a straight cable through two crossings: the median of its profiles."""
     start, end = np.array(one), np.array(other)
     length = max(float(np.hypot(*(end - start))), 1.0)
     along = (end - start) / length
     normal = np.array((-along[1], along[0]))
     steps = np.arange(0.0, length + 0.5)
-    curve = np.zeros(3)
-    for repeat in range(2):
-        across = np.polyval(curve, steps - length / 2)[:, None] + _ACROSS
-        rows, columns = (
-            ((start[i] + steps * along[i])[:, None] + across * normal[i]).astype(np.float32) for i in (0, 1)
-        )
-        remapped = cv2.remap(darkness, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        profiles = remapped.astype(np.float64)
-        if repeat == 0:
-            curve = _middles(profiles, steps - length / 2)
-    profile = np.median(profiles, axis=0)
+    rows, columns = (
+        ((start[i] + steps * along[i])[:, None] + _ACROSS * normal[i]).astype(np.float32) for i in (0, 1)
+    )
+    profiles = cv2.remap(darkness, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    profile = np.median(profiles.astype(np.float64), axis=0)
     profile = np.maximum(profile - min(profile[0], profile[-1]), 0)
     # The same profile for every sample of the image, by its distance from the line.
-    rows, columns = np.mgrid[: darkness.shape[0], : darkness.shape[1]]
-    down, right = rows - start[0], columns - start[1]
-    places_along = (down * along[0] + right * along[1] - length / 2).clip(-length / 2, length / 2)
-    distances = down * normal[0] + right * normal[1] - np.polyval(curve, places_along)
+    down, right = np.ogrid[: darkness.shape[0], : darkness.shape[1]]
+    distances = (down - start[0]) * normal[0] + (right - start[1]) * normal[1]
     band: Darkness = np.interp(distances, _ACROSS, profile, left=0.0, right=0.0).astype(np.float32)
     return band
-
-
-def _middles(profiles: Floats, places: Floats) -> Floats:
-    """The curve through the middles of a cable's profiles; profiles with a hole in them count little."""
-    inner = profiles[:, _INNER]
-    masses = inner.sum(axis=1)
-    middles = inner @ _ACROSS[_INNER] / np.maximum(masses, 0.1)
-    typical = float(np.median(masses))
-    weights = np.exp(-(((masses - typical) / max(0.15 * typical, 0.1)) ** 2)) + 1e-3
-    powers = np.vander(places, 3)
-    weighted = powers.T * weights
-    # Short cables, and cables of which little is seen, are straight.
-    return np.linalg.solve(weighted @ powers + _STIFFNESS, weighted @ middles)

@@ -9,8 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.drawing import Disc, ImagePose, draw_shapes
+from khepera_forage.vision.rendering import CameraAppearance, Disc, ImagePose, draw_shapes
 from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import (
     SceneRenderer,

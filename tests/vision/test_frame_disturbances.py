@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.frames import FrameRenderer
+from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
 from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.shapes import MARKER_HOLES
 from tests.vision.scene_renderer import (

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.frames import FrameRenderer
+from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
 from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.shapes import MARKER_FEATURES, MARKER_FRAME, MARKER_HOLES
 from tests.vision.scene_renderer import COLUMN, NONE, PAIR, ROW, Frame, centroid, grey_at, render_frame

@@ -10,7 +10,7 @@ import pytest
 from khepera_forage.noise import Noise
 from khepera_forage.sim.sensing import OverheadCamera
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering import CameraAppearance
 from khepera_forage.vision.tracker import Tracker, TrackerSettings
 from tests.vision.scene_renderer import (
     SceneRenderer,

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.frames import FrameRenderer, Light
+from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer, Light
 from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import Marker, heading_error, position_error

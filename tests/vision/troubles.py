@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering.drawing import draw_cable
+from khepera_forage.vision.rendering import draw_cable
 from khepera_forage.vision.shapes import MARKER_HOLES
 from tests.vision.scene_renderer import Marker
 

@@ -42,7 +42,7 @@ DRAWING = (
     "khepera_forage.envs.rendering.",
     "khepera_forage.cli.teach_window",
     "khepera_forage.rollouts.rendered_training",
-    "khepera_forage.vision.rendering.",
+    "khepera_forage.vision.rendering",
 )
 """Modules that draw; those that import them say what to install."""
 IMPORTS = """
