@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 
-import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,19 +11,9 @@ from hypothesis import strategies as st
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
 from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.shapes import MARKER_FEATURES, MARKER_FRAME, MARKER_HOLES
-from tests.vision.scene_renderer import COLUMN, NONE, PAIR, ROW, Frame, centroid, grey_at, render_frame
+from tests.vision.scene_renderer import COLUMN, NONE, PAIR, ROW, centroid, grey_at, render_frame
 
 LABORATORY = CameraAppearance.laboratory()
-
-
-def holes_in(frame: Frame, threshold: float = 155) -> list[int]:
-    """The number of holes of each large bright region."""
-    contours, hierarchy = cv2.findContours(
-        (frame > threshold).astype(np.uint8), cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE
-    )
-    parents = hierarchy[0, :, 3].tolist()
-    outer = [i for i, c in enumerate(contours) if parents[i] < 0 and cv2.contourArea(c) > 200]
-    return sorted(parents.count(i) for i in outer)
 
 
 # ---------------------------------------------------------------- truth
@@ -90,21 +79,6 @@ def test_objects_at_the_border_are_cut_off() -> None:
 
 
 # ---------------------------------------------------------------- markers
-
-
-@pytest.mark.parametrize("holes", [1, 2])
-@pytest.mark.parametrize("blur", [0.7, 1.2])
-def test_holes_are_counted_by_a_bare_threshold(holes: int, blur: float) -> None:
-    rng = np.random.default_rng(3)
-    truth = [Truth((), ())]
-    renderer = FrameRenderer(lambda: truth[0], replace(LABORATORY, blur=blur))
-    renderer.reset(rng)
-    correct = 0
-    for _ in range(60):
-        x, y, heading = rng.uniform((600, 400, -3.1), (2600, 2000, 3.1)).tolist()
-        truth[0] = Truth(((x, y, heading, holes),), ())
-        correct += holes_in(renderer.frame()) == [holes]
-    assert correct >= 59
 
 
 # ---------------------------------------------------------------- source, and bad input
