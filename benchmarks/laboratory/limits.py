@@ -130,13 +130,23 @@ def limit_points(name: str, curve: str, seed: int, images: int, quick: bool) -> 
             warned += bool(measure_quality(frame).warnings(settings))
         foods, markers = pick(rows, kind="food"), [row for row in rows if "hole" in row.kind]
         error = errors(markers)
-        worst = (
-            float(np.percentile(all_of, 95)) if len(all_of) else math.nan
-            for all_of in (error.distances, np.abs(error.turns))
+        position, heading = (
+            float(np.percentile(sizes, 95)) if len(sizes) else math.nan
+            for sizes in (error.distances, np.abs(error.turns))
         )
         found = (sum(row.found for row in markers), sum(row.found for row in foods), len(pick(rows, kind="")))
         points.append(
-            Point(name, curve, value, len(markers), *found, error.reversals, *worst, 100 * warned / images)
+            Point(
+                name,
+                curve,
+                value,
+                len(markers),
+                *found,
+                error.reversals,
+                position,
+                heading,
+                100 * warned / images,
+            )
         )
     return points
 

@@ -144,8 +144,8 @@ def _line(
 ) -> None:
     """Draw a line in the picture, between two points in pixels."""
     mask = np.zeros(picture.shape, np.uint8)
-    ends = [[round(16 * (c - 0.5)) for c in point.tolist()] for point in (start, end)]
-    cv2.line(mask, *ends, 255, max(1, round(width)), cv2.LINE_AA, 4)
+    (x1, y1), (x2, y2) = (np.rint(16 * (point - 0.5)).astype(int).tolist() for point in (start, end))
+    cv2.line(mask, (x1, y1), (x2, y2), 255, max(1, round(width)), cv2.LINE_AA, 4)
     picture += (grey - picture) * (mask / np.float32(255))
 
 
@@ -175,7 +175,8 @@ def _lay(picture: NDArray[np.float32], sheet: Frame, pose: tuple[float, float, f
     left, top, size = int(u) - reach, int(v) - reach, (2 * reach, 2 * reach)
     middle = (np.array(sheet.shape[::-1]) - 1) / 2
     warp = cv2.getRotationMatrix2D(middle.tolist(), math.degrees(heading) - 90, _FINE * scale / _PER_MM)
-    warp[:, 2] += np.array((u - left, v - top)) * _FINE - 0.5 - middle
+    shift = np.array((u - left, v - top)) * _FINE - 0.5 - middle
+    warp = np.column_stack((warp[:, :2], warp[:, 2] + shift))
     fine = (_FINE * size[0], _FINE * size[1])
     mask = cv2.warpAffine(np.full_like(sheet, 255), warp, fine, flags=cv2.INTER_NEAREST)
     drawn = np.where(mask > 0, cv2.warpAffine(sheet, warp, fine), 0).astype(np.float32)
