@@ -38,8 +38,8 @@ _SEEN_SIZE = 0.97
 _SAME_SHAPE, _OTHER_SIZE = 0.05, 0.06
 """Difference between the shares of length and width up to which all of a marker is seen; and the relative difference
 in size from which a marker is searched for at its own size."""
-_MIN_AREA, _MIN_FILL = 0.6, 0.7
-"""Share of a marker's area that must be seen, and of the rectangle with the same moments that it fills."""
+_MIN_AREA = 0.6
+"""Share of a marker's area that must be seen."""
 _MAX_OUTSIDE = 1.0
 """Pixels by which a corner may lie outside the picture."""
 _OPENING = 1.3
@@ -89,8 +89,6 @@ _OPPOSITE = [1, 0, 3, 2]
 
 _SAMPLE = 2.5
 """mm on the floor between the samples of an upright marker."""
-_FRAME = 4
-"""Samples of it beyond each side: the black frame."""
 _BLURS = (0.5, 0.8, 1.2, 1.7)
 """Standard deviations in region pixels of the blur of a hole's border, from a sharp lens to a soft one."""
 _TYPICAL = 1
@@ -115,13 +113,6 @@ _UNEXPLAINED, _UNEXPLAINED_BESIDE_CABLES = 0.15, 0.25
 """Darkness of a sample beyond what holes and cables explain."""
 _THICK, _THICK_BESIDE_CABLES = np.ones((5, 5), np.uint8), np.ones((7, 7), np.uint8)
 """Samples of which all must be so dark: what cables leave beside them is thinner."""
-_SEEN = 0.7
-"""Visibility from which a sample is clear of cables."""
-_BEYOND = _FRAME - 2
-"""Row or column in the black frame, 4 mm beyond a side."""
-_OUTSIDE, _MOST_OUTSIDE = 0.75, 0.5
-"""Brightness of a sample there, as a share of white; and the greatest difference of the shares of such samples between
-opposite sides: with a greater one, a side is elsewhere."""
 _WHITE = 0.85
 """Share of the samples inside a marker that are no brighter than its white."""
 _GLARE, _LEAST_GLARE = 1.06, 0.012
@@ -138,8 +129,6 @@ _ALONG_SIDE = 0.9
 """Share of a side of the ring from which a crossing is a cable that runs along it."""
 _WEAK = 0.4
 """Darkness of a crossing, as a share of the darkest one's, below which it is no cable: blur, or the end of a shadow."""
-_CONTINUOUS = 0.5
-"""Darkness of a cable at nine of ten places, as a share of its darkness on the ring."""
 _ACROSS = np.arange(-9.0, 10.0)
 """Samples from a cable's middle at which its profile is measured: 22 mm to either side."""
 _SHARES = np.linspace(0, 1, 40)
@@ -194,7 +183,7 @@ class MarkerDetector:
         if estimate is None:
             return None
         along, across = ratios = np.array((estimate.major, estimate.minor)) / self._deviations
-        area = max(_MIN_AREA * self._size.prod(), _MIN_FILL * 12 * estimate.major * estimate.minor)
+        area = _MIN_AREA * self._size.prod()
         if estimate.area < area or np.abs(ratios - 1).max() > self._tolerance:
             return None
         moments, clear = self._fitted(frame, patch, estimate, 1.0, joined)
@@ -246,9 +235,9 @@ class MarkerDetector:
         return steps, np.array(moments[:2])
 
     def _upright(self, frame: Frame, middle: Floats, steps: Floats) -> Frame:
-        """The marker with its black frame, upright: column 0 at one end, row 0 at its right side."""
+        """The marker upright: column 0 at one end, row 0 at its right side."""
         steps = steps * _SAMPLE / MM_PER_PIXEL
-        rows, columns = (n + 2 * _FRAME for n in self._pattern.shape)
+        rows, columns = self._pattern.shape
         start = middle - 0.5 - steps @ ((columns - 1) / 2, (rows - 1) / 2)
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         return cv2.warpAffine(frame, np.column_stack((steps, start)), (columns, rows), flags=flags)  # type: ignore[return-value]
@@ -374,7 +363,7 @@ def _sides_along_cables(levels: Floats, floor: float) -> NDArray[np.bool_]:
 
 
 class _HolePattern:
-    """Compares upright images of markers with the arrangements of holes in use; `shape` is theirs, without frame."""
+    """Compares upright images of markers with the arrangements of holes in use; `shape` is theirs."""
 
     def __init__(self, settings: TrackerSettings) -> None:
         self.shape = shape = round(settings.marker_width / _SAMPLE), round(settings.marker_length / _SAMPLE)
@@ -406,10 +395,9 @@ class _HolePattern:
 
     def read(self, upright: Frame, level: float) -> Reading:
         """The number and front of a marker; `level` is the grey level of its white."""
-        inner = upright[_FRAME:-_FRAME, _FRAME:-_FRAME][_INSIDE].ravel()
+        inner = upright[_INSIDE].ravel()
         rank = int(_WHITE * len(inner))
-        whole = upright / np.float32(max(float(np.partition(inner, rank)[rank]), 0.9 * level))
-        white = whole[_FRAME:-_FRAME, _FRAME:-_FRAME]
+        white = upright / np.float32(max(float(np.partition(inner, rank)[rank]), 0.9 * level))
         rest = darkness = (1 - white).clip(0, 1)
         crossed, visibility = bool((_on_ring(darkness) > _CROSSING).any()), None
         if crossed:
@@ -418,13 +406,9 @@ class _HolePattern:
         inside = white[_INSIDE]
         if np.count_nonzero(cv2.blur(inside, (5, 5)) > _GLARE) > _LEAST_GLARE * inside.size:
             return Reading(0, trouble="glare")
-        beyond = (whole[_BEYOND], whole[-1 - _BEYOND], whole[:, _BEYOND], whole[:, -1 - _BEYOND])
-        front, back, left, right = ((side > _OUTSIDE).mean() for side in beyond)
         dark = (rest > (_UNEXPLAINED_BESIDE_CABLES if crossed else _UNEXPLAINED)) & self._blank[best]
-        if visibility is not None:
-            dark &= visibility > _SEEN
         thick = cv2.erode(dark.astype(np.uint8), _THICK_BESIDE_CABLES if crossed else _THICK).any()
-        if thick or max(abs(front - back), abs(left - right)) > _MOST_OUTSIDE:
+        if thick:
             return Reading(0, trouble="cover")
         if pale:
             return Reading(0, trouble="pale holes")
@@ -491,11 +475,8 @@ def _without_cables(darkness: Darkness) -> tuple[Darkness, Darkness]:
     crossings = _crossings(darkness)
     while len(crossings) > 1:
         pairs = list(combinations(range(len(crossings)), 2))
-        scores = [_continuity(darkness, crossings[i], crossings[j]) for i, j in pairs]
-        best = int(np.argmax(scores))
-        if scores[best] < _CONTINUOUS:
-            break
-        one, other = (crossings[i] for i in pairs[best])
+        i, j = max(pairs, key=lambda pair: _continuity(darkness, *(crossings[n] for n in pair)))
+        one, other = crossings[i], crossings[j]
         band = _band(darkness, one[:2], other[:2])
         darkness = np.maximum(darkness - band, 0)
         visibility = visibility * np.clip(1 - band / max(float(band.max()), 1e-3), 0, 1)

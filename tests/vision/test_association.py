@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from khepera_forage.vision.association import GATE, Detection
 from khepera_forage.vision.scene import Region, Scene
-from khepera_forage.vision.tracks import Tracks
+from khepera_forage.vision.tracker import Tracks
 
 Visible = Callable[[float, float], bool]
 

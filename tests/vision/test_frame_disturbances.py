@@ -9,12 +9,10 @@ import pytest
 
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
 from khepera_forage.vision.scene import Truth
-from khepera_forage.vision.shapes import MARKER_HOLES
 from tests.vision.scene_renderer import (
     NONE,
     PAIR,
     Frame,
-    centroid,
     grey_at,
     render_frame,
     render_frames,
@@ -56,26 +54,6 @@ def test_light_falls_off_to_the_corners_and_drifts() -> None:
     levels = [float(frame.mean()) for frame in render_frames(Truth((), ()), appearance, 600)]
     assert max(levels) - min(levels) > 0.05 * NONE.floor
     assert max(abs(b - a) for a, b in itertools.pairwise(levels)) < 1.0, "slowly"
-
-
-def test_blur_softens_edges_and_moves_nothing() -> None:
-    truth = Truth((), ((1001.0, 1002.0),))
-    sharp, soft = (
-        render_frame(truth, replace(NONE, floor=0, white=250, blur=blur)).astype(float) for blur in (0.0, 1.0)
-    )
-    assert np.abs(np.diff(soft)).max() < 0.7 * np.abs(np.diff(sharp)).max()
-    assert soft.sum() == pytest.approx(sharp.sum(), rel=0.01)
-    assert centroid(soft) == pytest.approx(centroid(sharp), abs=0.02)
-
-
-def test_parallax_moves_high_objects_outwards() -> None:
-    appearance = replace(NONE, height=2700.0, floor=0, black=0, body=0, gripper=0, white=250)
-    white = render_frame(Truth(((2600.0, 1200.0, 0.0, 1),), ()), appearance).astype(float)
-    near = 2700 / (2700 - appearance.marker_height)
-    ahead = -400 * MARKER_HOLES[1][0][0] / 9200 * near
-    assert centroid(white) == pytest.approx((320 + 1000 * near / 5 + ahead / 5, 240), abs=0.05)
-    below = render_frame(Truth(((1600.0, 1200.0, 0.0, 1),), ()), appearance).astype(float)
-    assert centroid(below) == pytest.approx((320 + ahead / 5, 240), abs=0.05)
 
 
 # ---------------------------------------------------------------- cables

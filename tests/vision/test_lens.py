@@ -140,8 +140,3 @@ def test_distortion_that_no_lens_has_is_not_fitted() -> None:
     assert fit.calibration.lens is None or fit.calibration.lens.k2 == 0
     assert worst < 40
     assert 2 < root_mean_square(fit.held_out) < 6
-
-
-def test_coverage_is_the_share_of_the_picture_within_the_points() -> None:
-    assert fit_through(None, CORNERS)[0].coverage == pytest.approx(0.81)
-    assert fit_through(None, [(0.4 + 0.2 * x, 0.4 + 0.2 * y) for x, y in GRID])[0].coverage < 0.05
