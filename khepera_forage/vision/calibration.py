@@ -150,7 +150,7 @@ class Calibration:
             moved.
 
     Raises:
-        ValueError: Not four points, a value that is not finite, points that coincide, three points on a line, floor
+        ValueError: Not four points, a value that is not finite, three points on a line, floor
             and picture points that no camera can show (mirrored or crossed), or a camera not above the floor.
     """
 
@@ -374,21 +374,23 @@ def _checked_numbers(name: str, value: object, count: int, form: str) -> tuple[f
 
 
 def _checked_points(name: str, value: object, form: str) -> tuple[tuple[float, ...], ...]:
-    """Four different points of which no three lie on a line; anything else is refused."""
+    """Four points of which no three lie on a line; anything else is refused."""
     if not isinstance(value, Sequence | np.ndarray) or len(value) != 4:
         raise ValueError(f"calibration {name} is {value!r}; allowed: four points {form}")
     points = tuple(_checked_numbers(f"{name} point", point, 2, form) for point in value)
-    for one, other in combinations(points, 2):
-        if one == other:
-            raise ValueError(f"calibration {name} has the point {one} twice; allowed: four different points")
     for three in combinations(points, 3):
-        longest = max(math.dist(p, q) for p, q in combinations(three, 2))
-        if abs(_cross(*three)) < _FLAT * longest * longest:
+        if on_a_line(*three):
             raise ValueError(
                 f"calibration {name} points {', '.join(map(str, three))} lie on a line; "
                 "allowed: no three points on one line"
             )
     return points
+
+
+def on_a_line(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> bool:
+    """Whether three points lie on a line, or nearly."""
+    longest = max(math.dist(p, q), math.dist(q, r), math.dist(r, p))
+    return abs(_cross(p, q, r)) <= _FLAT * longest * longest
 
 
 def _cross(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> float:

@@ -8,6 +8,7 @@ and applied to this one.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from khepera_forage.vision.calibration import (
     Lens,
     Point,
     Size,
+    on_a_line,
     shows_every_point_once,
     straightened,
 )
@@ -32,8 +34,6 @@ _GAIN = 0.9
 """Ratio of held-out errors below which another coefficient of the lens is taken."""
 _LARGEST, _STEP = 0.5, 1e-3
 """Greatest coefficient that is tried, and the step of its derivative."""
-_DETERMINED = 0.01
-"""Least ratio of singular values of the equations of a homography that is determined by its points."""
 
 
 class CalibrationFit(NamedTuple):
@@ -183,18 +183,11 @@ def _held_out(points: Points, places: Points, coefficients: int, size: Size) -> 
 
 
 def _determine_homography(points: Points) -> bool:
-    """Whether points determine a homography: four of them must be in general position, no three on a line."""
-    offsets = points - points.mean(axis=0)
-    scaled = offsets / max(float(np.abs(offsets).max()), 1e-9)
-    ones, none = np.ones(len(points)), np.zeros((len(points), 3))
-    rays = np.column_stack((scaled, ones))
-    # The equations of a homography that maps the points to themselves, as an example of any.
-    equations = [
-        np.hstack((rays, none, -scaled[:, :1] * rays)),
-        np.hstack((none, rays, -scaled[:, 1:] * rays)),
-    ]
-    sizes = np.linalg.svd(np.concatenate(equations), compute_uv=False)
-    return bool(sizes[7] > _DETERMINED * sizes[0])
+    """Whether points determine a homography: no three of some four lie on a line."""
+    return any(
+        not any(on_a_line(*three) for three in combinations(four, 3))
+        for four in combinations(points.tolist(), 4)
+    )
 
 
 def _fitted(points: Points, places: Points, coefficients: int, size: Size) -> tuple[Points, Points]:

@@ -62,7 +62,9 @@ def marker_pages(numbers: Sequence[int] = (1, 2), grid: bool = False) -> list[Pa
     foot = PAGE_HEIGHT - 36
     pages = []
     for first in range(0, len(numbers), 2):
-        page: Page = [TextLine(10, "Markers for the overhead camera. Print at 100 %, on matt paper, and check:")]
+        page: Page = [
+            TextLine(10, "Markers for the overhead camera. Print at 100 %, on matt paper, and check:")
+        ]
         for place, number in enumerate(numbers[first : first + 2]):
             page += _marker(number, grid, _MIDDLE, _FIRST_MARKER + place * _SPACING)
         page += _ruler(foot, "this line is 100 mm long, and the white of a marker 120 x 80 mm.")
