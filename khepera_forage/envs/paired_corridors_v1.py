@@ -13,8 +13,8 @@ for agent in env.agent_iter():
 
 from typing import TYPE_CHECKING, Any
 
-from khepera_forage.envs.pettingzoo_makers import makers
 from khepera_forage.envs.training import TrainingEnv as raw_env  # noqa: N813 (PettingZoo's name)
+from khepera_forage.envs.training import makers
 
 if TYPE_CHECKING:
     from khepera_forage.envs.compiled.pairs import PairedBatch
