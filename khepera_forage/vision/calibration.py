@@ -213,7 +213,7 @@ class Calibration:
     def mm_per_pixel(self, u: float | None = None, v: float | None = None) -> float:
         """Mm of the floor that a pixel shows, by default in the middle of the picture."""
         middle = self.size[0] / 2 if u is None else u, self.size[1] / 2 if v is None else v
-        return MM_PER_PIXEL * math.sqrt(self.jacobian(*middle).area)
+        return round(MM_PER_PIXEL * math.sqrt(self.jacobian(*middle).area), 6)
 
     def to_region(self, u: float, v: float, height: float = 0.0) -> Point:
         """Position on the floor, in region coordinates, of an object seen at a point of the picture.

@@ -89,7 +89,7 @@ class Detector:
         self._markers = MarkerDetector(settings, calibration)
         self._radius = settings.food_radius / MM_PER_PIXEL
         scale = 1 / calibration.mm_per_pixel()
-        self._gap_kernel = np.ones((max(1, math.ceil(_GAP * scale - 0.01)) + 1,) * 2, np.uint8)
+        self._gap_kernel = np.ones((max(1, math.ceil(_GAP * scale)) + 1,) * 2, np.uint8)
         # In pixels of the picture.
         self._food_area = math.pi * settings.food_radius**2 * scale**2
         self._marker_area = settings.marker_length * settings.marker_width * scale**2
