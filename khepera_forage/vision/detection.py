@@ -1,7 +1,7 @@
 """From the bright shapes of a frame to detections: markers, food, food beside a marker, and shapes split by a cable."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import cv2
 import numpy as np
@@ -174,11 +174,14 @@ class Detector:
 
     def _foods_in(self, segmentation: Segmentation, piece: Contour) -> Iterator[Detection]:
         """The food objects that one contour encloses: a disc, or several that touch each other or a bright wall."""
-        if filled_area(piece) < _MIN_FOOD_AREA * self._food_area:
+        area = filled_area(piece) / self._food_area
+        if area < _MIN_FOOD_AREA:
             return
         patch = cut_patch(segmentation, piece)
         food = self._disc(segmentation, patch)
-        discs = self._touching_discs(segmentation, patch, piece) if food is None else [(piece, food)]
+        discs: Iterable[tuple[Contour, ShapeMoments]] = () if food is None else [(piece, food)]
+        if food is None and area > 1:
+            discs = self._touching_discs(segmentation, patch, piece)
         for contour, food in discs:
             trouble = self._trouble(cut_patch(segmentation, contour), food)
             if trouble:
@@ -271,6 +274,8 @@ class Detector:
             & (depth < _DEPTH[1] * radius)
         )
         places = np.argwhere(peaks)
+        if not len(places):
+            return
         ring = np.rint(places[:, None] + _RING * radius * _DIRECTIONS).astype(int)
         rows, columns = (ring[..., i].clip(0, mask.shape[i] - 1) for i in (0, 1))
         around = (mask[rows, columns] == 0).mean(axis=1)
