@@ -1,7 +1,7 @@
 """From the bright shapes of a frame to detections: markers, food, food beside a marker, and shapes split by a cable."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import cv2
 import numpy as np
@@ -97,13 +97,24 @@ class Detector:
         self._least, self._most = (share * self._marker_area for share in _MARKER_AREA)
         self._white, self._blur, self._until_measured = 0.0, BLUR_LIMIT, 0
 
-    def detect(self, segmentation: Segmentation, markers: bool = True) -> list[Detection]:
-        """All food in a frame, and all markers with holes unless robots carry tags."""
+    def detect(
+        self,
+        segmentation: Segmentation,
+        markers: bool = True,
+        tags: Sequence[tuple[float, float]] = (),
+        reach: float = 0.0,
+    ) -> list[Detection]:
+        """All food in a frame, and all markers with holes unless robots carry tags.
+
+        If they do, shapes within `reach` of the places of `tags` (region coordinates) are parts of these.
+        """
         self.warnings = {}
         least = _MIN_PIECE_AREA * self._food_area
         # The contour's length bounds the area from above and is cheap: most shapes are specks.
         contours = [c for c in outer_contours(segmentation.mask) if len(c) ** 2 >= least]
         pieces = [c for c in contours if filled_area(c) >= least]
+        if not markers:
+            pieces = [c for c in pieces if filled_area(c) > self._most or not self._is_near(c, tags, reach)]
         seen: list[DetectedMarker] = []
         found: list[Detection] = []
         if markers:
@@ -123,6 +134,11 @@ class Detector:
         for piece in rest if markers else ():
             self._report_cover(piece)
         return found
+
+    def _is_near(self, piece: Contour, places: Sequence[tuple[float, float]], reach: float) -> bool:
+        u, v = (piece.mean(axis=(0, 1)) + 0.5).tolist()
+        middle = self._calibration.to_region(u, v, self._settings.marker_height)
+        return any(math.dist(middle, place) <= reach for place in places)
 
     def _markers_among(
         self, segmentation: Segmentation, pieces: list[Contour], markers: list[DetectedMarker], joined: bool
@@ -180,7 +196,7 @@ class Detector:
         patch = cut_patch(segmentation, piece)
         food = self._disc(segmentation, patch)
         discs: Iterable[tuple[Contour, ShapeMoments]] = () if food is None else [(piece, food)]
-        if food is None and area > 1:
+        if food is None and area >= _AREA[0]:
             discs = self._touching_discs(segmentation, patch, piece)
         for contour, food in discs:
             trouble = self._trouble(cut_patch(segmentation, contour), food)

@@ -193,25 +193,25 @@ class Tracker:
         grey = self._checked(frame)
         segmentation = segment(self.reduced(grey), self.settings.contrast)
         tagged = self.settings.markers == "tags"
-        detections = self._detector.detect(segmentation, markers=not tagged)
-        self.warnings = dict(self._detector.warnings)
-        if self._floor_tags is not None:
-            self.warnings |= self._floor_tags.check(grey)
-        if self._tags is not None:
+        if self._tags is None:
+            detections, warnings = self._detector.detect(segmentation), dict[str, str]()
+        else:
             tags, warnings = self._tags.detect(grey)
-            self.warnings |= warnings
             # White parts of tags look like food.
             near, places = self._tags.reach, [(t.x, t.y) for t in tags]
             places += [(r.x, r.y) for r in self.scene.regions if r.holes and tagged]
             detections = tags + [
                 d
-                for d in detections
+                for d in self._detector.detect(segmentation, not tagged, places, near)
                 if d.holes
                 or (
                     all(math.dist((d.x, d.y), place) > near for place in places)
                     and self._is_on_floor(segmentation, d)
                 )
             ]
+        self.warnings = self._detector.warnings | warnings
+        if self._floor_tags is not None:
+            self.warnings |= self._floor_tags.check(grey)
         return detections, segmentation
 
     def _is_on_floor(self, segmentation: Segmentation, food: Detection) -> bool:
