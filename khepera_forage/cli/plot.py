@@ -19,7 +19,7 @@ from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from khepera_forage.comparison.results import Curve, Results, Shown
+    from khepera_forage.comparison.results import Curve, ReadLearner, Results
 
 FILES = "rows of `recall`, attempts.csv of `train`, rows.csv or results.json of `compare`"
 OUTCOMES = {"complete": "o", "out of time": "X", "separated": "s"}
@@ -133,29 +133,25 @@ def _trainings(paths: Sequence[Path], contents: Sequence[list[TrainingRow]]) -> 
 
 def _results(rows: Sequence[Any]) -> "Results":
     """The curves of a comparison's rows; a learner that is not known here is drawn among the imitators."""
-    from khepera_forage.comparison.learning import all_learners, settings_of
-    from khepera_forage.comparison.results import ReadLearner, Results, curves
+    from khepera_forage.comparison.learning import all_learners
+    from khepera_forage.comparison.results import ReadLearner, Results, curves, described
     from khepera_forage.policies.learners import Needs
 
-    learners = {row.learner: ReadLearner(row.learner, Needs.VECTORS, "") for row in rows} | {
-        name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in all_learners().items()
-    }
-    return Results("", learners, curves(rows, 0))
+    unknown = {row.learner: ReadLearner(row.learner, Needs.VECTORS, "") for row in rows}
+    return Results("", unknown | described(all_learners()), curves(rows, 0))
 
 
 def _comparison(paths: Sequence[Path], contents: "Sequence[Results]") -> "Figure":
     """The learning curves of comparisons, each with the name of its folder if there are several."""
-    from dataclasses import replace
-
     from khepera_forage.comparison.page import STYLES, figure
     from khepera_forage.comparison.results import beside
 
     shown: list[Curve] = []
-    learners: dict[str, Shown] = {}
+    learners: dict[str, ReadLearner] = {}
     for path, content in zip(paths, contents, strict=True):
         if len(paths) > 1:
             origin = path.resolve().parent.name
-            found, known = beside([], {}, replace(content, origin=origin))
+            found, known = beside([], {}, content._replace(origin=origin))
         else:
             found, known = list(content.curves), dict(content.learners)
         shown += [curve for curve in found if curve.arena in STYLES]
