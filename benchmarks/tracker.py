@@ -48,8 +48,7 @@ from khepera_forage.sim.sensing import OverheadCamera
 from khepera_forage.study import Count, Page, Picture, collect, finish, in_processes, parse
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.overlay import FOOD, MARKER, draw_scene
-from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.frames import FrameRenderer
+from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
 from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker import Tracker

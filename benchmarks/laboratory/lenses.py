@@ -8,9 +8,8 @@ from itertools import product
 import numpy as np
 
 from khepera_forage.estimates import Column, Table, Value, pick
-from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.calibration import Calibration, Lens
 from khepera_forage.vision.calibration_fit import fit_calibration, root_mean_square
-from khepera_forage.vision.lens import Lens
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 

@@ -13,9 +13,7 @@ from khepera_forage.estimates import Column, Table, Value, percent, pick
 from khepera_forage.figures import COLOURS, GREY, SMALL, WIDTH, grid, new_figure
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.image_quality import measure_quality
-from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.drawing import draw_cable, to_pixels
-from khepera_forage.vision.rendering.frames import FrameRenderer, Light
+from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer, Light, draw_cable
 from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker import Tracker
@@ -28,8 +26,6 @@ if TYPE_CHECKING:
 _LAB = CameraAppearance.laboratory()
 _WHITE = 215.0
 """Grey level of white where the floor's brightness is changed."""
-_CABLE = 8.0
-"""Width in mm of the cables that are combined with another disturbance."""
 _FOUND = 98.0
 """Percent: the goal."""
 COLUMNS, ROWS = 5, 4
@@ -45,14 +41,7 @@ _CURVE = 8.0
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
-    """Everything that disturbs a frame.
-
-    Attributes:
-        cable_width: In mm; 0 for no cables.
-        appearance: Grey levels, blur, noise and light.
-        exposure: Factor of all grey levels, which saturate at 255.
-        cable: Grey level of the cables.
-    """
+    """What disturbs a frame: width in mm and grey level of its cables, appearance, and a factor of all grey levels."""
 
     cable_width: float
     appearance: CameraAppearance = _LAB
@@ -60,23 +49,11 @@ class Conditions:
     cable: float = 60.0
 
 
-def _floor(floor: float, cable: float) -> Conditions:
-    return Conditions(cable, replace(_LAB, white=_WHITE, floor=floor, wall=0.8 * floor))
-
-
-_WITH_CABLE = {"no cable": 0.0, "cable": _CABLE}
-_GREYS = {"black cable": 30.0, "dark grey cable": 60.0, "light grey cable": 130.0}
+_WITH_CABLE = {"no cable": 0.0, "cable": 8.0}
 
 
 class Sweep(NamedTuple):
-    """One disturbance, from harmless to failure.
-
-    Attributes:
-        label: Of the axis, with the unit.
-        values: Of the disturbance.
-        curves: A number by the name of each curve.
-        conditions: For a value and the number of a curve.
-    """
+    """One disturbance, from harmless to failure: the conditions for a value and the number of a curve."""
 
     label: str
     values: tuple[float, ...]
@@ -88,7 +65,7 @@ SWEEPS = {
     "width": Sweep(
         "width of the cable (mm)",
         (0.0, 2.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 14.0, 17.0, 20.0, 25.0),
-        _GREYS,
+        {"black cable": 30.0, "dark grey cable": 60.0, "light grey cable": 130.0},
         lambda width, grey: Conditions(width, cable=grey),
     ),
     "blur": Sweep(
@@ -107,7 +84,7 @@ SWEEPS = {
         f"grey level of the floor under white at {_WHITE:.0f}",
         (40.0, 70.0, 100.0, 120.0, 130.0, 140.0, 145.0, 150.0, 155.0, 160.0, 170.0),
         _WITH_CABLE,
-        _floor,
+        lambda floor, cable: Conditions(cable, replace(_LAB, white=_WHITE, floor=floor, wall=0.8 * floor)),
     ),
     "noise": Sweep(
         "noise (grey levels)",
@@ -122,18 +99,9 @@ SWEEPS = {
 class Point:
     """All markers and food in the frames of one point of a curve.
 
-    Attributes:
-        sweep: One of `SWEEPS`.
-        curve: One of its curves.
-        value: Of the disturbance.
-        things: Number of markers, and of food.
-        markers: Markers found.
-        foods: Food found.
-        stray: Detected markers or food that are none, or have a wrong number of holes.
-        reversals: Markers found with a reversed heading.
-        position: 95 % of the found markers' centres are within this many pixels; nan without any.
-        heading: The same for headings that are not reversed, in degrees.
-        warned: Percent of the frames for which a warning is given.
+    `things` is the number of markers, and of food; `markers` and `foods` are found, `stray` are detected but are none,
+    or have a wrong number of holes. 95 % of the found centres (pixels) and headings (degrees) are off by less than
+    `position` and `heading`. `warned` is the percentage of frames with a warning.
     """
 
     sweep: str
@@ -149,32 +117,38 @@ class Point:
     warned: float
 
 
-def limit_points(sweep: str, curve: str, seed: int, images: int, quick: bool) -> list[Point]:
+def limit_points(name: str, curve: str, seed: int, images: int, quick: bool) -> list[Point]:
     """All points of a curve, in the same scenes; every fourth value with `quick`."""
     cv2.setNumThreads(1)
-    return [_point(sweep, curve, value, seed, images) for value in SWEEPS[sweep].values[:: 4 if quick else 1]]
-
-
-def _point(name: str, curve: str, value: float, seed: int, images: int) -> Point:
     sweep, tracker, settings = SWEEPS[name], Tracker(), TrackerSettings()
-    conditions = sweep.conditions(value, sweep.curves[curve])
-    rows, warned = [], 0
-    for truth, frame in frames(conditions, images, np.random.default_rng(seed)):
-        rows += observe((name, TRACKER, 0, 0), truth, tracker.detect(frame), [])
-        warned += bool(measure_quality(frame).warnings(settings))
-    foods, markers = pick(rows, kind="food"), [row for row in rows if "hole" in row.kind]
-    found = errors(markers)
-    return Point(
-        *(name, curve, value, len(markers)),
-        *(sum(row.found for row in markers), sum(row.found for row in foods)),
-        *(len(pick(rows, kind="")), found.reversals),
-        *(_percentile(found.distances), _percentile(np.abs(found.turns))),
-        100 * warned / images,
-    )
-
-
-def _percentile(values: NDArray[np.float64]) -> float:
-    return float(np.percentile(values, 95)) if len(values) else math.nan
+    points = []
+    for value in sweep.values[:: 4 if quick else 1]:
+        rows, warned = [], 0
+        conditions = sweep.conditions(value, sweep.curves[curve])
+        for truth, frame in frames(conditions, images, np.random.default_rng(seed)):
+            rows += observe((name, TRACKER, 0, 0), truth, tracker.detect(frame), [])
+            warned += bool(measure_quality(frame).warnings(settings))
+        foods, markers = pick(rows, kind="food"), [row for row in rows if "hole" in row.kind]
+        error = errors(markers)
+        position, heading = (
+            float(np.percentile(sizes, 95)) if len(sizes) else math.nan
+            for sizes in (error.distances, np.abs(error.turns))
+        )
+        found = (sum(row.found for row in markers), sum(row.found for row in foods), len(pick(rows, kind="")))
+        points.append(
+            Point(
+                name,
+                curve,
+                value,
+                len(markers),
+                *found,
+                error.reversals,
+                position,
+                heading,
+                100 * warned / images,
+            )
+        )
+    return points
 
 
 def frames(
@@ -233,7 +207,7 @@ def _cable(marker: tuple[float, float, float, int], rng: np.random.Generator) ->
     offset, bend = rng.uniform(-reach, reach), rng.uniform(-_CURVE, _CURVE)
     shares = np.linspace(-1, 1, 13)[:, None]
     points = (x, y) + shares * _HALF_CABLE * along + (offset + bend * (1 - shares**2)) * normal
-    return np.array([to_pixels(*point) for point in points.tolist()])
+    return points / MM_PER_PIXEL  # type: ignore[no-any-return]
 
 
 def limits_table(points: Sequence[Point]) -> Table:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from khepera_forage.estimates import Estimate, wilson
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.association import Detection
-from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering import CameraAppearance
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Truth
 from khepera_forage.vision.shapes import (
     FOOD_FEATURES,

@@ -1,26 +1,27 @@
 """The tracker through mixed troubles at the resolutions of webcams: identities, errors and speed.
 
-Two robots drive in circles over a floor that is 3.2 m wide, drawn by the scenes of the tests. Every other frame has a
-trouble: glare on a marker, the hard edge of a shadow, a hand, a cable over each marker, compression, another exposure.
+Two robots drive in circles over a floor that is 3.2 m wide, drawn by OpenCV alone. Every other frame has a trouble:
+glare on a marker, the hard edge of a shadow, a hand, a cable over each marker, compression, another exposure.
 """
 
 import math
-import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import cv2
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[2]))  # for the scenes of the tests
+from numpy.typing import NDArray
 
 from khepera_forage.estimates import Column, Table, Value
+from khepera_forage.vision.shapes import HOLE_SIDE, MARKER_HOLES
+from khepera_forage.vision.tags import CELLS, DICTIONARY
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from tests.vision.tag_scenes import Picture, Scene, grid_sheet, tag_sheet
 
+Frame = NDArray[np.uint8]
+_WIDE = 3200.0
+"""mm of the floor across the picture."""
 SETUPS = (
     (640, 480, "holes"),
     (1280, 720, "holes"),
@@ -34,24 +35,17 @@ _ROBOTS, _CIRCLE, _STEP = (1, 2), 420.0, 0.04
 _WRONG, _OFF = 60.0, 5.0
 """mm from its robot from which a marker is another's, and from which it is off."""
 _TROUBLES = ("glare", "shadow", "hand", "cables", "compression", "exposure")
+_PER_MM, _FINE = 4, 8
+"""Pixels per mm of a sheet with a marker, and factor by which it is drawn larger than the frame, then averaged."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trouble:
-    """What the tracker made of all frames at one resolution.
+    """What the tracker made of all frames at one resolution, with two markers each.
 
-    Attributes:
-        size: Of the frames.
-        markers: Their kind.
-        frames: Their number, with two markers each.
-        found: Markers found, each with its number and heading, or not.
-        warned: Markers lost in frames with a warning.
-        silent: Markers lost in frames without one.
-        wrong: Markers with the number or the heading of another, and frames with a marker too many.
-        off: Found markers that are more than 5 mm from their robot.
-        median: Of the errors of centres in mm.
-        most: Their 99th percentile.
-        rate: Frames a second, by the processor time of one thread.
+    Of the markers, `found` have their number and heading, or not; `warned` and `silent` were lost in frames with and
+    without a warning, `wrong` have the number or heading of another, or are one too many, and `off` are more than 5 mm
+    from their robot. `median` and `most` (99 %) are errors of centres in mm, `rate` is frames a second of one thread.
     """
 
     size: str
@@ -75,7 +69,7 @@ def troubled_drive(width: int, height: int, markers: str, frames: int, seed: int
     wrong = off = warned = silent = 0
     seconds, distances = 0.0, []
     for number in range(frames):
-        frame, poses = _frame(width, height, markers, number, rng)
+        frame, poses = _troubled_frame(width, height, markers, number, rng)
         began = time.process_time()
         regions = tracker.update(frame).regions
         seconds += time.process_time() - began
@@ -98,51 +92,97 @@ def troubled_drive(width: int, height: int, markers: str, frames: int, seed: int
     return [Trouble(size, markers, *counts, median, most, rate)]
 
 
-def _frame(
+def _troubled_frame(
     width: int, height: int, markers: str, number: int, rng: np.random.Generator
-) -> tuple[Picture, dict[int, tuple[float, float, float]]]:
-    """A frame, and the pose of each robot in mm and radians."""
-    scene = Scene(width, height, seed=number)
-    middle = 1600 * height / width
+) -> tuple[Frame, dict[int, tuple[float, float, float]]]:
+    """A frame, every other one with a trouble, and the pose of each robot in mm and radians."""
+    scale = width / _WIDE
+    picture = np.full((height, width), 105.0, np.float32)
     poses = {}
     for i, robot in enumerate(_ROBOTS):
         angle = _STEP * number + i
-        x, y = 800.0 + 1600 * i + _CIRCLE * math.cos(angle), middle + _CIRCLE * math.sin(angle)
+        x = 800.0 + 1600 * i + _CIRCLE * math.cos(angle)
+        y = height / scale / 2 + _CIRCLE * math.sin(angle)
         poses[robot] = x, y, angle + math.pi / 2
-        sheet = grid_sheet(robot, thesis=True) if markers == "holes" else tag_sheet(robot, 100.0)
-        scene.put(sheet, poses[robot])
+        _lay(picture, _tag_sheet(robot) if markers == "tags" else _marker_sheet(robot), poses[robot], scale)
     trouble = _TROUBLES[int(rng.integers(len(_TROUBLES)))] if number % 2 else ""
+    x, y, _ = poses[int(rng.choice(_ROBOTS))]
+    u, v = scale * (x + rng.uniform(-60, 60)), height - scale * (y + rng.uniform(-60, 60))
+    across, down = np.arange(width, dtype=np.float32) - u, np.arange(height, dtype=np.float32)[:, None] - v
+    size, turn = scale * rng.uniform(12, 35), rng.uniform(0, 2 * math.pi)
+    ahead = np.array((math.cos(turn), math.sin(turn)))
     if trouble == "cables":
         for x, y, _ in poses.values():
-            scene.cable(x + rng.uniform(-20, 20), y + rng.uniform(-20, 20), rng.uniform(0, math.pi), 8.0)
-    x, y, _ = poses[int(rng.choice(_ROBOTS))]
-    return _troubled(scene, trouble, x, y, rng), poses
-
-
-def _troubled(scene: Scene, name: str, x: float, y: float, rng: np.random.Generator) -> Picture:
-    """A frame with a trouble at a place in mm."""
-    u, v = scene.pixel(x + rng.uniform(-60, 60), y + rng.uniform(-60, 60))
-    across = np.arange(scene.width, dtype=np.float32) - u
-    down = np.arange(scene.height, dtype=np.float32)[:, None] - v
-    size = scene.scale * rng.uniform(12, 35)
-    if name == "glare":
-        along, beside = np.exp(-((across / size) ** 2) / 2), np.exp(-((down / size) ** 2) / 2)
-        scene.picture = np.minimum(scene.picture + rng.uniform(120, 300) * beside * along, 400)
-    elif name == "shadow":
-        turn = rng.uniform(0, 2 * math.pi)
-        dark = (across * math.cos(turn) + down * math.sin(turn)).clip(0, 1)
-        scene.picture *= 1 - rng.uniform(0.2, 0.7) * dark
-    elif name == "hand":
-        turn, thick = rng.uniform(0, 2 * math.pi), max(1, round(70 * scene.scale))
-        far = (round(u + 1500 * math.cos(turn)), round(v + 1500 * math.sin(turn)))
-        cv2.line(scene.picture, (round(u), round(v)), far, float(rng.uniform(80, 170)), thick, cv2.LINE_AA)
-    elif name == "exposure":
-        scene.picture *= rng.uniform(0.4, 1.5)
-    frame = scene.frame()
-    if name == "compression":
+            middle = np.array((x, height / scale - y)) + rng.uniform(-20, 20, 2)
+            turn = rng.uniform(0, math.pi)
+            along = 160 * np.array((math.cos(turn), math.sin(turn)))
+            _line(picture, scale * (middle - along), scale * (middle + along), 8 * scale, 55.0)
+    elif trouble == "glare":
+        spot = np.exp(-((across / size) ** 2) / 2) * np.exp(-((down / size) ** 2) / 2)
+        picture = np.minimum(picture + rng.uniform(120, 300) * spot, 400).astype(np.float32)
+    elif trouble == "shadow":
+        picture *= 1 - rng.uniform(0.2, 0.7) * (across * ahead[0] + down * ahead[1]).clip(0, 1)
+    elif trouble == "hand":
+        _line(picture, np.array((u, v)), (u, v) + 1500 * ahead, 70 * scale, float(rng.uniform(80, 170)))
+    elif trouble == "exposure":
+        picture *= rng.uniform(0.4, 1.5)
+    soft = cv2.GaussianBlur(picture, (0, 0), 0.7)
+    grain = rng.standard_normal(soft.shape, np.float32) * np.float32(2.5)
+    frame: Frame = (soft + grain).clip(0, 255).astype(np.uint8)
+    if trouble == "compression":
         coded = cv2.imencode(".jpg", frame, (cv2.IMWRITE_JPEG_QUALITY, 15))[1]
-        frame = cv2.imdecode(coded, cv2.IMREAD_GRAYSCALE)  # type: ignore[assignment]
-    return frame
+        frame = cv2.imdecode(coded, cv2.IMREAD_GRAYSCALE)  # type: ignore[assignment] # uint8
+    return frame, poses
+
+
+def _line(
+    picture: NDArray[np.float32],
+    start: NDArray[np.float64],
+    end: NDArray[np.float64],
+    width: float,
+    grey: float,
+) -> None:
+    """Draw a line in the picture, between two points in pixels."""
+    mask = np.zeros(picture.shape, np.uint8)
+    (x1, y1), (x2, y2) = (np.rint(16 * (point - 0.5)).astype(int).tolist() for point in (start, end))
+    cv2.line(mask, (x1, y1), (x2, y2), 255, max(1, round(width)), cv2.LINE_AA, 4)
+    picture += (grey - picture) * (mask / np.float32(255))
+
+
+def _tag_sheet(tag: int) -> Frame:
+    """A tag of 100 mm with a white margin of one cell, its top upwards."""
+    cell = round(100 * _PER_MM / CELLS)
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
+    sheet = cv2.aruco.generateImageMarker(dictionary, tag, CELLS * cell)
+    return np.pad(np.where(sheet > 0, 225, 25).astype(np.uint8), cell, constant_values=225)
+
+
+def _marker_sheet(number: int) -> Frame:
+    """One of the thesis's markers with its black frame, its front upwards."""
+    sheet = np.pad(np.full((120 * _PER_MM, 80 * _PER_MM), 225, np.uint8), 8 * _PER_MM, constant_values=25)
+    half = round(HOLE_SIDE / 2 * _PER_MM)
+    for x, y in MARKER_HOLES[number]:
+        row, column = round((68 - x) * _PER_MM), round((48 - y) * _PER_MM)
+        sheet[row - half : row + half, column - half : column + half] = 25
+    return sheet
+
+
+def _lay(picture: NDArray[np.float32], sheet: Frame, pose: tuple[float, float, float], scale: float) -> None:
+    """Lay a sheet with its top in the direction of the heading into a picture with some pixels per mm."""
+    x, y, heading = pose
+    u, v = x * scale, picture.shape[0] - y * scale
+    reach = math.ceil(math.hypot(*sheet.shape) / 2 / _PER_MM * scale) + 2
+    left, top, size = int(u) - reach, int(v) - reach, (2 * reach, 2 * reach)
+    middle = (np.array(sheet.shape[::-1]) - 1) / 2
+    warp = cv2.getRotationMatrix2D(middle.tolist(), math.degrees(heading) - 90, _FINE * scale / _PER_MM)
+    shift = np.array((u - left, v - top)) * _FINE - 0.5 - middle
+    warp = np.column_stack((warp[:, :2], warp[:, 2] + shift))
+    fine = (_FINE * size[0], _FINE * size[1])
+    mask = cv2.warpAffine(np.full_like(sheet, 255), warp, fine, flags=cv2.INTER_NEAREST)
+    drawn = np.where(mask > 0, cv2.warpAffine(sheet, warp, fine), 0).astype(np.float32)
+    share = cv2.resize(mask, size, interpolation=cv2.INTER_AREA) / np.float32(255)
+    part = picture[top : top + size[1], left : left + size[0]]
+    part[:] = part * (1 - share) + cv2.resize(drawn, size, interpolation=cv2.INTER_AREA)
 
 
 def troubles_table(rows: Sequence[Trouble]) -> Table:

@@ -17,8 +17,8 @@ from khepera_forage.cli.options import Command, check_ending, command, flag, opt
 from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
-from khepera_forage.vision.lens import DEFAULT_SIZE
-from khepera_forage.vision.rendering.marker_sheets import marker_pages, save_pages, tag_pages
+from khepera_forage.vision.calibration import DEFAULT_SIZE
+from khepera_forage.vision.marker_sheets import marker_pages, save_pages, tag_pages
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 from khepera_forage.vision.tracker_settings import TrackerSettings
 

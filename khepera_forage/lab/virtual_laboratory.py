@@ -23,8 +23,7 @@ from khepera_forage.sim.layout_checks import cable_anchor, check_layout
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout, Timing
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.frames import FrameRenderer, RenderedFrameSource
+from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.video import FrameSource
@@ -108,7 +107,7 @@ class VirtualLaboratory(Laboratory):
             walls=[wall for arena in arenas for wall in arena.segments],
             period=settings.period,
         )
-        self.frame_source = RenderedFrameSource(self._renderer)
+        self.frame_source = self._renderer
         self.virtual_operator = VirtualOperator(self.simulation, noise, self._attach, self._reconnect_lines)
         drivers = [serial_driver(robot.type) for robot in settings.robots]
         self._bauds = [

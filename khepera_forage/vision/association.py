@@ -80,8 +80,7 @@ def match(tracks: Any, detections: Any, count: int, by_place: bool) -> int:
     Returns:
         How many detections continue no track.
     """
-    if not _match_obvious(tracks, detections, count, by_place):
-        _match_by_cost(tracks, detections, count, by_place)
+    _match_by_cost(tracks, detections, count, by_place)
     new = count
     for track in tracks:
         shown = track.detection
@@ -152,28 +151,6 @@ def association_cost(track: Any, detection: Any, near: bool, by_place: bool) -> 
     if not track.found:
         return 1
     return 0 if near else 2
-
-
-def _match_obvious(tracks: Any, detections: Any, count: int, by_place: bool) -> bool:
-    """Match the frame if every detection is near exactly one track of its kind, and each near another.
-
-    Nearly all frames are like this, and the general rule then has the same result. Returns whether it was such a frame.
-    """
-    for track in tracks:
-        track.detection = -1
-    for j in range(count):
-        detection = detections[j]
-        x, y, holes = detection.x, detection.y, detection.holes
-        near, only = 0, -1
-        for k, track in enumerate(tracks):
-            if track.label >= 0 and (track.holes == holes or by_place):
-                dx, dy = track.x - x, track.y - y
-                if dx * dx + dy * dy <= _GATE_SQUARED:
-                    near, only = near + 1, k
-        if near != 1 or tracks[only].detection >= 0:
-            return False
-        tracks[only].detection = j
-    return True
 
 
 def _match_by_cost(tracks: Any, detections: Any, count: int, by_place: bool) -> None:

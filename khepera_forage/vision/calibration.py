@@ -16,15 +16,105 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.lens import DEFAULT_SIZE, Lens, Point, Size
 from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
+Point = tuple[float, float]
+Size = tuple[int, int]
+"""Width and height of a picture in pixels."""
 Matrix = tuple[float, ...]
 """The nine numbers of a homography, row by row."""
 
+DEFAULT_SIZE: Size = (int(PICTURE_WIDTH), int(PICTURE_HEIGHT))
+"""Of the thesis's camera (3.4)."""
+_REPEATS, _CONVERGED = 20, 1e-12
+_LEAST_SLOPE = 0.05
+"""Least distance by which a point moves outwards in the picture, as a share of how far it would move without the
+distortion."""
+_STEP = 0.01
+"""Pixels over which the Jacobian is measured."""
 _KEYS = ("picture", "floor", "camera", "lens", "size", "tags")
 _FLAT = 0.01
 """Three points are taken for collinear when the triangle's height is less than this share of its longest side."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lens:
+    """A lens that shows a point at the distance r from the middle of the picture at r (1 + k1 r^2 + k2 r^4).
+
+    The unit of r is the distance d of a corner from the middle: a k1 of -0.03 moves the corners by 3 % towards the
+    middle. This is OpenCV's model with a focal length of d pixels, which is 400 in a picture of 640 x 480; multiply
+    OpenCV's k1 for a focal length of f pixels by (d/f)^2, and its k2 by (d/f)^4.
+
+    Args:
+        k1: Negative for a barrel, positive for a pincushion.
+        k2: The same, further from the middle.
+        size: Width and height of the picture.
+
+    Raises:
+        ValueError: A value that is not finite, or so far from 0 that several points would appear at the same place.
+    """
+
+    k1: float
+    k2: float = 0.0
+    size: Size = DEFAULT_SIZE
+
+    @property
+    def unit(self) -> float:
+        """Pixels from the middle of the picture to a corner."""
+        return math.hypot(*self.size) / 2
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.k1) and math.isfinite(self.k2)):
+            raise ValueError(f"calibration lens is {(self.k1, self.k2)}; allowed: two finite numbers")
+        if not shows_every_point_once(self.k1, self.k2):
+            raise ValueError(
+                f"calibration lens is {(self.k1, self.k2)}; allowed: a distortion that shows every point once "
+                "(k1 above -0.14 if k2 is 0)"
+            )
+
+    def straightened(self, u: float, v: float) -> Point:
+        """Where a lens without distortion would show what this one shows at (u, v), in pixels."""
+        return straightened(u, v, self.k1, self.k2, self.size)
+
+    def distorted(self, u: float, v: float) -> Point:
+        """Where this lens shows what a lens without distortion would show at (u, v): the inverse of `straightened`."""
+        x, y = self.size[0] / 2, self.size[1] / 2
+        ratio = _ratio(((u - x) ** 2 + (v - y) ** 2) / self.unit**2, self.k1, self.k2)
+        return x + (u - x) * ratio, y + (v - y) * ratio
+
+
+def straightened(u: float, v: float, k1: float, k2: float, size: Size) -> Point:
+    """`Lens.straightened` for any coefficients."""
+    x, y, unit = size[0] / 2, size[1] / 2, math.hypot(*size) / 2
+    r = shown = math.hypot(u - x, v - y) / unit
+    if shown == 0:
+        return u, v
+    for _ in range(_REPEATS):  # Newton's method
+        step = (r * _ratio(r * r, k1, k2) - shown) / max(_slope(r, k1, k2), _LEAST_SLOPE)
+        r -= step
+        if abs(step) < _CONVERGED:
+            break
+    return x + (u - x) * r / shown, y + (v - y) * r / shown
+
+
+def shows_every_point_once(k1: float, k2: float) -> bool:
+    """Whether a lens, anywhere in the picture, shows a point further out if it lies further out; see `Lens`."""
+    r = 0.0
+    while r * _ratio(r * r, k1, k2) < 1.0:
+        r += 0.01
+        if _slope(r, k1, k2) <= _LEAST_SLOPE or r > 3:
+            return False
+    return True
+
+
+def _ratio(r_squared: float, k1: float, k2: float) -> float:
+    """Apparent distance from the middle as a multiple of the distance r."""
+    return 1 + r_squared * (k1 + r_squared * k2)
+
+
+def _slope(r: float, k1: float, k2: float) -> float:
+    return 1 + r * r * (3 * k1 + 5 * k2 * r * r)
 
 
 class Jacobian(NamedTuple):
@@ -60,7 +150,7 @@ class Calibration:
             moved.
 
     Raises:
-        ValueError: Not four points, a value that is not finite, points that coincide, three points on a line, floor
+        ValueError: Not four points, a value that is not finite, three points on a line, floor
             and picture points that no camera can show (mirrored or crossed), or a camera not above the floor.
     """
 
@@ -123,7 +213,7 @@ class Calibration:
     def mm_per_pixel(self, u: float | None = None, v: float | None = None) -> float:
         """Mm of the floor that a pixel shows, by default in the middle of the picture."""
         middle = self.size[0] / 2 if u is None else u, self.size[1] / 2 if v is None else v
-        return MM_PER_PIXEL * math.sqrt(self.jacobian(*middle).area)
+        return round(MM_PER_PIXEL * math.sqrt(self.jacobian(*middle).area), 6)
 
     def to_region(self, u: float, v: float, height: float = 0.0) -> Point:
         """Position on the floor, in region coordinates, of an object seen at a point of the picture.
@@ -154,15 +244,10 @@ class Calibration:
 
     def jacobian(self, u: float, v: float, height: float = 0.0) -> Jacobian:
         """The Jacobian of `to_region` at a point of the picture."""
-        a, b, _, d, e, _, g, h, i = self._to_floor
-        uu, uv, vu, vv = 1.0, 0.0, 0.0, 1.0
-        if self.lens is not None:
-            uu, uv, vu, vv = self.lens.jacobian(u, v)
-            u, v = self.lens.straightened(u, v)
-        x, y = _transformed(self._to_floor, u, v)
-        scale = (1.0 if self.camera is None else self._parallax(height)[2]) / (g * u + h * v + i)
-        a, b, d, e = (a - x * g) * scale, (b - x * h) * scale, (d - y * g) * scale, (e - y * h) * scale
-        return Jacobian(a * uu + b * vu, a * uv + b * vv, d * uu + e * vu, d * uv + e * vv)
+        (x1, y1), (x2, y2) = (self.to_region(u + step, v, height) for step in (-_STEP, _STEP))
+        (x3, y3), (x4, y4) = (self.to_region(u, v + step, height) for step in (-_STEP, _STEP))
+        slopes = (n / (2 * _STEP) for n in (x2 - x1, x4 - x3, y2 - y1, y4 - y3))
+        return Jacobian(*slopes)
 
     def as_table(self) -> dict[str, object]:
         """The points, and what else is known, as a table for a TOML file."""
@@ -289,21 +374,23 @@ def _checked_numbers(name: str, value: object, count: int, form: str) -> tuple[f
 
 
 def _checked_points(name: str, value: object, form: str) -> tuple[tuple[float, ...], ...]:
-    """Four different points of which no three lie on a line; anything else is refused."""
+    """Four points of which no three lie on a line; anything else is refused."""
     if not isinstance(value, Sequence | np.ndarray) or len(value) != 4:
         raise ValueError(f"calibration {name} is {value!r}; allowed: four points {form}")
     points = tuple(_checked_numbers(f"{name} point", point, 2, form) for point in value)
-    for one, other in combinations(points, 2):
-        if one == other:
-            raise ValueError(f"calibration {name} has the point {one} twice; allowed: four different points")
     for three in combinations(points, 3):
-        longest = max(math.dist(p, q) for p, q in combinations(three, 2))
-        if abs(_cross(*three)) < _FLAT * longest * longest:
+        if on_a_line(*three):
             raise ValueError(
                 f"calibration {name} points {', '.join(map(str, three))} lie on a line; "
                 "allowed: no three points on one line"
             )
     return points
+
+
+def on_a_line(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> bool:
+    """Whether three points lie on a line, or nearly."""
+    longest = max(math.dist(p, q), math.dist(q, r), math.dist(r, p))
+    return abs(_cross(p, q, r)) <= _FLAT * longest * longest
 
 
 def _cross(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> float:

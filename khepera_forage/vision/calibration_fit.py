@@ -8,27 +8,32 @@ and applied to this one.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.lens import DEFAULT_SIZE, Lens, Point, Size, shows_every_point_once
+from khepera_forage.vision.calibration import (
+    DEFAULT_SIZE,
+    Calibration,
+    Lens,
+    Point,
+    Size,
+    on_a_line,
+    shows_every_point_once,
+    straightened,
+)
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.tags import Corners, middle
 
+Points = NDArray[np.float64]
 LENS_POINTS = (8, 14)
 """Points from which k1 of the lens is fitted, and from which k2 is fitted, too."""
 _GAIN = 0.9
 """Ratio of held-out errors below which another coefficient of the lens is taken."""
-_REPEATS, _STEP = 6, 1e-4
-"""Of the Gauss-Newton method, and for its numerical derivatives."""
-_NEWTON_REPEATS = 8
-_LARGEST = 0.5
-"""Greatest coefficient that is tried."""
-_DETERMINED = 0.01
-"""Least ratio of singular values of the equations of a homography that is determined by its points."""
+_LARGEST, _STEP = 0.5, 1e-3
+"""Greatest coefficient that is tried, and the step of its derivative."""
 
 
 class CalibrationFit(NamedTuple):
@@ -164,9 +169,7 @@ def _distances(
     )
 
 
-def _held_out(
-    points: NDArray[np.float64], places: NDArray[np.float64], coefficients: int, size: Size
-) -> tuple[float, ...]:
+def _held_out(points: Points, places: Points, coefficients: int, size: Size) -> tuple[float, ...]:
     """Distance in mm of each place from the estimate by a fit to all others; nan if they determine none."""
     errors = []
     for i in range(len(points)):
@@ -179,51 +182,38 @@ def _held_out(
     return tuple(errors)
 
 
-def _determine_homography(points: NDArray[np.float64]) -> bool:
-    """Whether points determine a homography: four of them must be in general position, no three on a line."""
-    offsets = points - points.mean(axis=0)
-    scaled = offsets / max(float(np.abs(offsets).max()), 1e-9)
-    ones, none = np.ones(len(points)), np.zeros((len(points), 3))
-    rays = np.column_stack((scaled, ones))
-    # The equations of a homography that maps the points to themselves, as an example of any.
-    equations = [
-        np.hstack((rays, none, -scaled[:, :1] * rays)),
-        np.hstack((none, rays, -scaled[:, 1:] * rays)),
-    ]
-    sizes = np.linalg.svd(np.concatenate(equations), compute_uv=False)
-    return bool(sizes[7] > _DETERMINED * sizes[0])
+def _determine_homography(points: Points) -> bool:
+    """Whether points determine a homography: no three of some four lie on a line."""
+    return any(
+        not any(on_a_line(*three) for three in combinations(four, 3))
+        for four in combinations(points.tolist(), 4)
+    )
 
 
-def _fitted(
-    points: NDArray[np.float64], places: NDArray[np.float64], coefficients: int, size: Size
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _fitted(points: Points, places: Points, coefficients: int, size: Size) -> tuple[Points, Points]:
     """The lens's k1 and k2, and the homography to the floor after it is corrected.
 
     The homography is fitted again for each lens that is tried, so that only the lens is searched.
     """
+    from scipy.optimize import least_squares
 
-    def misfit(k: NDArray[np.float64]) -> NDArray[np.float64]:
-        straight = _straightened(points, k, size)
-        difference: NDArray[np.float64] = _projected(straight, _homography(points, straight, places)) - places
-        return difference.ravel()
+    def with_lens(k: Points) -> Points:
+        return np.concatenate((k, np.zeros(2 - len(k))))
 
-    k = np.zeros(2)
-    for _ in range(_REPEATS if coefficients else 0):  # Gauss-Newton
-        now = misfit(k)
-        steps = np.eye(2)[:coefficients] * _STEP
-        slopes = np.stack([(misfit(k + step) - now) / _STEP for step in steps], axis=1)
-        change = np.linalg.lstsq(slopes, -now, rcond=None)[0]
-        k[:coefficients] = (k[:coefficients] + change).clip(-_LARGEST, _LARGEST)
-    return k, _homography(points, _straightened(points, k, size), places)
+    def misfit(k: Points) -> Points:
+        matrix = _homography(points, places, with_lens(k), size)
+        return (_mapped(points, with_lens(k), matrix, size) - places).ravel()
+
+    k = np.zeros(coefficients)
+    if coefficients:
+        k = least_squares(misfit, k, bounds=(-_LARGEST, _LARGEST), diff_step=_STEP, x_scale=_STEP).x
+    return with_lens(k), _homography(points, places, with_lens(k), size)
 
 
-def _homography(
-    points: NDArray[np.float64], straight: NDArray[np.float64], places: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """The same for points without the lens's distortion; `points` are those of the picture, for the error."""
+def _homography(points: Points, places: Points, k: Points, size: Size) -> Points:
     import cv2
 
-    matrix, _ = cv2.findHomography(straight, places)
+    matrix, _ = cv2.findHomography(_straightened(points, k, size), places)
     if matrix is None:
         raise ValueError(
             f"calibration points {points.tolist()} fit no camera; allowed: points all over the picture"
@@ -231,29 +221,12 @@ def _homography(
     return matrix  # type: ignore[return-value] # float64
 
 
-def _mapped(
-    points: NDArray[np.float64], k: NDArray[np.float64], matrix: NDArray[np.float64], size: Size
-) -> NDArray[np.float64]:
-    return _projected(_straightened(points, k, size), matrix)
-
-
-def _projected(straight: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+def _mapped(points: Points, k: Points, matrix: Points, size: Size) -> Points:
     import cv2
 
-    return cv2.perspectiveTransform(straight[:, None], matrix)[:, 0]  # type: ignore[return-value]
+    return cv2.perspectiveTransform(_straightened(points, k, size)[:, None], matrix)[:, 0]  # type: ignore[return-value]
 
 
-def _straightened(points: NDArray[np.float64], k: NDArray[np.float64], size: Size) -> NDArray[np.float64]:
-    """The points without the lens's distortion: `Lens.straightened` for many points, and for any k."""
-    if not k.any():
-        return points
-    middle_of_picture, unit = np.array(size) / 2, math.hypot(*size) / 2
-    offsets = (points - middle_of_picture) / unit
-    shown = np.hypot(offsets[:, 0], offsets[:, 1])
-    r = shown
-    for _ in range(_NEWTON_REPEATS):
-        slope = 1 + 3 * k[0] * r**2 + 5 * k[1] * r**4
-        r = r - (r * (1 + k[0] * r**2 + k[1] * r**4) - shown) / np.maximum(slope, 0.05)
-    ratios = np.divide(r, shown, out=np.ones_like(r), where=shown > 0)
-    straight: NDArray[np.float64] = middle_of_picture + offsets * ratios[:, None] * unit
-    return straight
+def _straightened(points: Points, k: Points, size: Size) -> Points:
+    k1, k2 = k.tolist()
+    return np.array([straightened(u, v, k1, k2, size) for u, v in points.tolist()]) if k.any() else points

@@ -12,8 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
-from khepera_forage.vision.detection.segmentation import Frame, as_grey, segment
 from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.segmentation import (
+    Frame,
+    ImagePatch,
+    as_grey,
+    cut_patch,
+    filled_area,
+    outer_contours,
+    segment,
+)
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 if TYPE_CHECKING:
@@ -123,24 +131,20 @@ def measure_quality(frame: Frame) -> ImageQuality:
         ImportError: OpenCV is not installed.
         ValueError: A frame of another type.
     """
-    import cv2
-
     frame = as_grey(frame)
     segmentation = segment(frame, _FAINT)
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(segmentation.mask)
-    areas = stats[1:, cv2.CC_STAT_AREA]
     shapes: list[tuple[float, float]] = []
     prints: list[float] = []
-    for i in (np.flatnonzero((areas >= _SIZES[0]) & (areas <= _SIZES[1])) + 1).tolist():
-        left, top, width, height, _ = stats[i].tolist()
-        # With a margin for the border's whole profile.
-        rows = slice(max(0, top - 4), top + height + 4)
-        columns = slice(max(0, left - 4), left + width + 4)
-        floor = segmentation.floor_at(left + width // 2, top + height // 2)
-        inside = labels[rows, columns] == i
-        shapes.append(white_and_blur(frame[rows, columns], inside, max(floor, 1)))
-        if areas[i - 1] >= _MARKER_SIZE:
-            prints += _prints(frame[rows, columns], inside)
+    for contour in outer_contours(segmentation.mask):
+        if filled_area(contour) < _SIZES[0]:
+            continue
+        patch = cut_patch(segmentation, contour)
+        inside = (patch.filled & patch.white) > 0
+        area = np.count_nonzero(inside)
+        if _SIZES[0] <= area <= _SIZES[1]:
+            shapes.append(white_and_blur(patch.grey, inside, max(patch.floor, 1)))
+            if area >= _MARKER_SIZE:
+                prints += _prints(patch)
     highest = max((contrast for contrast, _ in shapes), default=0.0)
     white = [shape for shape in shapes if shape[0] >= _SIMILAR * highest]
     return ImageQuality(
@@ -153,14 +157,12 @@ def measure_quality(frame: Frame) -> ImageQuality:
     )
 
 
-def _prints(grey: Frame, inside: NDArray[np.bool_]) -> list[float]:
+def _prints(patch: ImagePatch) -> list[float]:
     """Brightness of the holes in a white shape as a share of its white: one number, or none without holes."""
     import cv2
 
-    white = _percentile(grey[inside], _WHITE_QUANTILE)
-    contours, _ = cv2.findContours(inside.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    whole = cv2.drawContours(np.zeros(inside.shape, np.uint8), contours, -1, 1, cv2.FILLED)
-    inner = grey[cv2.erode(whole, np.ones((5, 5), np.uint8)) > 0]
+    white = _percentile(patch.grey[(patch.filled & patch.white) > 0], _WHITE_QUANTILE)
+    inner = patch.grey[cv2.erode(patch.filled, np.ones((5, 5), np.uint8)) > 0]
     if not inner.size:
         return []
     darkest = _percentile(inner, _HOLE_QUANTILE)

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.extras import require
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.segmentation import as_grey
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
+from khepera_forage.vision.segmentation import as_grey
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 Colour = tuple[int, int, int]

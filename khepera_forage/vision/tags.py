@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.segmentation import Frame
 from khepera_forage.vision.scene import MM_PER_PIXEL, place_text
+from khepera_forage.vision.segmentation import Frame
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 DICTIONARY = "DICT_4X4_50"
@@ -178,11 +178,11 @@ class FloorTags:
         tags = sorted(self._calibration.tags)
         chosen = [tags[(self._next + i) % len(tags)] for i in range(min(_ROUND, len(tags)))]
         self._next += len(chosen)
-        shifts = [shift for tag in chosen for shift in self._shift(grey, tag)]
+        shifts = [shift for tag in chosen for shift in self._shifts_near(grey, tag)]
         all_stay = len(shifts) == len(chosen) and max(shifts) < _MOVED
         if all_stay or (len(shifts) > 1 and float(np.median(shifts)) < _MOVED):  # some may be hidden
             return {}
-        shifts = [self._distance(tag, corners) for tag, corners in dict(self._finder.find(grey)).items()]
+        shifts = [self._shift(tag, corners) for tag, corners in dict(self._finder.find(grey)).items()]
         if not shifts or float(np.median(shifts)) < _MOVED:
             return {}
         return {
@@ -190,20 +190,23 @@ class FloorTags:
             "from their places; calibrate it again"
         }
 
-    def _shift(self, grey: Frame, tag: int) -> list[float]:
+    def _shifts_near(self, grey: Frame, tag: int) -> list[float]:
         """Distance in mm of a tag from its place, if it is seen near there."""
         u, v = self._calibration.tags[tag]
         reach = math.ceil(_NEAR * FLOOR_SIZE / self._calibration.mm_per_pixel(u, v))
         left, top = max(0, math.floor(u) - reach), max(0, math.floor(v) - reach)
-        part = grey[top : math.floor(v) + reach, left : math.floor(u) + reach]
-        found = [c for i, c in self._finder.find(np.ascontiguousarray(part)) if i == tag]
-        return [self._distance(tag, corners + np.array((left, top))) for corners in found[:1]]
+        part = np.ascontiguousarray(grey[top : math.floor(v) + reach, left : math.floor(u) + reach])
+        return [
+            self._shift(tag, corners + np.array((left, top)))
+            for i, corners in self._finder.find(part)
+            if i == tag
+        ][:1]
 
-    def _distance(self, tag: int, corners: Corners) -> float:
-        u, v = middle(corners)
-        x, y = self._calibration.to_region(u, v)
-        there = self._calibration.to_region(*self._calibration.tags[tag])
-        return MM_PER_PIXEL * math.dist((x, y), there)
+    def _shift(self, tag: int, corners: Corners) -> float:
+        places = (
+            self._calibration.to_region(*pixel) for pixel in (middle(corners), self._calibration.tags[tag])
+        )
+        return MM_PER_PIXEL * math.dist(*places)
 
 
 def find_floor_tags(grey: Frame, ids: Sequence[int]) -> dict[int, Corners]:

@@ -1,15 +1,19 @@
-"""The tracker: frames become detections, and detections a scene (3.5)."""
+"""The tracker: frames become detections; those that count become tracks, and these a scene (3.5)."""
 
 import math
+from collections.abc import Callable, Collection, Sequence
+
+import numpy as np
 
 from khepera_forage.extras import require
-from khepera_forage.vision.association import Detection
+from khepera_forage.robots.khepera import MARKER_WIDTH
+from khepera_forage.vision.association import GATE, Detection, Track, match, may_vanish, start_tracks
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.detection.segmentation import Frame, Segmentation, as_grey, segment
-from khepera_forage.vision.scene import MM_PER_PIXEL, Scene, place_text
+from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene, place_text
+from khepera_forage.vision.segmentation import Frame, Segmentation, as_grey, segment
+from khepera_forage.vision.shapes import Plate, under_plate
 from khepera_forage.vision.tags import FloorTags, TagDetector
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from khepera_forage.vision.tracks import Confirmation, FloorVisibility, Tracks
 
 __all__ = ["Tracker", "TrackerSettings"]
 
@@ -21,6 +25,22 @@ _AROUND, _DARK, _MOST_DARK = 1.5, 0.6, 0.5
 """Radii of food where floor is expected, the share of the floor's brightness below which a place is dark, and the
 least share of dark places around a white part of a tag."""
 _CIRCLE = [(math.cos(k * math.pi / 8), math.sin(k * math.pi / 8)) for k in range(16)]
+_CLEARANCE = 13.0
+"""Least distance in mm between the disc of food and a marker: the marker's black frame (8 mm), and a pixel of error."""
+_FLOOR_TOLERANCE = 0.25
+"""Share of the floor's brightness by which a pixel of floor may differ from it: noise, dirt, shade."""
+_MIN_FLOOR_SHARE = 0.6
+"""Least share of the disc's pixels that look like floor: a cable across the disc hides less, a robot's body more."""
+_MAX_BRIGHT_SHARE = 0.1
+"""Greatest share of bright pixels in the disc: more may be food, or a marker's rim over it."""
+_MARKER_FRAMES, _FOOD_FRAMES = 3, 2
+"""Consecutive frames that must agree before a marker, or food, is new, elsewhere, or reversed."""
+_TURN = 60.0
+"""Degrees by which a marker turns at most from one frame to the next: a Khepera turns by less than 20 in a round."""
+_YOUNG, _LOST = 10, 5
+"""A marker that was found in fewer frames is dropped when it has been lost for this many: half a second of rounds."""
+_OVERLAP = MARKER_WIDTH / MM_PER_PIXEL / 2
+"""Pixels between the middles of two markers that no two robots can have."""
 
 
 class Tracker:
@@ -31,10 +51,10 @@ class Tracker:
 
     Detection:
         Pixels clearly brighter than the floor around them are segmented (`segmentation`). A bright shape of a marker's
-        size is a marker. Its centre and axis come from the visible parts of its four sides (`rectangle_fit`), and its
-        number and front from the arrangement of its holes, after cables are removed (`hole_pattern`). A disc of food's
-        size with a sharp border is food (`food_detector`). Tags are found by `tags`. All other shapes are ignored:
-        walls, cables, and markers or food of which too little is visible.
+        size is a marker. Its centre and axis come from the visible parts of its four sides, and its number and front
+        from the arrangement of its holes, after cables are removed (`markers`). A disc of food's size with a sharp
+        border is food (`detection`). Tags are found by `tags`. All other shapes are ignored: walls, cables, and markers
+        or food of which too little is visible.
 
     Uncertainty:
         An uncertain shape is lost; it is never reported with a number that may be wrong, and `warnings` names the
@@ -45,7 +65,7 @@ class Tracker:
     Lost food:
         Food is dropped once its last place is visible and empty (`association`). A place is visible when food there
         would be inside the picture and clear of every marker, found or lost, and when its pixels have looked like
-        floor in `settings.patience` consecutive frames (`tracks`).
+        floor in `settings.patience` consecutive frames.
 
     Not thread-safe.
 
@@ -83,8 +103,8 @@ class Tracker:
         self.scene = Scene(())
         self._confirmation = Confirmation(by_place=self.settings.featureless)
         self._tracks = Tracks(by_place=self.settings.featureless)
-        if self._size_is_known:
-            self._floor = FloorVisibility(self.settings, self._resized)
+        # Number of consecutive frames in which the floor was visible at the last place of lost food.
+        self._visible: dict[tuple[float, float], int] = {}
 
     def detect(self, frame: Frame) -> list[Detection]:
         """The detections of one frame, in no particular order; no track changes.
@@ -100,10 +120,18 @@ class Tracker:
     def update(self, frame: Frame) -> Scene:
         """The scene after one more frame; arguments and errors as for `detect`."""
         shown, segmentation = self._detect(frame)
-        self._floor.update(segmentation, shown, self.scene)
+        plates, before, now = self._plates(shown), self._visible, dict[tuple[float, float], int]()
+
+        def visible(x: float, y: float) -> bool:
+            if not self._shows_floor(segmentation, plates, x, y):
+                return False
+            now[x, y] = before.get((x, y), 0) + 1
+            return now[x, y] >= self.settings.patience
+
         detections = self._confirmation.confirmed(shown, self.scene)
         doomed = self._confirmation.doomed(detections, self.scene)
-        self.scene = self._tracks.update(detections, self._floor.visible, doomed)
+        self.scene = self._tracks.update(detections, visible, doomed)
+        self._visible = now
         self._confirmation.count(self.scene)
         for region in self.scene.regions:
             if region.holes and not region.found:
@@ -124,7 +152,7 @@ class Tracker:
 
     def _prepare(self, calibration: Calibration) -> None:
         """Use a calibration: its picture is resized to 5 mm a pixel, if it is much coarser or finer."""
-        from khepera_forage.vision.detection.detector import Detector
+        from khepera_forage.vision.detection import Detector
 
         settings = self.settings
         self.calibration = calibration
@@ -153,7 +181,6 @@ class Tracker:
         if not self._size_is_known and min(size) >= 16:
             self._prepare(Calibration.identity(size=size))
             self._size_is_known = True
-            self.reset()
         if size != self.calibration.size:
             wide, high = self.calibration.size
             raise ValueError(
@@ -166,26 +193,25 @@ class Tracker:
         grey = self._checked(frame)
         segmentation = segment(self.reduced(grey), self.settings.contrast)
         tagged = self.settings.markers == "tags"
-        detections = self._detector.detect(segmentation, markers=not tagged)
-        self.warnings = dict(self._detector.warnings)
-        if self._floor_tags is not None:
-            self.warnings |= self._floor_tags.check(grey)
-        if self._tags is not None:
+        if self._tags is None:
+            detections, warnings = self._detector.detect(segmentation), dict[str, str]()
+        else:
             tags, warnings = self._tags.detect(grey)
-            self.warnings |= warnings
             # White parts of tags look like food.
-            places = [(t.x, t.y) for t in tags]
+            near, places = self._tags.reach, [(t.x, t.y) for t in tags]
             places += [(r.x, r.y) for r in self.scene.regions if r.holes and tagged]
-            near = self._tags.reach
             detections = tags + [
                 d
-                for d in detections
+                for d in self._detector.detect(segmentation, not tagged, places, near)
                 if d.holes
                 or (
                     all(math.dist((d.x, d.y), place) > near for place in places)
                     and self._is_on_floor(segmentation, d)
                 )
             ]
+        self.warnings = self._detector.warnings | warnings
+        if self._floor_tags is not None:
+            self.warnings |= self._floor_tags.check(grey)
         return detections, segmentation
 
     def _is_on_floor(self, segmentation: Segmentation, food: Detection) -> bool:
@@ -198,3 +224,168 @@ class Tracker:
             column, row = min(max(int(u), 0), columns - 1), min(max(int(v), 0), rows - 1)
             dark += segmentation.frame[row, column] < _DARK * segmentation.floor_at(column, row)
         return dark < _MOST_DARK * len(_CIRCLE)
+
+    def _plates(self, detections: Sequence[Detection]) -> list[Plate]:
+        """The markers of a frame, and the last places of those that were lost before it."""
+        markers: list[Detection | Region] = [d for d in detections if d.holes]
+        regions = [r for r in self.scene.regions if r.holes]
+        # In featureless tracking a lost region may have been anything, or may have a new label.
+        for region in () if self.settings.featureless else regions:
+            # Any marker with its number can be this region, if the frame shows all of them.
+            same = [d for d in detections if d.holes == region.holes]
+            all_shown = len(same) >= sum(r.holes == region.holes for r in regions)
+            if not all_shown and all(_distance(d, region) > GATE for d in same):
+                markers.append(region)
+        turns = [math.radians(m.orientation) for m in markers]
+        return [
+            Plate(m.x * MM_PER_PIXEL, m.y * MM_PER_PIXEL, math.cos(turn), math.sin(turn))
+            for m, turn in zip(markers, turns, strict=True)
+        ]
+
+    def _shows_floor(self, segmentation: Segmentation, plates: list[Plate], x: float, y: float) -> bool:
+        """Whether the disc of food at a place (region coordinates) shows the floor."""
+        radius, food_height = self.settings.food_radius, self.settings.food_height
+        if under_plate(x * MM_PER_PIXEL, y * MM_PER_PIXEL, radius + _CLEARANCE, plates):
+            return False
+        u, v = self._resized.to_picture(x, y, food_height)
+        reach = radius / MM_PER_PIXEL / math.sqrt(self._resized.jacobian(u, v, food_height).area)
+        rows, columns = segmentation.frame.shape
+        if not (reach <= u <= columns - reach and reach <= v <= rows - reach):
+            return False
+        left, right = math.floor(u - reach), math.ceil(u + reach)
+        top, bottom = math.floor(v - reach), math.ceil(v + reach)
+        across, down = np.arange(left, right) + 0.5 - u, np.arange(top, bottom)[:, None] + 0.5 - v
+        disc = across**2 + down**2 <= reach * reach
+        grey = segmentation.frame[top:bottom, left:right][disc].astype(np.float64)
+        bright = segmentation.mask[top:bottom, left:right][disc] > 0
+        floor = segmentation.floor_at(math.floor(u), math.floor(v))
+        like_floor = np.abs(grey - floor) <= _FLOOR_TOLERANCE * floor
+        return bool(like_floor.mean() >= _MIN_FLOOR_SHARE and bright.mean() <= _MAX_BRIGHT_SHARE)
+
+
+class Confirmation:
+    """Holds back what one bad frame shows: a new region, one that has jumped, a marker that is reversed.
+
+    Such a detection counts when consecutive frames agree on it; in the first frame all count. A marker that was found
+    only a few times, or whose place another marker takes, is no marker: `doomed` names it.
+
+    Args:
+        by_place: As for `Tracks`.
+    """
+
+    def __init__(self, by_place: bool) -> None:
+        self._by_place, self._first = by_place, True
+        # Detections that other frames must confirm, and the number of frames that showed each.
+        self._candidates: list[tuple[Detection, int]] = []
+        # Frames in which a region was found, and those since it was lost, by its label.
+        self._found: dict[int, int] = {}
+        self._lost: dict[int, int] = {}
+
+    def confirmed(self, detections: Sequence[Detection], scene: Scene) -> list[Detection]:
+        """The detections of a frame that count, given the scene before it."""
+        confirmed, candidates = [], []
+        lost_markers = [r for r in scene.regions if r.holes and not r.found]
+        for detection in detections:
+            frames = 1 + max((n for d, n in self._candidates if self._agree(d, detection)), default=0)
+            needed = _MARKER_FRAMES if detection.holes else _FOOD_FRAMES
+            if not detection.holes and any(_distance(detection, r) < 2 * _OVERLAP for r in lost_markers):
+                needed = _YOUNG  # it may be a part of the marker
+            if self._first or frames >= needed or any(self._continues(r, detection) for r in scene.regions):
+                confirmed.append(detection)
+            else:
+                candidates.append((detection, frames))
+        self._first, self._candidates = False, candidates
+        return confirmed
+
+    def count(self, scene: Scene) -> None:
+        """Use the scene after a frame."""
+        self._found = {r.label: self._found.get(r.label, 0) + r.found for r in scene.regions}
+        self._lost = {r.label: 0 if r.found else self._lost.get(r.label, 0) + 1 for r in scene.regions}
+
+    def doomed(self, detections: Sequence[Detection], scene: Scene) -> set[int]:
+        """Labels of lost markers that are none, given the detections that count and the scene before them."""
+        return {
+            r.label
+            for r in scene.regions
+            if r.holes
+            and (
+                (self._found[r.label] < _YOUNG and self._lost[r.label] >= _LOST)
+                or (
+                    not r.found
+                    and any(d.holes not in (0, r.holes) and _distance(d, r) < _OVERLAP for d in detections)
+                )
+            )
+        }
+
+    def _continues(self, region: Region, detection: Detection) -> bool:
+        frames = 1 + self._lost[region.label]
+        return self._agree(region, detection, GATE * frames if region.holes else GATE, _TURN * frames)
+
+    def _agree(
+        self, one: Region | Detection, other: Detection, gate: float = GATE, turn: float = _TURN
+    ) -> bool:
+        turned = abs(math.remainder(one.orientation - other.orientation, 360))
+        same = self._by_place or (one.holes == other.holes and turned <= turn)
+        return same and _distance(one, other) <= gate
+
+
+class Tracks:
+    """The regions under observation, with labels that are never reused.
+
+    The order in which a frame's detections come does not matter; new tracks are numbered in reading order.
+
+    Args:
+        by_place: Whether only places count, for markers without holes or with holes that cannot be told apart (3.5).
+            The number of holes is then what the last frame showed. "There is no evidence that a redetected region
+            corresponds to a previous lost one" (3.5): a region that reappears beyond `GATE` is another, and a lost
+            marker is dropped as food is.
+    """
+
+    def __init__(self, by_place: bool = False) -> None:
+        self._by_place = by_place
+        self._tracks: list[Track] = []
+        self._regions: list[Region] = []
+        self._next_label = 0
+
+    def update(
+        self,
+        detections: Sequence[Detection],
+        visible: Callable[[float, float], bool],
+        doomed: Collection[int] = (),
+    ) -> Scene:
+        """The scene after one more frame.
+
+        Args:
+            detections: What the frame shows.
+            visible: Whether food at a place (pixels) would have shown in this frame: inside the picture, under no
+                marker, under no cable. Called only with last places of lost regions.
+            doomed: Labels that are dropped if the frame does not show them.
+        """
+        # One order for any order in which the detections come.
+        detections = sorted(detections)
+        new = match(self._tracks, detections, len(detections), self._by_place)
+        kept: list[tuple[Track, Region]] = []
+        for track, region in zip(self._tracks, self._regions, strict=True):
+            if track.detection >= 0:
+                kept.append((track, _region(track.label, detections[track.detection])))
+            elif track.label not in doomed and not (
+                may_vanish(track, self._by_place) and visible(track.x, track.y)
+            ):
+                kept.append((track, region._replace(found=False)))
+        # Slots are filled in this order, so that the oldest track stays first.
+        slots = [Track() for _ in range(new)]
+        self._tracks = [track for track, _ in kept] + slots
+        self._next_label = start_tracks(self._tracks, detections, len(detections), self._next_label)
+        self._regions = [region for _, region in kept]
+        self._regions += [_region(track.label, detections[track.detection]) for track in slots]
+        return Scene(tuple(self._regions))
+
+
+def _distance(one: Region | Detection, other: Region | Detection) -> float:
+    """Pixels between two regions."""
+    return math.hypot(one.x - other.x, one.y - other.y)
+
+
+def _region(label: int, detection: Detection) -> Region:
+    x, y, holes, orientation, *rest = detection
+    return Region(label, x, y, holes, orientation, True, *rest)  # type: ignore[arg-type] # mypy joins their types

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, fields
+from typing import NoReturn
 
 from khepera_forage.robots.khepera import FOOD_HEIGHT, FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.shapes import HOLE_SIDE
@@ -21,8 +22,6 @@ class TrackerSettings:
     contrast: float = 1.4
     """Least brightness of a region's pixels, as a multiple of the floor's brightness around them. White paper on a
     floor of medium intensity (3.1) is about twice as bright."""
-    hole_contrast: float = 0.7
-    """Without effect: the arrangements of holes are compared as a whole. Accepted because older files have it."""
     tolerance: float = 0.3
     """Greatest relative error of a marker's length and width, and of food's diameter."""
     marker_length: float = MARKER_LENGTH
@@ -63,44 +62,47 @@ class TrackerSettings:
         for field in fields(self):
             value = getattr(self, field.name)
             if type(field.default) in (float, int) and not 0 <= value < math.inf:
-                raise ValueError(f"tracker {field.name} is {value!r}; allowed: a finite number >= 0")
+                self._refuse(field.name, "a finite number >= 0")
         self._check_numbers()
-        lengths = ("marker_length", "marker_width", "hole_side", "food_radius", "tag_size", "food_tag_size")
-        for names, refused, allowed in (
-            (lengths, lambda value: value == 0, "above 0 mm"),
-            (("hole_contrast", "tolerance"), lambda value: not 0 < value < 1, "between 0 and 1"),
-            (("contrast",), lambda value: value <= 1, "above 1"),
-            (
-                ("marker_length",),
-                lambda value: value < 1.2 * self.marker_width,
-                f"at least 1.2 times the marker_width of {self.marker_width!r}, or the axis is uncertain",
-            ),
-            (
-                ("hole_side",),
-                lambda value: value > 0.5 * self.marker_width,
-                f"up to half the marker_width, which is {self.marker_width!r}",
-            ),
-            (("patience",), lambda value: value < 1 or value != int(value), "whole frames, at least 1"),
+        for name in (
+            "marker_length",
+            "marker_width",
+            "hole_side",
+            "food_radius",
+            "tag_size",
+            "food_tag_size",
         ):
-            for name in names:
-                if refused(getattr(self, name)):
-                    raise ValueError(f"tracker {name} is {getattr(self, name)!r}; allowed: {allowed}")
+            if getattr(self, name) == 0:
+                self._refuse(name, "above 0 mm")
+        if not 0 < self.tolerance < 1:
+            self._refuse("tolerance", "between 0 and 1")
+        if self.contrast <= 1:
+            self._refuse("contrast", "above 1")
+        width = self.marker_width
+        if self.marker_length < 1.2 * width:
+            self._refuse(
+                "marker_length",
+                f"at least 1.2 times the marker_width of {width!r}, or the axis is uncertain",
+            )
+        if self.hole_side > 0.5 * width:
+            self._refuse("hole_side", f"up to half the marker_width, which is {width!r}")
+        if self.patience < 1 or self.patience != int(self.patience):
+            self._refuse("patience", "whole frames, at least 1")
+
+    def _refuse(self, name: str, allowed: str) -> NoReturn:
+        raise ValueError(f"tracker {name} is {getattr(self, name)!r}; allowed: {allowed}")
 
     def _check_numbers(self) -> None:
         """Check the kind of markers and the numbers in use."""
         if self.markers not in MARKER_NUMBERS:
-            raise ValueError(f"tracker markers is {self.markers!r}; allowed: {', '.join(MARKER_NUMBERS)}")
-        for name, allowed in (
-            ("numbers", MARKER_NUMBERS[self.markers]),
-            ("food_tags", MARKER_NUMBERS["tags"]),
-        ):
-            given = tuple(getattr(self, name))
+            self._refuse("markers", ", ".join(MARKER_NUMBERS))
+        for name, kind in (("numbers", self.markers), ("food_tags", "tags")):
+            given, allowed = tuple(getattr(self, name)), MARKER_NUMBERS[kind]
             object.__setattr__(self, name, given)
-            least, most = allowed[0], allowed[-1]
             if len(set(given)) < len(given) or not all(type(n) is int and n in allowed for n in given):
                 raise ValueError(
                     f"tracker {name} is {list(given)}; allowed with markers {self.markers!r}: "
-                    f"different whole numbers, {least} to {most}"
+                    f"different whole numbers, {allowed[0]} to {allowed[-1]}"
                 )
         if not self.numbers:
             raise ValueError("tracker numbers is []; allowed: at least one number")

@@ -3,6 +3,7 @@
 import logging
 import threading
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -11,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.extras import require
-from khepera_forage.vision.detection.segmentation import as_grey
-from khepera_forage.vision.lens import DEFAULT_SIZE, Size
+from khepera_forage.vision.calibration import DEFAULT_SIZE, Size
+from khepera_forage.vision.segmentation import as_grey
 
 if TYPE_CHECKING:
     import cv2
@@ -130,21 +131,29 @@ class VideoSource:
         self._source, self._settings = source, settings or VideoSettings()
         self._size: Size | None = self._settings.size
         self._is_file = not isinstance(source, int) and Path(source).is_file()
-        self._changed = threading.Condition()
-        self._frame: NDArray[np.uint8] | None = None
-        self._taken = 0.0
+        # The newest frame and when it came, and what ended the source; both are replaced as a whole.
+        self._latest: tuple[NDArray[np.uint8], float] | None = None
         self._end: Exception | None = None
-        self._closing = threading.Event()
+        self._ready, self._closing = threading.Event(), threading.Event()
         self._reader: threading.Thread | None = None
         self._capture = self._opened()
         self._is_first = True
-        if paced or not self._is_file:
-            self._reader = threading.Thread(target=self._read_all, name=f"camera {self._name}", daemon=True)
-            self._reader.start()
-        else:
-            self._read_one()
         try:
-            self._await_frame(10 * timeout)
+            if paced or not self._is_file:
+                self._reader = threading.Thread(
+                    target=self._read_all, name=f"camera {self._name}", daemon=True
+                )
+                self._reader.start()
+            else:
+                self._read_one()
+            self._ready.wait(10 * timeout)
+            if self._latest is None:
+                if isinstance(self._end, ValueError):
+                    raise ValueError(f"camera {self._name} has {self._end}")
+                reason = (
+                    _reason(self._end) if self._end else f"opened, but no frame within {10 * timeout:g} s"
+                )
+                raise CameraLost(self._name, reason, None) from self._end
         except BaseException:
             self.close()
             raise
@@ -164,11 +173,11 @@ class VideoSource:
         if self._reader is None and not self._is_first:
             self._read_one()
         self._is_first = False
-        with self._changed:
-            frame, age, end = self._frame, time.monotonic() - self._taken, self._end
-        if end is not None:
-            raise CameraLost(self._name, _reason(end), age) from end
-        assert frame is not None
+        assert self._latest is not None
+        frame, taken = self._latest
+        age = time.monotonic() - taken
+        if self._end is not None:
+            raise CameraLost(self._name, _reason(self._end), age) from self._end
         if self._reader is None:
             return frame, 0.0
         if age > self._timeout:
@@ -189,18 +198,6 @@ class VideoSource:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
-
-    def _await_frame(self, seconds: float) -> None:
-        """Wait for the first frame."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._frame is not None or self._end is not None, seconds)
-            if self._frame is not None:
-                return
-            end = self._end
-        if isinstance(end, ValueError):
-            raise ValueError(f"camera {self._name} has {end}")
-        reason = f"opened, but no frame within {seconds:g} s" if end is None else _reason(end)
-        raise CameraLost(self._name, reason, None) from end
 
     def _opened(self) -> "cv2.VideoCapture":
         import cv2
@@ -230,12 +227,16 @@ class VideoSource:
                     due = max(due + _LEAST_PERIOD, planned)
                     self._closing.wait(max(0.0, due - time.monotonic()))
                 continue
-            patience = self._timeout if self._frame is not None else 10 * self._timeout
+            patience = self._timeout if self._latest is not None else 10 * self._timeout
             if now - last > patience:
                 self._finish(CameraLost(self._name, f"it has had no more frames for {patience:g} s", None))
             elif not isinstance(self._source, int) and now - opened > _REOPEN:
-                self._reopen()
                 opened = now
+                # If a stream cannot be opened again, for whatever reason, it stays as it is.
+                with suppress(Exception):
+                    again = self._opened()
+                    self._capture.release()
+                    self._capture = again
             self._closing.wait(_RETRY)
         self._capture.release()
 
@@ -244,12 +245,10 @@ class VideoSource:
         try:
             good, picture = self._capture.read()
             if good:
-                frame = self._scaled(as_grey(picture))  # type: ignore[arg-type] # uint8
-                with self._changed:
-                    self._frame, self._taken = frame, time.monotonic()
-                    self._changed.notify_all()
+                self._latest = self._scaled(as_grey(picture)), time.monotonic()  # type: ignore[arg-type] # uint8
+                self._ready.set()
             elif self._is_file:
-                reason = "it has no frames" if self._frame is None else "the video has ended"
+                reason = "it has no frames" if self._latest is None else "the video has ended"
                 self._finish(CameraLost(self._name, reason, None))
         except Exception as error:
             self._finish(error)
@@ -257,18 +256,8 @@ class VideoSource:
         return good
 
     def _finish(self, error: Exception) -> None:
-        with self._changed:
-            self._end = error
-            self._changed.notify_all()
-
-    def _reopen(self) -> None:
-        """Open a stream again; if that fails, for whatever reason, it stays as it is."""
-        try:
-            again = self._opened()
-        except Exception:
-            return
-        self._capture.release()
-        self._capture = again
+        self._end = error
+        self._ready.set()
 
     def _scaled(self, grey: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """A frame of the size that all frames have, read-only."""

@@ -12,8 +12,7 @@ import pytest
 from khepera_forage.cli.camera import PictureWindow
 from khepera_forage.cli.main import main
 from khepera_forage.rollouts.rendered_training import RenderedTraining
-from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.lens import Lens
+from khepera_forage.vision.calibration import Calibration, Lens
 from tests.vision.test_tags import floor_places, floor_scene
 
 CORNERS = ["0,0=0,2400", "640,0=3200,2400", "640,480=3200,0", "0,480=0,0"]

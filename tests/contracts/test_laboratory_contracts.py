@@ -15,7 +15,7 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.world import Layout
-from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering import CameraAppearance
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from tests.contracts.suites import CameraContract, RobotContract, Stage, WorldContract
 from tests.version_0_1 import RECTANGLE, V0_1

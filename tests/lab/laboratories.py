@@ -10,7 +10,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import Pose, copies
 from khepera_forage.sim.world import Layout
-from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering import CameraAppearance
 from khepera_forage.vision.video import FrameSource
 from tests.version_0_1 import CORRIDOR, V0_1
 

@@ -29,7 +29,7 @@ from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import Layout, Timing
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import Behaviour, StateVector
-from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering import CameraAppearance
 from tests.version_0_1 import SET_UP, TIMING, V0_1
 
 pytest.importorskip("serial")

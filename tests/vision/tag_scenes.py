@@ -71,37 +71,29 @@ class Scene:
         u, v, _ = self.matrix @ (x, y, 1.0)
         return float(u), float(v)
 
-    def put(self, sheet: Picture, pose: Pose, height: float | None = None) -> None:
+    def put(self, sheet: Picture, pose: Pose) -> None:
         """Lay a sheet with its top in the direction of the heading."""
-        rows, columns = sheet.shape
-        mm = 1 / _PER_MM if height is None else height / rows
         x, y, heading = pose
-        ahead = np.array((math.cos(heading), math.sin(heading))) * mm
-        right = np.array((math.sin(heading), -math.cos(heading))) * mm
-        # From pixels of the sheet, whose middles have whole numbers, to mm.
-        corner = np.array((x, y)) + ahead * (rows / 2 - 0.5) - right * (columns / 2 - 0.5)
-        to_floor = np.array([[right[0], -ahead[0], corner[0]], [right[1], -ahead[1], corner[1]], [0, 0, 1.0]])
-        warp = self.matrix @ to_floor
-        warp[:2, 2] -= 0.5
-        # Enlarged eightfold around the sheet, then averaged.
-        fine = 8
-        corners = (warp @ np.array([[0, columns, columns, 0], [0, 0, rows, rows], [1, 1, 1, 1.0]]))[:2]
-        left, top = np.maximum(np.floor(corners.min(axis=1)).astype(int) - 2, 0).tolist()
-        right_end, bottom = (np.ceil(corners.max(axis=1)).astype(int) + 3).tolist()
-        right_end, bottom = min(right_end, self.width), min(bottom, self.height)
-        near = np.array(
-            [[fine, 0, (fine - 1) / 2 - left * fine], [0, fine, (fine - 1) / 2 - top * fine], [0, 0, 1.0]]
+        turn = math.atan2(self.matrix[0, 1], -self.matrix[1, 1])  # of the camera
+        ratio = 1 / _PER_MM
+        (u, v), reach = self.pixel(x, y), math.ceil(math.hypot(*sheet.shape) / 2 * ratio * self.scale) + 2
+        left, top, size, fine = int(u) - reach, int(v) - reach, 2 * reach, 8
+        # Drawn eightfold, then averaged.
+        middle = (np.array(sheet.shape[::-1]) - 1) / 2
+        degrees = math.degrees(heading - turn) - 90
+        warp = cv2.getRotationMatrix2D(middle.tolist(), degrees, fine * ratio * self.scale)
+        warp = np.column_stack(
+            (warp[:, :2], warp[:, 2] + np.array((u - left, v - top)) * fine - 0.5 - middle)
         )
-        size = ((right_end - left) * fine, (bottom - top) * fine)
-        drawn = cv2.warpPerspective(sheet, near @ warp, size, flags=cv2.INTER_LINEAR)
-        mask = cv2.warpPerspective(np.full_like(sheet, 255), near @ warp, size, flags=cv2.INTER_NEAREST)
-        small = (right_end - left, bottom - top)
-        share = cv2.resize(mask, small, interpolation=cv2.INTER_AREA) / np.float32(255)
-        grey = cv2.resize(
-            np.where(mask > 0, drawn, 0).astype(np.float32), small, interpolation=cv2.INTER_AREA
-        )
-        part = self.picture[top:bottom, left:right_end]
-        part[:] = part * (1 - share) + grey
+        mask = cv2.warpAffine(np.full_like(sheet, 255), warp, (fine * size,) * 2, flags=cv2.INTER_NEAREST)
+        drawn = np.where(mask > 0, cv2.warpAffine(sheet, warp, (fine * size,) * 2), 0).astype(np.float32)
+        share = cv2.resize(mask, (size, size), interpolation=cv2.INTER_AREA) / np.float32(255)
+        grey = cv2.resize(drawn, (size, size), interpolation=cv2.INTER_AREA)
+        # Without what lies outside of the picture.
+        rows = slice(max(0, -top), min(size, self.height - top))
+        columns = slice(max(0, -left), min(size, self.width - left))
+        part = self.picture[max(0, top) : top + size, max(0, left) : left + size]
+        part[:] = part * (1 - share[rows, columns]) + grey[rows, columns]
 
     def cable(self, x: float, y: float, angle: float, width: float) -> None:
         """A dark cable through a place, 160 mm long to either side."""

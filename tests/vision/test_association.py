@@ -2,16 +2,14 @@
 
 import random
 from collections.abc import Callable, Sequence
-from unittest.mock import patch
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.vision import association
 from khepera_forage.vision.association import GATE, Detection
 from khepera_forage.vision.scene import Region, Scene
-from khepera_forage.vision.tracks import Tracks
+from khepera_forage.vision.tracker import Tracks
 
 Visible = Callable[[float, float], bool]
 
@@ -95,18 +93,6 @@ def test_the_order_of_detections_does_not_matter(
         assert one.update(frame, right_of(line)) == other.update(shuffled, right_of(line))
 
 
-@given(films)
-def test_match_obvious_agrees_with_match_by_cost(
-    film: Sequence[tuple[list[Detection], float]],
-) -> None:
-    obvious, general = Tracks(), Tracks()
-    for frame, line in film:
-        for moved in (frame, [d._replace(x=d.x + 1) for d in frame]):
-            scene = obvious.update(moved, right_of(line))
-            with patch.object(association, "_match_obvious", return_value=False):
-                assert general.update(moved, right_of(line)) == scene
-
-
 steps = st.tuples(st.floats(-2, 2), st.floats(-2, 2))
 
 
@@ -144,21 +130,6 @@ def test_first_frame_is_numbered_in_reading_order() -> None:
         (3, 5, 10),
     ]
     assert all(r.found for r in scene.regions)
-
-
-def test_hidden_food_keeps_its_place_until_it_can_be_seen_to_be_gone() -> None:
-    tracks = Tracks()
-    (first,) = tracks.update([seen(50.125, 60.375)], never_asked).regions
-    for _ in range(1000):
-        assert tracks.update([], nowhere).regions == (first._replace(found=False),)
-    asked = []
-
-    def watched(x: float, y: float) -> bool:
-        asked.append((x, y))
-        return True
-
-    assert tracks.update([], watched).regions == ()
-    assert asked == [(50.125, 60.375)]
 
 
 def test_food_that_reappears_near_its_last_place_is_the_same() -> None:
@@ -240,14 +211,6 @@ def test_a_wrong_number_of_holes_does_not_end_a_track() -> None:
     for holes in (2, 1, 0, 2):
         (region,) = tracks.update([seen(10, 10, holes)], nowhere).regions
         assert (region.label, region.holes) == (0, holes)
-
-
-def test_a_marker_that_reappears_elsewhere_is_another() -> None:
-    tracks = Tracks(by_place=True)
-    tracks.update([seen(10, 10, 1)], nowhere)
-    tracks.update([], nowhere)
-    regions = tracks.update([seen(10 + GATE + 1, 10, 1)], nowhere).regions
-    assert [(r.label, r.found) for r in regions] == [(0, False), (1, True)]
 
 
 def test_two_that_meet_can_be_mistaken_for_each_other() -> None:

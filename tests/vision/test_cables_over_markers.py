@@ -9,9 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from khepera_forage.vision.association import Detection
-from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.drawing import draw_cable
-from khepera_forage.vision.rendering.frames import FrameRenderer, Light
+from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer, Light, draw_cable
 from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import Marker

@@ -1,15 +1,18 @@
-"""Calibration by four points, and parallax."""
+"""Calibration by four and more points, parallax, and lenses."""
 
 import math
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.lens import Lens
+from khepera_forage.vision.calibration import Calibration, Lens
+from khepera_forage.vision.calibration_fit import CalibrationFit, fit_calibration, root_mean_square
+from khepera_forage.vision.tracker import Tracker
+from tests.vision.scene_renderer import SceneRenderer, only_region, position_error, random_marker
 
 PICTURE = ((52.0, 431.0), (611.0, 440.0), (560.0, 31.0), (95.0, 40.0))
 FLOOR = ((0.0, 0.0), (2400.0, 0.0), (2400.0, 2400.0), (0.0, 2400.0))
@@ -39,20 +42,6 @@ def test_four_points_map_to_each_other() -> None:
     for point, place in zip(PICTURE, FLOOR, strict=True):
         assert TILTED.to_region(*point) == pytest.approx((place[0] / 5, place[1] / 5), abs=1e-6)
         assert TILTED.to_picture(place[0] / 5, place[1] / 5) == pytest.approx(point, abs=1e-6)
-
-
-def test_diagonals_of_the_picture_cross_in_the_middle_of_the_floor() -> None:
-    """This holds for a homography, but not for an interpolation between the four points."""
-    (ax, ay), (bx, by), (cx, cy), (dx, dy) = PICTURE
-    s, _ = np.linalg.solve([[cx - ax, bx - dx], [cy - ay, by - dy]], [bx - ax, by - ay])
-    assert TILTED.to_region(ax + s * (cx - ax), ay + s * (cy - ay)) == pytest.approx((240, 240), abs=1e-6)
-
-
-def test_identity_is_5_mm_per_pixel_with_y_up() -> None:
-    plain = Calibration.identity()
-    assert plain.to_region(0.5, 479.5) == pytest.approx((0.5, 0.5))
-    assert plain.to_region(640, 0) == pytest.approx((640, 480))
-    assert plain.jacobian(100, 200) == pytest.approx((1, 0, 0, -1))
 
 
 def test_parallax_follows_similar_triangles() -> None:
@@ -88,7 +77,7 @@ def test_whole_numbers_in_a_file_are_accepted() -> None:
         (PICTURE[:3], FLOOR, None, "four points"),
         (PICTURE, (*FLOOR[:3], (0.0, math.nan)), None, r"floor point is \(0.0, nan\)"),
         (PICTURE, (*FLOOR[:3], (0.0, 0.0, 0.0)), None, "2 finite numbers"),
-        (PICTURE, (*FLOOR[:3], FLOOR[1]), None, r"floor has the point \(2400.0, 0.0\) twice"),
+        (PICTURE, (*FLOOR[:3], FLOOR[1]), None, r"floor points .* lie on a line"),
         ((*PICTURE[:3], (331.0, 436.0)), FLOOR, None, r"picture points .*\(331.0, 436.0\) lie on a line"),
         (PICTURE, (FLOOR[1], FLOOR[0], FLOOR[3], FLOOR[2]), None, "mirrored"),
         (PICTURE, (FLOOR[0], FLOOR[2], FLOOR[1], FLOOR[3]), None, "crossed"),
@@ -112,7 +101,130 @@ def test_error_in_a_table_is_named(tmp_path: Path) -> None:
         Calibration.load(path)
 
 
-def test_height_above_the_camera_is_refused() -> None:
-    calibration = Calibration.identity((0.0, 0.0, 50.0))
-    with pytest.raises(ValueError, match=r"height is 70\.0 mm"):
-        calibration.to_region(1, 1, 70.0)
+LENSES = [Lens(-0.0125), Lens(-0.1, 0.02), Lens(0.08)]
+PLAIN = Calibration.identity()
+columns, rows = st.floats(1, 639), st.floats(1, 479)
+
+
+@pytest.mark.parametrize("lens", LENSES)
+def test_lens_is_opencvs_with_a_focal_length_of_400_pixels(lens: Lens) -> None:
+    matrix = np.array([[400.0, 0, 320], [0, 400, 240], [0, 0, 1]])
+    coefficients = np.array([lens.k1, lens.k2, 0, 0])
+    for u, v in ((0.0, 0.0), (320.0, 240.0), (600.0, 100.0), (50.0, 430.0)):
+        ray = np.array([[(u - 320) / 400, (v - 240) / 400, 1.0]])
+        shown, _ = cv2.projectPoints(ray, np.zeros(3), np.zeros(3), matrix, coefficients)
+        assert lens.distorted(u, v) == pytest.approx(shown.ravel().tolist(), abs=1e-9)
+
+
+@pytest.mark.parametrize("k", [(-0.3, 0.0), (math.nan, 0.0), (0.0, math.inf)])
+def test_impossible_lens_is_refused(k: tuple[float, float]) -> None:
+    with pytest.raises(ValueError, match=r"calibration lens is \(.*\); allowed"):
+        Lens(*k)
+
+
+def test_lens_is_saved_and_files_without_a_lens_are_loaded(tmp_path: Path) -> None:
+    calibration = Calibration(PLAIN.picture, PLAIN.floor, (1600.0, 1200.0, 2700.0), Lens(-0.03, 0.001))
+    calibration.save(tmp_path / "new.toml")
+    assert Calibration.load(tmp_path / "new.toml") == calibration
+    PLAIN.save(tmp_path / "old.toml")
+    assert "lens" not in (tmp_path / "old.toml").read_text(encoding="utf-8")
+    assert Calibration.load(tmp_path / "old.toml") == PLAIN
+    with pytest.raises(ValueError, match=r"calibration lens is \[1\]; allowed: 2 finite numbers"):
+        Calibration.from_table(PLAIN.as_table() | {"lens": [1]})
+
+
+def test_markers_in_a_distorted_picture_are_at_their_true_places() -> None:
+    lens = Lens(-0.05)
+    straight = np.array([[lens.straightened(c + 0.5, r + 0.5) for c in range(640)] for r in range(480)])
+    maps = (straight - 0.5).astype(np.float32)
+    # The true calibration of the distorted picture: its corners show what a lens without distortion shows elsewhere.
+    places = tuple(PLAIN.to_region(*lens.straightened(*corner)) for corner in PLAIN.picture)
+    floor = tuple((5 * x, 5 * y) for x, y in places)
+    corrected = Tracker(calibration=Calibration(PLAIN.picture, floor, lens=lens))
+    plain = Tracker(calibration=Calibration(PLAIN.picture, floor))
+    rng, renderer, errors = np.random.default_rng(0), SceneRenderer(), []
+    for _ in range(40):
+        marker = random_marker(rng, 1, 400, 2800)
+        corrected.reset()
+        plain.reset()
+        frame = cv2.remap(renderer.frame((marker,)), maps[..., 0], maps[..., 1], cv2.INTER_CUBIC)
+        assert position_error(only_region(corrected.update(frame.astype(np.uint8)), 1), *marker[:2]) < 0.3
+        errors.append(position_error(only_region(plain.update(frame.astype(np.uint8)), 1), *marker[:2]))
+    assert float(np.median(errors)) > 2
+
+
+# ---------------------------------------------------------------- fitting
+
+
+def fit_through(
+    lens: Lens | None, shares: list[tuple[float, float]], noise: float = 0.0, seed: int = 3
+) -> tuple[CalibrationFit, float]:
+    """A fit to points of the picture, and its greatest error in mm anywhere in the picture."""
+    rng = np.random.default_rng(seed)
+    true = Calibration(
+        PLAIN.picture, ((50.0, 2370.0), (3150.0, 2440.0), (3230.0, -20.0), (-20.0, 20.0)), lens=lens
+    )
+    picture = [(640 * across, 480 * down) for across, down in shares]
+    floor = [(5 * x, 5 * y) for x, y in (true.to_region(u, v) for u, v in picture)]
+    clicks = [(u + e, v + f) for (u, v), (e, f) in zip(picture, rng.normal(0, noise, (99, 2)), strict=False)]
+    fit = fit_calibration(clicks, floor)
+    errors = [
+        5 * math.dist(fit.calibration.to_region(u, v), true.to_region(u, v))
+        for u in range(0, 641, 40)
+        for v in range(0, 481, 40)
+    ]
+    return fit, max(errors)
+
+
+CORNERS = [(0.05, 0.05), (0.95, 0.05), (0.95, 0.95), (0.05, 0.95)]
+GRID = [(0.05 + 0.3 * i, 0.05 + 0.3 * j) for i in range(4) for j in range(4)]
+
+
+def test_four_points_measure_no_error() -> None:
+    fit, worst = fit_through(Lens(-0.0125), CORNERS)
+    assert max(fit.residuals) < 1e-6
+    assert fit.held_out == ()
+    assert worst > 7
+
+
+def test_a_fifth_point_reveals_the_distortion() -> None:
+    fit, _ = fit_through(Lens(-0.0125), [*CORNERS, (0.5, 0.25)])
+    assert fit.calibration.lens is None
+    assert root_mean_square(fit.held_out) > 8
+
+
+def test_points_that_are_needed_have_no_held_out_error() -> None:
+    """Without one of the corners, the other two lie on a line with the middle."""
+    fit, _ = fit_through(Lens(-0.05), [*CORNERS, (0.5, 0.5)])
+    assert [math.isnan(error) for error in fit.held_out] == [True, True, True, True, False]
+
+
+@pytest.mark.parametrize("lens", LENSES)
+def test_lens_is_found_from_points_all_over_the_picture(lens: Lens) -> None:
+    fit, worst = fit_through(lens, GRID)
+    assert fit.calibration.lens is not None
+    assert fit.calibration.lens.k1 == pytest.approx(lens.k1, abs=0.002)
+    assert worst < 0.5
+    assert root_mean_square(fit.held_out_without_lens) > 5 > 0.5 > root_mean_square(fit.held_out)
+
+
+def test_held_out_error_is_as_large_as_the_error_of_clicks() -> None:
+    fit, worst = fit_through(Lens(-0.0125), GRID, noise=0.5)
+    assert fit.calibration.lens is not None
+    assert 2 < root_mean_square(fit.held_out) < 6
+    assert worst < 12
+
+
+def test_no_lens_is_fitted_to_a_picture_without_distortion() -> None:
+    fit, worst = fit_through(None, GRID, noise=0.5)
+    assert fit.calibration.lens is None
+    assert worst < 8
+
+
+def test_distortion_that_no_lens_has_is_not_fitted() -> None:
+    """These clicks in the middle of the picture are best explained by a lens that folds the picture's border."""
+    middle = [(0.25 + 0.125 * i, 0.25 + 0.5 / 3 * j) for i in range(5) for j in range(4)]
+    fit, worst = fit_through(Lens(-0.0125), middle, noise=0.5, seed=11)
+    assert fit.calibration.lens is None or fit.calibration.lens.k2 == 0
+    assert worst < 40
+    assert 2 < root_mean_square(fit.held_out) < 6

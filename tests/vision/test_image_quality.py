@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from khepera_forage.vision.image_quality import is_well_exposed, measure_quality, why_unusable
-from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering import CameraAppearance
 from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.tracker_settings import TrackerSettings

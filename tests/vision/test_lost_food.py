@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering import CameraAppearance
 from khepera_forage.vision.scene import Region
 from khepera_forage.vision.tracker import Tracker, TrackerSettings
 from tests.vision.scene_renderer import Marker, SceneRenderer, only_region

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from khepera_forage.vision.rendering.marker_sheets import (
+from khepera_forage.vision.marker_sheets import (
     DPI,
     PAGE_HEIGHT,
     PAGE_WIDTH,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.overlay import caption, draw_scene
-from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering import CameraAppearance
 from khepera_forage.vision.scene import Camera, Scene
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.tracker import Tracker

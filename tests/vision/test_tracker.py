@@ -10,7 +10,7 @@ import pytest
 from khepera_forage.noise import Noise
 from khepera_forage.sim.sensing import OverheadCamera
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.rendering.appearance import CameraAppearance
+from khepera_forage.vision.rendering import CameraAppearance
 from khepera_forage.vision.tracker import Tracker, TrackerSettings
 from tests.vision.scene_renderer import (
     SceneRenderer,
@@ -117,7 +117,6 @@ def test_featureless_tracking_uses_place_alone() -> None:
     [
         ({"contrast": 1.0}, r"contrast is 1\.0; allowed: above 1"),
         ({"contrast": math.nan}, "contrast is nan"),
-        ({"hole_contrast": 1.0}, "hole_contrast"),
         ({"tolerance": 0.0}, "tolerance"),
         ({"food_radius": 0.0}, "food_radius"),
         ({"marker_length": 80.0}, r"marker_length is 80\.0.*1\.2 times"),

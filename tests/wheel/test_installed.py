@@ -42,9 +42,11 @@ DRAWING = (
     "khepera_forage.envs.rendering.",
     "khepera_forage.cli.teach_window",
     "khepera_forage.rollouts.rendered_training",
-    "khepera_forage.vision.rendering.",
+    "khepera_forage.vision.rendering",
+    "khepera_forage.vision.detection",
+    "khepera_forage.vision.markers",
 )
-"""Modules that draw; those that import them say what to install."""
+"""Modules that draw or read frames; those that import them say what to install."""
 IMPORTS = """
 import importlib, pkgutil, khepera_forage
 for found in pkgutil.walk_packages(khepera_forage.__path__, "khepera_forage.", onerror=lambda name: None):

@@ -111,11 +111,14 @@ def segment(frame: Frame, contrast: float) -> Segmentation:
     return Segmentation(frame, floor, cv2.compare(frame, threshold, cv2.CMP_GT))  # type: ignore[arg-type] # uint8
 
 
-def outer_contours(mask: Frame) -> list[Contour]:
-    """The outer contours of all white shapes in a mask, those inside of bright rings too, with all border pixels."""
+def outer_contours(mask: Frame, offset: tuple[int, int] = (0, 0)) -> list[Contour]:
+    """The outer contours of all white shapes in a mask, those inside of bright rings too, with all border pixels.
+
+    `offset` is the mask's first column and row in the picture.
+    """
     import cv2
 
-    contours, hierarchy = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
+    contours, hierarchy = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE, offset=offset)
     if not contours:
         return []
     parents = hierarchy[0, :, 3].tolist()
@@ -148,20 +151,11 @@ def cut_patch(segmentation: Segmentation, contour: Contour) -> ImagePatch:
 def shape_moments(
     patch: ImagePatch, mask: Frame, calibration: Calibration, height: float
 ) -> ShapeMoments | None:
-    """Moments of a shape whose mask is known to a pixel.
+    """Moments of a shape whose mask (255 within it) is known to a pixel, at a height in mm above the floor.
 
     Border pixels are weighted by their brightness between floor and inside, which locates the border to a small
     fraction of a pixel. Inner pixels count in full whatever their grey level, so that holes, print and uneven light do
-    not shift the centre.
-
-    Args:
-        patch: Contains the shape.
-        mask: 255 within the shape, of the patch's size.
-        calibration: From the picture to the floor.
-        height: Of the shape above the floor in mm.
-
-    Returns:
-        None for a shape without inner pixels, or no brighter than the floor.
+    not shift the centre. None for a shape without inner pixels, or no brighter than the floor.
     """
     import cv2
 

@@ -45,18 +45,15 @@ class Line(NamedTuple):
 
 
 class TextLine(NamedTuple):
-    """A line of text: middle of its baseline in mm, and the height of its letters in mm."""
+    """A line of text: its baseline and middle in mm, and the height of its letters in mm."""
 
-    x: float
     y: float
-    size: float
     text: str
+    x: float = PAGE_WIDTH / 2
+    size: float = 3.2
 
 
-Element = Rectangle | Line | TextLine
-
-
-Page = list[Element]
+Page = list[Rectangle | Line | TextLine]
 """Everything on a page, lowest first."""
 
 
@@ -65,13 +62,15 @@ def marker_pages(numbers: Sequence[int] = (1, 2), grid: bool = False) -> list[Pa
     foot = PAGE_HEIGHT - 36
     pages = []
     for first in range(0, len(numbers), 2):
-        page = [_text(10, "Markers for the overhead camera. Print at 100 %, on matt paper, and check:")]
+        page: Page = [
+            TextLine(10, "Markers for the overhead camera. Print at 100 %, on matt paper, and check:")
+        ]
         for place, number in enumerate(numbers[first : first + 2]):
             page += _marker(number, grid, _MIDDLE, _FIRST_MARKER + place * _SPACING)
         page += _ruler(foot, "this line is 100 mm long, and the white of a marker 120 x 80 mm.")
         page += [
-            _text(foot + 13, "Cut along the outer edge of the frame. Mount it level over the gripper,"),
-            _text(foot + 18, "its middle over the middle of the robot, its arrow towards the gripper."),
+            TextLine(foot + 13, "Cut along the outer edge of the frame. Mount it level over the gripper,"),
+            TextLine(foot + 18, "its middle over the middle of the robot, its arrow towards the gripper."),
         ]
         pages.append(page)
     return pages
@@ -102,32 +101,28 @@ def tag_pages(
         step = size + 2 * max(5.5, size / 10)
         columns, rows = int(200 // step), max(1, int(262 // (step + 7)))
         for first in range(0, len(group), columns * rows):
-            page = [_text(7, "ArUco tags, 4 x 4. Print at 100 %, on matt paper, and check:")]
+            page: Page = [TextLine(7, "ArUco tags, 4 x 4. Print at 100 %, on matt paper, and check:")]
             page += _ruler(12, f"this line is 100 mm long, and a black square {size:g} mm wide.")
             for place, tag in enumerate(group[first : first + columns * rows]):
                 x = _MIDDLE + (place % columns - (columns - 1) / 2) * step
                 y = 22 + (place // columns) * (step + 7) + step / 2
                 page += _tag(tag, size, step, x, y)
                 front = ", top is front" if kind == "robot" else ""
-                page.append(_text(y + step / 2 + 4, f"{kind} {tag}{front}", x))
+                page.append(TextLine(y + step / 2 + 4, f"{kind} {tag}{front}", x))
             pages.append(page)
     return pages
 
 
-def _text(y: float, text: str, x: float = _MIDDLE, size: float = 3.2) -> Element:
-    return TextLine(x, y, size, text)
-
-
-def _ruler(y: float, text: str) -> Iterator[Element]:
+def _ruler(y: float, text: str) -> Iterator[Rectangle | Line | TextLine]:
     """A line of known length, and what it shows."""
     yield Line(_MIDDLE - _SCALE_LINE / 2, y, _MIDDLE + _SCALE_LINE / 2, y)
     for end in (-1, 1):
         x = _MIDDLE + end * _SCALE_LINE / 2
         yield Line(x, y - 2, x, y + 2)
-    yield _text(y + 6, text)
+    yield TextLine(y + 6, text)
 
 
-def _tag(tag: int, size: float, outer: float, x: float, y: float) -> Iterator[Element]:
+def _tag(tag: int, size: float, outer: float, x: float, y: float) -> Iterator[Rectangle | Line | TextLine]:
     """A tag centred at (x, y) on the page, and the edges of its white margin, to cut along."""
     require("tags", "camera")
     import cv2
@@ -144,7 +139,7 @@ def _tag(tag: int, size: float, outer: float, x: float, y: float) -> Iterator[El
         yield Line(corner_x, corner_y, corner_x, corner_y - dy * 3)
 
 
-def _marker(number: int, grid: bool, x: float, y: float) -> Iterator[Element]:
+def _marker(number: int, grid: bool, x: float, y: float) -> Iterator[Rectangle | Line | TextLine]:
     """One marker centred at (x, y) on the page, its front to the right."""
     for grow, black in ((MARKER_FRAME, True), (0.0, False)):
         length, width = MARKER_LENGTH + 2 * grow, MARKER_WIDTH + 2 * grow
@@ -157,9 +152,9 @@ def _marker(number: int, grid: bool, x: float, y: float) -> Iterator[Element]:
     yield Line(front, y, front + 12, y)
     for side in (-1, 1):
         yield Line(front + 12, y, front + 8, y + side * 3)
-    yield _text(y + 9, "front", front + 7)
+    yield TextLine(y + 9, "front", front + 7)
     name = f"marker {number}" if grid else "1 hole" if number == 1 else f"{number} holes"
-    yield _text(y + MARKER_WIDTH / 2 + MARKER_FRAME + 6, name, x, 4.2)
+    yield TextLine(y + MARKER_WIDTH / 2 + MARKER_FRAME + 6, name, x, 4.2)
 
 
 def svg(page: Page) -> str:

@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -20,8 +22,6 @@ from khepera_forage.robots.khepera import (
     RADIUS,
     half_gap,
 )
-from khepera_forage.vision.rendering.appearance import CameraAppearance
-from khepera_forage.vision.rendering.drawing import Box, Disc, ImagePose, draw_cable, draw_shapes, to_pixels
 from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
 from khepera_forage.vision.shapes import (
     HOLE_SIDE,
@@ -31,15 +31,15 @@ from khepera_forage.vision.shapes import (
     PICTURE_WIDTH,
 )
 
+_GREYS = ("white", "black", "floor", "wall", "body", "gripper", "cable")
+_SUPERSAMPLING = 16
+"""Shapes are drawn enlarged by this factor, then reduced by averaging: edges are exact to a fiftieth of a pixel."""
+_SHAPE_BITS, _CABLE_BITS = 8, 4
+"""Fractional bits in the coordinates of OpenCV's drawing functions."""
+_GROWTH = 0.5 / _SUPERSAMPLING
+"""Pixels by which OpenCV draws shapes too large: it fills every pixel that an edge passes through."""
 _ROBOT_HEIGHT = 45.0
 """Height in mm of the body with the gripper turret, for its parallax."""
-_SHEET = Box(
-    -MARKER_LENGTH / 2 - MARKER_FRAME,
-    -MARKER_WIDTH / 2 - MARKER_FRAME,
-    MARKER_LENGTH / 2 + MARKER_FRAME,
-    MARKER_WIDTH / 2 + MARKER_FRAME,
-    0.0,
-)
 _SHADE, _SHADE_WIDTH = 0.35, 4.0
 """Share by which a wall darkens the floor beside it, and the width of that shadow in pixels."""
 _BLOTCH_SIZE = 9.0
@@ -58,6 +58,124 @@ _POINTS = 24
 _SHAPE = (int(PICTURE_HEIGHT), int(PICTURE_WIDTH))
 
 Wall = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class CameraAppearance:
+    """Appearance of the laboratory in the overhead camera's frames. Greys are levels 0..255 under full light.
+
+    The thesis's only picture from the camera (figure 3.7) did not survive, so most figures are assumptions. None was
+    fitted to the tracker's results on rendered frames.
+
+    Raises:
+        ValueError: A value that is not finite or out of its range; the message says which.
+    """
+
+    white: float = 225.0
+    """Marker and food: paper and white tape (3.1), exposed just short of saturation. Assumption."""
+    black: float = 25.0
+    """Holes and frame of a marker: printed black is about a tenth as bright as paper."""
+    floor: float = 105.0
+    """The floor has "a medium intensity colour", so that white stands out (3.1). Assumption: half of white."""
+    wall: float = 82.0
+    """Walls are of medium intensity (3.1), but seen from above mostly the shaded edge of a board. Assumption."""
+    wall_width: float = 10.0
+    """Thickness of the walls in mm. Assumption: a board."""
+    body: float = 48.0
+    """The robot's body: dark circuit boards. Assumption."""
+    gripper: float = 62.0
+    """The gripper's fingers: dark metal. Assumption."""
+    texture: float = 2.5
+    """Standard deviation of the floor's blotches and grain, in grey levels. Assumption."""
+    gradient: float = 0.08
+    """Relative change of light from the middle of the picture to a side: windows, unequal lamps. Assumption."""
+    vignette: float = 0.22
+    """Share of light missing in the corners. The natural fall-off, cos^4, of a lens that sees 3.2 x 2.4 m from about
+    2.7 m is a third there; a long lens (the thesis mentions a "long zoom") loses less."""
+    drift: float = 0.04
+    """Relative size of slow changes of light and gradient, over half a minute and more: clouds, mains. Assumption."""
+    blur: float = 0.7
+    """Standard deviation in pixels of the blur by lens and frame grabber: a focused video lens. Assumption."""
+    grain: float = 2.5
+    """Standard deviation of the sensor's noise in grey levels. A CCD camera of 2001 with 50 dB has 0.8; with its gain
+    raised for room light it has 40 dB."""
+    cable: float = 60.0
+    """The cables: dark grey plastic. Assumption."""
+    cable_width: float = 4.0
+    """Thickness of a cable in mm at the scale of the floor: a 3 mm cable nearer to the camera. 0 draws no cables."""
+    cable_sag: float = 70.0
+    """Distance in mm of the middle of a cable from the straight line between anchor and robot. Assumption."""
+    cable_sway: float = 40.0
+    """Amplitude in mm by which that distance changes, over several seconds. Assumption."""
+    height: float | None = None
+    """Height in mm of the camera above the floor, over the middle of the picture. Objects with a height then appear
+    shifted outwards (parallax). None is a camera infinitely far away, without parallax."""
+    marker_height: float = 70.0
+    """Height in mm of a marker above the floor: on posts over the gripper turret, clear of a raised arm. Assumption."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            name, value = field.name, getattr(self, field.name)
+            if not (name == "height" and value is None) and not 0 <= value < math.inf:
+                raise ValueError(f"camera appearance {name} is {value!r}; allowed: a finite number >= 0")
+            if name in _GREYS and value > 255:
+                raise ValueError(f"camera appearance {name} is {value!r}; allowed: a grey level 0..255")
+        if self.cable_width > 40:
+            raise ValueError(
+                f"camera appearance cable_width is {self.cable_width!r} mm; allowed: up to 40 mm"
+            )
+        if self.height is not None and self.height <= self.marker_height:
+            raise ValueError(
+                f"camera appearance height is {self.height!r} mm; allowed: above the markers at "
+                f"{self.marker_height!r} mm"
+            )
+
+    @classmethod
+    def laboratory(cls) -> "CameraAppearance":
+        """The laboratory by our assumptions: the default everywhere."""
+        return cls()
+
+    @classmethod
+    def none(cls) -> "CameraAppearance":
+        """The same objects under even light, through a perfect lens, without noise, texture or cables."""
+        disturbances = ("texture", "gradient", "vignette", "drift", "blur", "grain", "cable_width")
+        return replace(cls(), **dict.fromkeys(disturbances, 0.0))
+
+
+class ImagePose(NamedTuple):
+    """Origin in pixels, x to the right and y up, heading, and scale (pixels per mm) of an object in the picture."""
+
+    x: float
+    y: float
+    cos: float
+    sin: float
+    scale: float
+
+
+class Box(NamedTuple):
+    """A rectangle in the object's own frame (mm, x forward), and its grey level."""
+
+    x1: float
+    y1: float
+    x2: float
+    y2: float
+    grey: float
+
+
+class Disc(NamedTuple):
+    """A disc around the object's origin: radius in mm, and its grey level."""
+
+    radius: float
+    grey: float
+
+
+_SHEET = Box(
+    -MARKER_LENGTH / 2 - MARKER_FRAME,
+    -MARKER_WIDTH / 2 - MARKER_FRAME,
+    MARKER_LENGTH / 2 + MARKER_FRAME,
+    MARKER_WIDTH / 2 + MARKER_FRAME,
+    0.0,
+)
 
 
 class FrameRenderer:
@@ -132,15 +250,20 @@ class FrameRenderer:
         Raises:
             RuntimeError: The renderer was never reset.
         """
-        if self._light is None:
-            raise RuntimeError("frame() before any reset(rng); allowed: after one")
+        light, truth = self._light_after_reset(), self._truth()
         seconds = self._frames * self._period
         self._frames += 1
-        truth = self._truth()
         picture = self._drawn(truth)
         if self._sway is not None:
             self._draw_cables(picture, truth, self._sway.at(seconds))
-        return self._light.expose(picture, seconds)
+        return light.expose(picture, seconds)
+
+    def newest(self) -> tuple[NDArray[np.uint8], float]:
+        """The next frame, and its age: 0 s. With this and `close` the renderer is a `FrameSource`."""
+        return self.frame(), 0.0
+
+    def close(self) -> None:
+        """Do nothing: there is no device to release."""
 
     def picture(self) -> NDArray[np.uint8]:
         """Floor, food, robots and markers under full, even light: a frame without cables, lens and sensor.
@@ -148,9 +271,13 @@ class FrameRenderer:
         Raises:
             RuntimeError: The renderer was never reset.
         """
-        if self._light is None:
-            raise RuntimeError("picture() before any reset(rng); allowed: after one")
+        self._light_after_reset()
         return self._drawn(self._truth())
+
+    def _light_after_reset(self) -> "Light":
+        if self._light is None:
+            raise RuntimeError("frame before any reset(rng); allowed: after one")
+        return self._light
 
     def _drawn(self, truth: Truth) -> NDArray[np.uint8]:
         picture = self._floor.copy()
@@ -164,10 +291,10 @@ class FrameRenderer:
         return picture
 
     def _draw_cables(self, picture: NDArray[np.uint8], truth: Truth, sway: NDArray[np.float64]) -> None:
-        """Draw a cable from the overhead anchor to each robot.
+        """Draw a cable from the overhead anchor to each robot, seen from above a quadratic curve whose middle sways.
 
         A cable enters its robot under the marker, for the plug is on the robot. It therefore covers other markers and
-        food, but never its own robot's marker. Seen from above it is a quadratic curve whose middle sways.
+        food, but never its own robot's marker.
         """
         assert self._anchor is not None
         appearance, start = self._appearance, np.array(to_pixels(*self._anchor))
@@ -249,24 +376,6 @@ class Light:
         return cv2.add((across + down) * picture, noise, dtype=cv2.CV_8U)  # type: ignore[return-value]
 
 
-class RenderedFrameSource:
-    """A `FrameSource` that renders a new frame at every call.
-
-    Args:
-        renderer: After its reset.
-    """
-
-    def __init__(self, renderer: FrameRenderer) -> None:
-        self._renderer = renderer
-
-    def newest(self) -> tuple[NDArray[np.uint8], float]:
-        """A frame rendered now, and its age: 0 s."""
-        return self._renderer.frame(), 0.0
-
-    def close(self) -> None:
-        """Do nothing: there is no device to release."""
-
-
 def _cable(start: NDArray[np.float64], marker: ImagePose, sag: float) -> NDArray[np.float64]:
     """Points in pixels from the anchor to the middle of a marker; `sag` is the signed distance of the middle."""
     end = np.array((marker.x, marker.y))
@@ -325,3 +434,96 @@ def _draw_floor(
     floor = (appearance.floor + texture) * shade
     picture = floor + coverage * (appearance.wall + texture - floor)
     return np.asarray(picture).round().clip(0, 255).astype(np.uint8)
+
+
+def draw_shapes(picture: NDArray[np.uint8], pose: ImagePose, shapes: Sequence[Box | Disc]) -> None:
+    """Draw the shapes of one object into a picture, lowest first; parts outside of the picture are left out."""
+    reach = pose.scale * max(_reach(shape) for shape in shapes) + 1.0
+    row = PICTURE_HEIGHT - pose.y
+    left, right = max(0, math.floor(pose.x - reach)), min(int(PICTURE_WIDTH), math.ceil(pose.x + reach))
+    top, bottom = max(0, math.floor(row - reach)), min(int(PICTURE_HEIGHT), math.ceil(row + reach))
+    if left >= right or top >= bottom:
+        return
+    patch = picture[top:bottom, left:right]
+    size = ((right - left) * _SUPERSAMPLING, (bottom - top) * _SUPERSAMPLING)
+    fine = cv2.resize(patch, size, interpolation=cv2.INTER_NEAREST)
+    # OpenCV's integer coordinates are the middles of pixels, ours their lower left corners.
+    origin = np.array([pose.x - left, row - top]) * _SUPERSAMPLING - 0.5
+    for shape in shapes:
+        if isinstance(shape, Disc):
+            centre = np.round(origin * 2**_SHAPE_BITS).astype(int).tolist()
+            radius = round((shape.radius * pose.scale - _GROWTH) * _SUPERSAMPLING * 2**_SHAPE_BITS)
+            cv2.circle(fine, centre, radius, shape.grey, cv2.FILLED, cv2.LINE_8, _SHAPE_BITS)
+        else:
+            corners = origin + _SUPERSAMPLING * _corners(shape, pose, _GROWTH)
+            fixed_point = np.round(corners * 2**_SHAPE_BITS).astype(np.int32)
+            cv2.fillConvexPoly(fine, fixed_point, shape.grey, cv2.LINE_8, _SHAPE_BITS)
+    cv2.resize(fine, (right - left, bottom - top), dst=patch, interpolation=cv2.INTER_AREA)
+    picture[top:bottom, left:right] = patch
+
+
+def draw_cable(
+    picture: NDArray[np.uint8],
+    curve: NDArray[np.float64],
+    width: float,
+    grey: float,
+    above: tuple[Box, ImagePose] | None = None,
+) -> None:
+    """Draw one cable into a picture, below the marker `above` it.
+
+    `curve` is n x 2 points in pixels, x to the right and y up; `width` is in pixels.
+    """
+    height, across = picture.shape
+    points = np.column_stack((curve[:, 0], height - curve[:, 1])) - 0.5
+    reach = math.ceil(width) + 2
+    left, top = np.clip(np.floor(points.min(axis=0)) - reach, 0, (across, height)).astype(int).tolist()
+    right, bottom = np.clip(np.ceil(points.max(axis=0)) + reach, 0, (across, height)).astype(int).tolist()
+    if left >= right or top >= bottom:
+        return
+    near = np.zeros((bottom - top, right - left), np.uint8)
+    line = np.round((points - (left, top)) * 2**_CABLE_BITS).astype(np.int32)
+    cv2.polylines(near, [line], False, 255, reach, cv2.LINE_8, _CABLE_BITS)
+    if above is not None:
+        box, pose = above
+        corners = _corners(box, pose) + np.array((pose.x - left, height - pose.y - top)) - 0.5
+        cv2.fillConvexPoly(
+            near, np.round(corners * 2**_CABLE_BITS).astype(np.int32), 0, cv2.LINE_8, _CABLE_BITS
+        )
+    rows, columns = near.nonzero()
+    rows, columns = rows + top, columns + left
+    share = _coverage(columns, rows, points, width)
+    below = picture[rows, columns]
+    picture[rows, columns] = np.rint(below + share * (grey - below)).astype(np.uint8)
+
+
+def to_pixels(x: float, y: float) -> tuple[float, float]:
+    """A position in mm as pixels, x right and y up."""
+    return x / MM_PER_PIXEL, y / MM_PER_PIXEL
+
+
+def _corners(box: Box, pose: ImagePose, shrink: float = 0.0) -> NDArray[np.float64]:
+    """The corners of a box in the picture, from its origin: 4 x 2, columns and rows; it may shrink by some pixels."""
+    x = np.array([box.x1, box.x2, box.x2, box.x1]) * pose.scale + shrink * np.array([1, -1, -1, 1])
+    y = np.array([box.y1, box.y1, box.y2, box.y2]) * pose.scale + shrink * np.array([1, 1, -1, -1])
+    return np.column_stack((x * pose.cos - y * pose.sin, -x * pose.sin - y * pose.cos))
+
+
+def _reach(shape: Box | Disc) -> float:
+    """Largest distance in mm of a point of the shape from the origin."""
+    if isinstance(shape, Disc):
+        return shape.radius
+    return math.hypot(max(-shape.x1, shape.x2), max(-shape.y1, shape.y2))
+
+
+def _coverage(
+    columns: NDArray[np.int64], rows: NDArray[np.int64], line: NDArray[np.float64], width: float
+) -> NDArray[np.float64]:
+    """The share of each pixel that a line of some width in pixels covers; the line is m x 2 columns and rows."""
+    starts, steps = line[:-1], np.diff(line, axis=0)
+    squares = np.maximum((steps * steps).sum(axis=1), 1e-12)
+    offset_x, offset_y = columns[:, None] - starts[:, 0], rows[:, None] - starts[:, 1]
+    along = ((offset_x * steps[:, 0] + offset_y * steps[:, 1]) / squares).clip(0, 1)
+    distances = (offset_x - along * steps[:, 0]) ** 2 + (offset_y - along * steps[:, 1]) ** 2
+    # A pixel as a strip as wide as itself: exact for lines along rows and columns, and within 5 % for all others.
+    edge = (width + 1) / 2 - np.sqrt(distances.min(axis=1))
+    return edge.clip(0, min(1.0, width))  # type: ignore[no-any-return]

@@ -1,0 +1,371 @@
+"""From the bright shapes of a frame to detections: markers, food, food beside a marker, and shapes split by a cable."""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+
+import cv2
+import numpy as np
+
+from khepera_forage.vision.association import Detection
+from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.image_quality import BLUR_LIMIT, white_and_blur
+from khepera_forage.vision.markers import DetectedMarker, MarkerDetector, Reading, white_ends
+from khepera_forage.vision.scene import MM_PER_PIXEL, place_text
+from khepera_forage.vision.segmentation import (
+    Contour,
+    ImagePatch,
+    Segmentation,
+    ShapeMoments,
+    cut_patch,
+    filled_area,
+    outer_contours,
+    shape_moments,
+)
+from khepera_forage.vision.tracker_settings import TrackerSettings
+
+_MIN_FOOD_AREA, _MIN_PIECE_AREA = 0.4, 0.15
+"""Shares of food's area below which a bright shape is not taken for food, and not for a piece of anything."""
+_GAP = 20.0
+"""Width in mm of the gaps that are closed between the pieces of a shape split by a cable (12 mm wide, blurred)."""
+_MARKER_AREA = (0.5, 3.0)
+"""Least and greatest area of a marker, holes filled, as shares of its true area: smaller shapes are at most food,
+larger ones are walls or sheets of paper."""
+_MEASURE_INTERVAL, _NEWEST, _LEAST_BLUR = 5, 0.3, 0.5
+"""Markers from one measurement of white to the next, the weight of the newest, and the least blur in pixels."""
+_PART = 0.35
+"""Share of a marker's area from which a shape that is no marker is reported."""
+
+_MIN_FILL = 0.7
+"""Least share of the ellipse with the same moments that food fills; the end of a kinked cable fills less."""
+_AREA = (0.8, 1.7)
+"""Least and greatest area of a whole disc, as shares of food's true area: a half hidden disc has no known centre, and
+overexposed white grows."""
+_DEPTH, _RING, _AROUND = (0.75, 1.4), 1.35, 0.5
+"""Of a disc that touches another shape, in radii: how far its middle is from the nearest border, and the ring around
+it; and the least share of that ring that is not bright."""
+_SOFTNESS, _SPREAD = 1.25, 0.2
+"""Greatest blur of food's border in pixels: this times that of markers' borders, and a spread."""
+_NOT_SATURATED, _SATURATED = 240.0, 0.1
+"""Grey level of white below which it is not saturated; and the share of a disc that is saturated in a reflection."""
+_SQUARE = np.ones((3, 3), np.uint8)
+_ROUND = 0.98
+"""Ratio of the axes from which a shape is taken for a whole disc: at most 1 % of it is then hidden."""
+_STEP, _REACH = 0.25, 2.0
+"""Region pixels from one sample of a ray to the next, and between the radius and either end of a ray."""
+_HIDDEN, _JOINED, _GROWTH = 0.12, 0.4, 0.9
+"""Region pixels by which the shape ends before the disc's rim where something hides it; the weight of those by which it
+ends beyond the rim, where something joins it; and by how many blur and exposure change the radius at most."""
+_RAYS, _LEAST_RAYS, _REPEATS = 36, 15, 8
+"""Rays, and rays to the visible rim from which the centre is known."""
+_ANGLES = 2 * math.pi * np.arange(_RAYS) / _RAYS
+_DIRECTIONS = np.stack((np.cos(_ANGLES), np.sin(_ANGLES)), axis=1)
+_TERMS = np.column_stack((_DIRECTIONS, np.ones(_RAYS)))
+"""How the edge along each ray changes with a shift of the centre, to first order, and with the radius, which blur and
+brightness change a little."""
+
+TROUBLES = {
+    "glare": "a reflection lies over the marker at {place}: move the lamp, or print on matt paper",
+    "cover": "the white of the marker at {place} is not where it should be: something covers a part of it, or the hard "
+    "edge of a shadow lies over it",
+    "pale holes": "the holes of the marker at {place} are too pale: print them black",
+    "cables": "cables hide the holes of the marker at {place}: lead them elsewhere",
+    "holes": "the holes of the marker at {place} are those of no marker in use, or a reflection hides some",
+    "reflection": "the bright spot at {place} has no sharp border: it is no food, but a reflection, or out of focus",
+    "bright food": "the bright spot at {place} is brighter than white paper: a reflection",
+}
+"""What makes a shape uncertain, with its remedy."""
+
+
+class Detector:
+    """Detects markers and food among the bright shapes of a frame.
+
+    Attributes:
+        warnings: Shapes of the last frame that are not reported, because they would be uncertain: `TROUBLES`, by key.
+    """
+
+    def __init__(self, settings: TrackerSettings, calibration: Calibration) -> None:
+        self.warnings: dict[str, str] = {}
+        self._settings, self._calibration = settings, calibration
+        self._markers = MarkerDetector(settings, calibration)
+        self._radius = settings.food_radius / MM_PER_PIXEL
+        scale = 1 / calibration.mm_per_pixel()
+        self._gap_kernel = np.ones((max(1, math.ceil(_GAP * scale)) + 1,) * 2, np.uint8)
+        # In pixels of the picture.
+        self._food_area = math.pi * settings.food_radius**2 * scale**2
+        self._marker_area = settings.marker_length * settings.marker_width * scale**2
+        self._diagonal = math.hypot(settings.marker_length, settings.marker_width) * scale
+        self._least, self._most = (share * self._marker_area for share in _MARKER_AREA)
+        self._white, self._blur, self._until_measured = 0.0, BLUR_LIMIT, 0
+
+    def detect(
+        self,
+        segmentation: Segmentation,
+        markers: bool = True,
+        tags: Sequence[tuple[float, float]] = (),
+        reach: float = 0.0,
+    ) -> list[Detection]:
+        """All food in a frame, and all markers with holes unless robots carry tags.
+
+        If they do, shapes within `reach` of the places of `tags` (region coordinates) are parts of these.
+        """
+        self.warnings = {}
+        least = _MIN_PIECE_AREA * self._food_area
+        # The contour's length bounds the area from above and is cheap: most shapes are specks.
+        contours = [c for c in outer_contours(segmentation.mask) if len(c) ** 2 >= least]
+        pieces = [c for c in contours if filled_area(c) >= least]
+        if not markers:
+            pieces = [c for c in pieces if filled_area(c) > self._most or not self._is_near(c, tags, reach)]
+        seen: list[DetectedMarker] = []
+        found: list[Detection] = []
+        if markers:
+            found, pieces = self._markers_among(segmentation, pieces, seen, joined=False)
+        small = [piece for piece in pieces if filled_area(piece) <= self._most]
+        if markers and sum(map(filled_area, small)) >= self._least:
+            # A cable cuts a marker in pieces, or cuts notches into its border.
+            joined = self._joined(segmentation, small)
+            found += self._markers_among(segmentation, joined, seen, joined=True)[0]
+        rest = [piece for piece in pieces if not any(_covers(marker, piece) for marker in seen)]
+        foods, rest = self._foods_among(segmentation, rest)
+        found += foods
+        rest = [piece for piece in rest if filled_area(piece) <= self._most]
+        if len(rest) > 1:
+            foods, rest = self._foods_among(segmentation, self._joined(segmentation, rest))
+            found += foods
+        for piece in rest if markers else ():
+            self._report_cover(piece)
+        return found
+
+    def _is_near(self, piece: Contour, places: Sequence[tuple[float, float]], reach: float) -> bool:
+        u, v = (piece.mean(axis=(0, 1)) + 0.5).tolist()
+        middle = self._calibration.to_region(u, v, self._settings.marker_height)
+        return any(math.dist(middle, place) <= reach for place in places)
+
+    def _markers_among(
+        self, segmentation: Segmentation, pieces: list[Contour], markers: list[DetectedMarker], joined: bool
+    ) -> tuple[list[Detection], list[Contour]]:
+        """Detections of the markers among some pieces, and the other pieces.
+
+        All markers are added to `markers`, even those whose number is uncertain. Unless the pieces result from joining,
+        food whose contour has merged with a marker's is detected, too; joined pieces of food are detected on their own.
+        """
+        found: list[Detection] = []
+        rest = []
+        for piece in pieces:
+            area, marker = filled_area(piece), None
+            if self._least <= area <= self._most:
+                patch = cut_patch(segmentation, piece)
+                marker = self._markers.detect(segmentation.frame, patch, joined)
+            if marker is None:
+                rest.append(piece)
+                continue
+            markers.append(marker)
+            if marker.reading.number:
+                self._measure_white(patch)
+                found.append(self._detection(piece, patch.edge, marker.moments, marker.reading))
+            else:
+                self._report(marker.reading.trouble, marker.moments.x, marker.moments.y)
+            if not joined and area > self._marker_area + 0.5 * self._food_area:
+                # Food whose contour has merged with the marker's.
+                mask = np.zeros_like(patch.filled)
+                corners = np.rint((marker.corners - 0.5 - (patch.column, patch.row)) * 16).astype(np.int32)
+                cv2.fillConvexPoly(mask, corners, 255, cv2.LINE_8, 4)
+                mask = cv2.dilate(mask, np.ones((3, 3)))  # type: ignore[assignment] # uint8
+                beside = patch.filled & patch.white & ~mask
+                others = outer_contours(beside, (patch.column, patch.row))
+                found += self._foods_among(segmentation, others)[0]
+        return found, rest
+
+    def _foods_among(
+        self, segmentation: Segmentation, pieces: list[Contour]
+    ) -> tuple[list[Detection], list[Contour]]:
+        """Detections of the food among some pieces, and the other pieces."""
+        found: list[Detection] = []
+        rest = []
+        for piece in pieces:
+            foods = list(self._foods_in(segmentation, piece))
+            found += foods
+            if not foods:
+                rest.append(piece)
+        return found, rest
+
+    def _foods_in(self, segmentation: Segmentation, piece: Contour) -> Iterator[Detection]:
+        """The food objects that one contour encloses: a disc, or several that touch each other or a bright wall."""
+        area = filled_area(piece) / self._food_area
+        if area < _MIN_FOOD_AREA:
+            return
+        patch = cut_patch(segmentation, piece)
+        food = self._disc(segmentation, patch)
+        discs: Iterable[tuple[Contour, ShapeMoments]] = () if food is None else [(piece, food)]
+        if food is None and area >= _AREA[0]:
+            discs = self._touching_discs(segmentation, patch, piece)
+        for contour, food in discs:
+            trouble = self._trouble(cut_patch(segmentation, contour), food)
+            if trouble:
+                self._report(trouble, food.x, food.y)
+            else:
+                yield self._detection(contour, patch.edge, food)
+
+    def _joined(self, segmentation: Segmentation, pieces: list[Contour]) -> list[Contour]:
+        """The shapes that result when the gaps between pieces, and their notches, are closed."""
+        mask = np.zeros_like(segmentation.mask)
+        cv2.drawContours(mask, pieces, -1, 255, cv2.FILLED)
+        return outer_contours(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, self._gap_kernel))  # type: ignore[arg-type] # uint8
+
+    def _measure_white(self, patch: ImagePatch) -> None:
+        """Measure, now and then, what the white of a marker looks like: food looks the same."""
+        self._until_measured -= 1
+        if self._until_measured < 0:
+            self._until_measured = _MEASURE_INTERVAL
+            white, blur = white_and_blur(patch.grey, patch.filled > 0, max(patch.floor, 1))
+            share = _NEWEST if self._white else 1.0
+            self._white += share * (white - self._white)
+            self._blur += share * (max(blur, _LEAST_BLUR) - self._blur)
+
+    def _report_cover(self, piece: Contour) -> None:
+        """Report a shape that may be a part of a marker."""
+        (u, v), size, _ = cv2.minAreaRect(piece)
+        if filled_area(piece) >= _PART * self._marker_area and math.hypot(*size) <= 1.2 * self._diagonal:
+            place = self._calibration.to_region(u + 0.5, v + 0.5, self._settings.marker_height)
+            self._report("cover", *place)
+
+    def _report(self, trouble: str, x: float, y: float) -> None:
+        self.warnings[trouble] = TROUBLES[trouble].format(place=place_text(x, y))
+
+    def _detection(
+        self, contour: Contour, edge: bool, moments: ShapeMoments, marker: Reading | None = None
+    ) -> Detection:
+        """The detection of food, or of a marker."""
+        height = self._settings.food_height if marker is None else self._settings.marker_height
+        unit = self._calibration.jacobian(moments.u, moments.v, height).area
+        area = filled_area(contour) * unit
+        holes = orientation = 0
+        if marker is not None:
+            holes, orientation = marker.number, round(math.degrees(moments.axis)) % 360
+            area -= marker.area
+        # The contour runs through the middles of the border pixels; the outline around them is longer by pi.
+        perimeter = (cv2.arcLength(contour, True) + math.pi) * math.sqrt(unit)
+        column, row = min(contour[:, 0].tolist(), key=lambda pixel: pixel[::-1])
+        first = self._calibration.to_region(column + 0.5, row + 0.5, height)
+        compactness = perimeter * perimeter / area
+        return Detection(moments.x, moments.y, holes, orientation, edge, *first, area, perimeter, compactness)
+
+    # ------------------------------------------------------------------ discs
+
+    def _disc(self, segmentation: Segmentation, patch: ImagePatch) -> ShapeMoments | None:
+        """Moments of the one disc in a patch; None for anything else, or for a part of a disc."""
+        moments = shape_moments(patch, patch.filled, self._calibration, self._settings.food_height)
+        if moments is None or not _AREA[0] <= moments.area / (math.pi * self._radius**2) <= _AREA[1]:
+            return None
+        if moments.area < _MIN_FILL * 4 * math.pi * moments.major * moments.minor:
+            return None
+        # The standard deviation of a disc along any axis is half its radius.
+        ratios = (deviation * 2 / self._radius for deviation in (moments.major, moments.minor))
+        if any(abs(ratio - 1) > self._settings.tolerance for ratio in ratios):
+            return None
+        if moments.minor < _ROUND * moments.major:
+            # What hides a part, such as the black frame of a marker, shifts the centre of the rest.
+            rim = self._rim(segmentation, moments.u, moments.v, moments.level)
+            if rim is not None:
+                u, v, *_ = rim
+                x, y = self._calibration.to_region(u, v, self._settings.food_height)
+                return moments._replace(u=u, v=v, x=x, y=y)
+        return moments
+
+    def _touching_discs(
+        self, segmentation: Segmentation, patch: ImagePatch, piece: Contour
+    ) -> Iterator[tuple[Contour, ShapeMoments]]:
+        """The discs in a shape: places as deep in it as the middle of a disc, with mostly floor around."""
+        _, labels = cv2.connectedComponents(patch.filled & patch.white)
+        column, row = (piece[0, 0] - (patch.column, patch.row)).tolist()
+        mask = (
+            np.where(labels == labels[row, column], np.uint8(255), np.uint8(0))
+            if labels[row, column]
+            else patch.filled
+        )
+        depth = cv2.distanceTransform(mask, cv2.DIST_L2, 5)
+        radius = self._radius * MM_PER_PIXEL / self._calibration.mm_per_pixel()
+        peaks = (
+            (depth >= cv2.dilate(depth, _SQUARE))
+            & (depth > _DEPTH[0] * radius)
+            & (depth < _DEPTH[1] * radius)
+        )
+        places = np.argwhere(peaks)
+        if not len(places):
+            return
+        ring = np.rint(places[:, None] + _RING * radius * _DIRECTIONS).astype(int)
+        rows, columns = (ring[..., i].clip(0, mask.shape[i] - 1) for i in (0, 1))
+        around = (mask[rows, columns] == 0).mean(axis=1)
+        taken: list[tuple[float, float]] = []
+        for i in np.argsort(-around).tolist():
+            if around[i] < _AROUND:
+                break
+            row, column = places[i].tolist()
+            u, v = column + patch.column + 0.5, row + patch.row + 0.5
+            if any(math.dist((u, v), other) < radius for other in taken):
+                continue
+            level = float(patch.grey[max(0, row - 1) : row + 2, max(0, column - 1) : column + 2].mean())
+            rim = self._rim(segmentation, u, v, level)
+            if rim is None or abs(rim[2]) > _GROWTH or rim[3] < _AROUND * _RAYS:
+                continue
+            u, v, growth, _ = rim
+            taken.append((u, v))
+            x, y = self._calibration.to_region(u, v, self._settings.food_height)
+            deviation = (self._radius + growth) / 2
+            moments = ShapeMoments(u, v, x, y, deviation, deviation, 0.0, 4 * math.pi * deviation**2, level)
+            contour = np.rint((u, v) + radius * _DIRECTIONS - 0.5).astype(np.int32)[:, None]
+            yield contour, moments
+
+    def _trouble(self, patch: ImagePatch, food: ShapeMoments) -> str:
+        """Why a disc may be a reflection on the floor: a key of `TROUBLES`; empty if it is none.
+
+        A reflection that is as large as food has a softer border than the lens's blur makes, or it is brighter than
+        white.
+        """
+        if 0 < self._white * patch.floor < _NOT_SATURATED:
+            unit = self._calibration.jacobian(food.u, food.v, self._settings.food_height).area
+            saturated = np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) * unit
+            if saturated > _SATURATED * math.pi * self._radius**2:
+                return "bright food"
+        _, softness = white_and_blur(patch.grey, patch.filled > 0, max(patch.floor, 1))
+        return "reflection" if softness > _SOFTNESS * self._blur + _SPREAD else ""
+
+    def _rim(
+        self, segmentation: Segmentation, u: float, v: float, level: float
+    ) -> tuple[float, float, float, int] | None:
+        """The centre of the disc around a place in the picture, growth of its radius, and number of rays to its rim.
+
+        Rays find the edge of the shape in all directions; the rim is a circle through the edges, without those that do
+        not fit. None if too little of it is visible. `level` is the grey level of the disc.
+        """
+        jacobian = self._calibration.jacobian(u, v, self._settings.food_height)
+        to_picture = np.linalg.inv(np.array(jacobian).reshape(2, 2))
+        along = np.arange(max(0.0, self._radius - _REACH), self._radius + _REACH, _STEP)
+        places = np.array((u, v)) - 0.5 + (_DIRECTIONS @ to_picture.T)[:, None] * along[:, None]
+        columns, rows = np.moveaxis(places.astype(np.float32), 2, 0)
+        grey = cv2.remap(
+            segmentation.frame, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        ).astype(np.float64)
+        floor = segmentation.floor_at(int(u), int(v))
+        edges = white_ends(grey, along, (level + floor) / 2)[:_RAYS] - self._radius
+        visible = np.isfinite(edges)
+        for _ in range(_REPEATS):
+            if visible.sum() < _LEAST_RAYS:
+                return None
+            terms = _TERMS[visible]
+            shift = np.linalg.solve(terms.T @ terms, terms.T @ edges[visible])
+            residuals = edges - _TERMS @ shift
+            residuals = np.maximum(-residuals, _JOINED * residuals)
+            # A quarter of the rays at a time, because the other edges have shifted the circle, too.
+            worst = np.sort(residuals[visible])[3 * len(terms) // 4]
+            hidden = visible & (residuals > _HIDDEN) & (residuals >= worst)
+            if not hidden.any():
+                break
+            visible &= ~hidden
+        du, dv = (to_picture @ shift[:2]).tolist()
+        return u + du, v + dv, float(shift[2]), int(visible.sum())
+
+
+def _covers(marker: DetectedMarker, piece: Contour) -> bool:
+    """Whether the middle of a piece lies within a marker."""
+    middle = piece.mean(axis=(0, 1)) + 0.5
+    return cv2.pointPolygonTest(marker.corners.astype(np.float32), middle.tolist(), False) >= 0

@@ -1,1 +1,0 @@
-"""Synthetic frames of the overhead camera, and the markers to print."""
