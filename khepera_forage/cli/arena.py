@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from khepera_forage.cli.options import (
     ARENA_FILES,
-    Command,
+    Group,
     check_ending,
     command,
     option,
@@ -71,7 +71,7 @@ class Findings(NamedTuple):
     narrow: Paths = ()
 
 
-@command("list")
+@command()
 def list_command(arguments: argparse.Namespace) -> None:
     """List the named arenas."""
     print("arena        environment     size in mm    walls  food   limit")
@@ -91,7 +91,7 @@ def list_command(arguments: argparse.Namespace) -> None:
         )
 
 
-@command("show", *_CHOICE, out("arena.png", "picture, whose name ends in .png"))
+@command(*_CHOICE, out("arena.png", "picture, whose name ends in .png"))
 def show_command(arguments: argparse.Namespace) -> int:
     """Draw an arena with its shortest paths."""
     require("khepera-forage arena show", "plots")
@@ -114,7 +114,6 @@ def show_command(arguments: argparse.Namespace) -> int:
 
 
 @command(
-    "write",
     *_CHOICE,
     option("file", f"name of the new file, which ends in {ARENA_FILES}", given_path, "FILE"),
 )
@@ -234,6 +233,6 @@ def _colour(colour: palette.Colour) -> str:
     return "#" + bytes(colour).hex()
 
 
-COMMAND = Command(
-    "arena", "List, draw and write arenas.", commands=(list_command, show_command, write_command)
+arena_command = Group(
+    "List, draw and write arenas.", {"list": list_command, "show": show_command, "write": write_command}
 )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.cli.options import Command, check_ending, command, flag, option, out, seed
+from khepera_forage.cli.options import Group, check_ending, command, flag, option, out, seed
 from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
@@ -181,7 +181,6 @@ def _add_points(parser: argparse.ArgumentParser) -> None:
 
 
 @command(
-    "calibrate",
     *SOURCE,
     _add_points,
     option(
@@ -354,7 +353,6 @@ def ids(text: str) -> tuple[int, ...]:
 
 
 @command(
-    "preview",
     *SOURCE,
     option("--calibration", "calibration file, from `calibrate`", given_path, "FILE"),
     option("--markers", "what robots carry (holes)", choices=tuple(_IN_USE), default="holes"),
@@ -455,7 +453,6 @@ def _save(pictures: Iterator[NDArray[np.uint8]], path: Path, simulated: bool) ->
 
 
 @command(
-    "markers",
     option("--grid", "markers of the table of twelve instead, such as 1-12", ids, "NUMBERS", default=()),
     out("markers.svg", "file, whose name ends in .svg, .png or .pdf"),
 )
@@ -468,7 +465,6 @@ def markers_command(arguments: argparse.Namespace) -> None:
 
 
 @command(
-    "tags",
     option("--robots", "ids of the tags for robots (1-4)", ids, "IDS", default=ids("1-4")),
     option("--food", "ids of the tags for food (none)", ids, "IDS", default=()),
     option("--floor", "ids of the tags for floor (38-49)", ids, "IDS", default=ids("38-49")),
@@ -485,8 +481,12 @@ def tags_command(arguments: argparse.Namespace) -> None:
     print(f"{path}: {len(pages)} pages of A4; print at 100 %, and measure the line of 100 mm")
 
 
-COMMAND = Command(
-    "camera",
+camera_command = Group(
     "Calibrate the overhead camera, show its picture, or print the markers.",
-    commands=(calibrate_command, preview_command, markers_command, tags_command),
+    {
+        "calibrate": calibrate_command,
+        "preview": preview_command,
+        "markers": markers_command,
+        "tags": tags_command,
+    },
 )

@@ -43,7 +43,6 @@ def _dataset_name(text: str) -> str:
 
 
 @command(
-    "dataset",
     option(
         "--name", "Minari's name of the dataset (khepera_forage/ARENA-v1, or ARENA-wheels-v1)", _dataset_name
     ),

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from khepera_forage.cli.camera import calibrate_command
-from khepera_forage.cli.options import Command, command, option
+from khepera_forage.cli.options import Group, command, option
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.extras import require
 from khepera_forage.lab.settings import LabSettings, RobotSettings
@@ -24,7 +24,6 @@ _FLOOR, _MAT = (600, 600, 300), (30, 20, 236)
 
 
 @command(
-    "new",
     option("--robot", "kind of the robots", choices=tuple(MODELS)),
     option("--port", "port of each robot, the teacher first; of toio cubes their names", nargs="+"),
     option("--food-cube", "names of the toio cubes that are the food, one per robot", nargs="*"),
@@ -160,7 +159,7 @@ def _answer(question: str, default: str | None = None) -> str:
     return answer or default or ""
 
 
-@command("check", option("file", "the laboratory (lab.toml)", Path, nargs="?", default=Path("lab.toml")))
+@command(option("file", "the laboratory (lab.toml)", Path, nargs="?", default=Path("lab.toml")))
 def check_command(arguments: argparse.Namespace) -> int:
     """Check a laboratory in order: file, robots, camera."""
     settings = load_settings(arguments.file)
@@ -229,6 +228,6 @@ def _check_camera(settings: LabSettings) -> str:
     return f"source {settings.camera.source}, {calibrated}; all markers seen"
 
 
-COMMAND = Command(
-    "lab", "Set up a laboratory with real robots, and check it.", commands=(new_command, check_command)
+lab_command = Group(
+    "Set up a laboratory with real robots, and check it.", {"new": new_command, "check": check_command}
 )

@@ -1,7 +1,7 @@
 """Commands as data, the options that several commands share, and what these options choose."""
 
 import argparse
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,52 +27,47 @@ VIRTUAL_LAB = "virtual"
 ARENA_FILES = ".toml"
 
 Run = Callable[[argparse.Namespace], int | None]
-"""Takes the parsed arguments and returns the exit status, None for 0; its docstring is the help of the command."""
+"""Takes the parsed arguments and returns the exit status, None for 0."""
 Option = Callable[[argparse.ArgumentParser], object]
 """Adds one or more arguments to a parser."""
 
 
 class Command(NamedTuple):
-    """A command, or a group of further commands.
+    """A command: what it does, and its arguments in the order of the help text."""
 
-    Attributes:
-        name: What the user types.
-        help: What it does, in one sentence.
-        run: Without effect for a group.
-        options: Its arguments, in the order of the help text.
-        commands: Of a group.
-        description: For `--help`, in place of `help`.
-        epilog: Below the options.
-    """
+    run: Run
+    options: Sequence[Option]
+    description: str
+    epilog: str | None
 
-    name: str
-    help: str
-    run: Run = lambda _: None
-    options: Sequence[Option] = ()
-    commands: Sequence["Command"] = ()
-    description: str = ""
-    epilog: str = ""
+    def add_to(self, parser: argparse.ArgumentParser) -> None:
+        """Make a parser that of this command."""
+        parser.description, parser.epilog = self.description, self.epilog
+        if "\n" in self.description:
+            parser.formatter_class = argparse.RawDescriptionHelpFormatter
+        for add in self.options:
+            add(parser)
+        parser.set_defaults(run=self.run, program=parser.prog)
 
 
-def command(name: str, *options: Option, description: str = "", epilog: str = "") -> Callable[[Run], Command]:
-    """Make a function a command."""
-    return lambda run: Command(name, run.__doc__ or "", run, options, (), description, epilog)
+class Group(NamedTuple):
+    """Commands about one thing, by what the user types."""
+
+    description: str
+    commands: Mapping[str, Command]
+
+    def add_to(self, parser: argparse.ArgumentParser) -> None:
+        """Add the commands, of which the user must choose one."""
+        parser.description = self.description
+        tasks = parser.add_subparsers(dest="task", required=True, metavar="task")
+        for name, each in self.commands.items():
+            line = each.description[0].lower() + each.description[1:].rstrip(".")
+            each.add_to(tasks.add_parser(name, help=line))
 
 
-def add_commands(parser: argparse.ArgumentParser, dest: str, commands: Iterable[Command]) -> None:
-    """Add commands, of which the user must choose one; `run` of the parsed arguments is that of the innermost."""
-    subparsers = parser.add_subparsers(dest=dest, required=True, metavar=dest)
-    for each in commands:
-        text, line = each.description or each.help, each.help[:1].lower() + each.help[1:].rstrip(".")
-        added = subparsers.add_parser(each.name, help=line, description=text, epilog=each.epilog or None)
-        if "\n" in text:
-            added.formatter_class = argparse.RawDescriptionHelpFormatter
-        for add in each.options:
-            add(added)
-        if each.commands:
-            add_commands(added, "task", each.commands)
-        else:
-            added.set_defaults(run=each.run, program=added.prog)
+def command(*options: Option, description: str = "", epilog: str | None = None) -> Callable[[Run], Command]:
+    """Make a function a command, which its docstring describes by default."""
+    return lambda run: Command(run, options, description or run.__doc__ or "", epilog)
 
 
 def option(

@@ -29,7 +29,6 @@ _LINE = 0.34
 
 
 @command(
-    "plot",
     option("files", f"of one kind: {FILES}", given_path, "FILE", nargs="+"),
     out("plot.png", "picture, whose name ends in .png"),
 )

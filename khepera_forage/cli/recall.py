@@ -61,7 +61,6 @@ _POLICY = (
 
 
 @command(
-    "recall",
     *_POLICY,
     options.episodes(10, "recall episodes"),
     options.out("results/recall.csv", "file for the rows"),
@@ -177,7 +176,6 @@ def _learner(name: str) -> "FromVectors":
 
 
 @command(
-    "watch",
     option("phase", "what to show", choices=("training", "recall")),
     *_POLICY,
     options.learners("learners in training (1)"),

@@ -56,7 +56,6 @@ def require_new(files: list[PlannedFile], otherwise: str) -> None:
 
 
 @command(
-    "train",
     options.episodes(10, "complete training episodes, one file each"),
     options.seed("the same seed gives the same files"),
     options.out("experience", "folder for g1.csv, g2.csv, ... and attempts.csv"),
