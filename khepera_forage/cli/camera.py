@@ -4,7 +4,7 @@ import argparse
 import math
 import re
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator, Sequence
 from contextlib import closing, nullcontext
 from pathlib import Path
@@ -156,28 +156,44 @@ def described(scene: Scene, markers: str = "holes") -> str:
     return ", ".join(words)
 
 
+def _coordinates(text: str, count: int = 2) -> tuple[float, ...]:
+    try:
+        values = tuple(map(float, text.split(",")))
+    except ValueError:
+        values = ()
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: {count} numbers with commas between")
+    return values
+
+
+def _pair(text: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    pixels, equals, mm = text.partition("=")
+    if not equals:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}; allowed: u,v=x,y with u, v in pixels from the upper left corner and x, y in mm"
+        )
+    return _coordinates(pixels), _coordinates(mm)
+
+
+def _tag(text: str) -> tuple[int, tuple[float, ...]]:
+    tag, equals, mm = text.partition("=")
+    if not (equals and tag.isdecimal() and 1 <= int(tag) <= 49):
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: id=x,y with an id from 1 to 49, and x, y in mm")
+    return int(tag), _coordinates(mm)
+
+
 def _add_points(parser: argparse.ArgumentParser) -> None:
-    given = parser.add_mutually_exclusive_group(required=True)
+    add = parser.add_mutually_exclusive_group(required=True).add_argument
     lens = "twelve all over the picture calibrate the lens, too"
-    given.add_argument(
-        "--points",
-        nargs="+",
-        metavar="U,V=X,Y",
-        help=f"four or more points: pixels from the picture's upper left corner = mm on the floor; {lens}",
+    text = f"four or more points: pixels from the picture's upper left corner = mm on the floor; {lens}"
+    add("--points", type=_pair, nargs="+", metavar="U,V=X,Y", help=text)
+    text = f"four or more places on the floor in mm, which you then click in a window in this order; {lens}"
+    add("--places", type=_coordinates, nargs="+", metavar="X,Y", help=text)
+    text = (
+        "four or more tags on the floor, better twelve, and the place of the middle of each in mm: nothing to click, "
+        "and the camera is watched from then on"
     )
-    given.add_argument(
-        "--places",
-        nargs="+",
-        metavar="X,Y",
-        help=f"four or more places on the floor in mm, which you then click in a window in this order; {lens}",
-    )
-    given.add_argument(
-        "--tags",
-        nargs="+",
-        metavar="ID=X,Y",
-        help="four or more tags on the floor, better twelve, and the place of the middle of each in mm: nothing "
-        "to click, and the camera is watched from then on",
-    )
+    add("--tags", type=_tag, nargs="+", metavar="ID=X,Y", help=text)
 
 
 @command(
@@ -186,7 +202,8 @@ def _add_points(parser: argparse.ArgumentParser) -> None:
     option(
         "--camera",
         "position of the camera in mm, to correct the shift of markers above the floor (no correction)",
-        metavar="X,Y,HEIGHT",
+        lambda text: _coordinates(text, 3),
+        "X,Y,HEIGHT",
     ),
     flag("--check", "take a picture and print the regions found in it, in mm"),
     out("calibration.toml", "file"),
@@ -198,30 +215,32 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
     from khepera_forage.vision.tags import FLOOR_SIZE, find_floor_tags
     from khepera_forage.vision.tracker import Tracker
 
-    camera = None
-    if arguments.camera:
-        x, y, height = _numbers("--camera", arguments.camera, 3)
-        camera = (x, y, height)
-    by_camera = arguments.places or arguments.tags or arguments.check
+    name = next(name for name in ("points", "places", "tags") if getattr(arguments, name))
+    given = getattr(arguments, name)
+    tags = dict(given) if name == "tags" else {}
+    if len(tags) < len(given) and tags:
+        twice = Counter(tag for tag, _ in given).most_common(1)[0][0]
+        raise ValueError(f"--tags has {twice} twice; allowed: each tag once")
+    if len(given) < 4:
+        raise ValueError(f"--{name} has {len(given)} points; allowed: four or more")
+    picture: Sequence[Point] = ()
+    floor: Sequence[Point] = given
+    if name == "points":
+        picture, floor = zip(*given, strict=True)
+    by_camera = name != "points" or arguments.check
     with closing(open_source(arguments, paced=False)) if by_camera else nullcontext() as source:
         size = arguments.size or DEFAULT_SIZE
         if source is not None:
-            rows, columns = source.newest()[0].shape
-            size = (columns, rows)
-        if arguments.tags and source is not None:
-            places = _tags(arguments.tags)
-            found = find_floor_tags(source.newest()[0], sorted(places))
-            fit = fit_to_tags(found, places, FLOOR_SIZE, camera, size)
-            seen = fit.calibration.tags
-            picture, floor = list(seen.values()), [places[tag] for tag in seen]
-        else:
-            if arguments.places and source is not None:
-                floor = [_point("--places", text) for text in arguments.places]
-                _check_count("--places", len(floor))
+            size = source.newest()[0].shape[::-1]
+            if name == "places":
                 picture = _clicked_points(source, floor)
-            else:
-                picture, floor = _points(arguments.points)
-            fit = fit_calibration(picture, floor, camera, size)
+        if source is not None and tags:
+            found = find_floor_tags(source.newest()[0], sorted(tags))
+            fit = fit_to_tags(found, tags, FLOOR_SIZE, arguments.camera, size)
+            seen = fit.calibration.tags
+            picture, floor = list(seen.values()), [tags[tag] for tag in seen]
+        else:
+            fit = fit_calibration(picture, floor, arguments.camera, size)
         _print_errors(fit, picture, floor)
         if arguments.check and source is not None:
             scene = Tracker(calibration=fit.calibration).update(source.newest()[0])
@@ -290,55 +309,6 @@ def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point
                 )
             time.sleep(_PAUSE)
     return points
-
-
-def _tags(texts: Sequence[str]) -> dict[int, Point]:
-    """The place of each tag of `--tags`."""
-    places: dict[int, Point] = {}
-    for text in texts:
-        tag, equals, mm = text.partition("=")
-        if not (equals and tag.isdecimal() and 1 <= int(tag) <= 49):
-            raise ValueError(f"--tags has {text!r}; allowed: id=x,y with an id from 1 to 49, and x, y in mm")
-        if int(tag) in places:
-            raise ValueError(f"--tags has {tag} twice; allowed: each tag once")
-        places[int(tag)] = _point("--tags", mm)
-    _check_count("--tags", len(places))
-    return places
-
-
-def _points(texts: Sequence[str]) -> tuple[list[Point], list[Point]]:
-    """The pixels and the places of `--points`."""
-    picture, floor = [], []
-    for text in texts:
-        pixels, equals, mm = text.partition("=")
-        if not equals:
-            raise ValueError(
-                f"--points has {text!r}; allowed: u,v=x,y with u, v in pixels from the upper left corner and x, y in mm"
-            )
-        picture.append(_point("--points", pixels))
-        floor.append(_point("--points", mm))
-    _check_count("--points", len(picture))
-    return picture, floor
-
-
-def _check_count(name: str, count: int) -> None:
-    if count < 4:
-        raise ValueError(f"{name} has {count} points; allowed: four or more")
-
-
-def _point(name: str, text: str) -> Point:
-    x, y = _numbers(name, text, 2)
-    return x, y
-
-
-def _numbers(name: str, text: str, count: int) -> list[float]:
-    try:
-        values = [float(part) for part in text.split(",")]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(map(math.isfinite, values)):
-        raise ValueError(f"{name} has {text!r}; allowed: {count} numbers with commas between")
-    return values
 
 
 def ids(text: str) -> tuple[int, ...]:

@@ -3,6 +3,7 @@
 import argparse
 import io
 import os
+import shlex
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -64,12 +65,14 @@ def _open_streams() -> None:
 
 
 def _run(argv: Sequence[str] | None) -> int:
+    argv = sys.argv[1:] if argv is None else argv
     try:
-        arguments = _parser(sys.argv[1:] if argv is None else argv).parse_args(argv)
+        arguments = _parser(argv).parse_args(argv)
     except SystemExit as stop:
         if not stop.code:  # --help or --version
             raise
         return 2
+    arguments.command_line = shlex.join(["khepera-forage", *argv])
     try:
         status: int | None = arguments.run(arguments)
     except Exception as error:
