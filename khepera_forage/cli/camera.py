@@ -25,6 +25,7 @@ from khepera_forage.vision.tracker_settings import TrackerSettings
 if TYPE_CHECKING:
     import pygame
 
+    from khepera_forage.cli.window import Window
     from khepera_forage.vision.calibration_fit import CalibrationFit
     from khepera_forage.vision.tracker import Tracker
     from khepera_forage.vision.video import FrameSource
@@ -87,59 +88,21 @@ SOURCE = (
 )
 
 
-class PictureWindow:
-    """A window that shows one picture after the other and reports mouse clicks.
+def _open_window() -> "Window | None":
+    """A window; None if there is no display or no pygame."""
+    try:
+        from khepera_forage.cli.window import Window
 
-    Attributes:
-        closed: Whether the user closed the window or pressed Escape.
-    """
+        return Window()
+    except (ImportError, OSError):
+        return None
 
-    def __init__(self, screen: "pygame.Surface") -> None:
-        self.closed = False
-        self._screen = screen
 
-    @classmethod
-    def open(cls, title: str, width: int, height: int) -> "PictureWindow | None":
-        """Open a window; None if there is no display or no pygame."""
-        try:
-            import pygame
-        except ImportError:
-            return None
-        from khepera_forage.envs.rendering.output import open_display
+def _surface(picture: NDArray[np.uint8]) -> "pygame.Surface":
+    """A picture of height x width x 3, red, green and blue, as windows show it."""
+    import pygame
 
-        try:
-            open_display()
-            screen = pygame.display.set_mode((width, height))
-        except (OSError, pygame.error):
-            return None
-        pygame.display.set_caption(title)
-        return cls(screen)
-
-    def show(self, picture: NDArray[np.uint8], title: str = "") -> list[Point]:
-        """Show a picture of height x width x 3 (red, green, blue), and return the clicks since the last one.
-
-        They are in pixels: u to the right, v down. The middle of the upper left pixel is (0.5, 0.5).
-        """
-        import pygame
-
-        if title:
-            pygame.display.set_caption(title)
-        surface = pygame.surfarray.make_surface(picture.swapaxes(0, 1))
-        self._screen.blit(surface, (0, 0))
-        pygame.display.flip()
-        clicks = []
-        for event in pygame.event.get():
-            if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):
-                self.closed = True
-            elif event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
-                clicks.append((event.pos[0] + 0.5, event.pos[1] + 0.5))
-        return clicks
-
-    def close(self) -> None:
-        """Close the window."""
-        import pygame
-
-        pygame.display.quit()
+    return pygame.surfarray.make_surface(picture.swapaxes(0, 1))
 
 
 def described(scene: Scene, markers: str = "holes") -> str:
@@ -288,27 +251,25 @@ def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequen
 
 def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point]:
     """The pixel that the user clicks for each place on the floor; a cross marks each click."""
-    frame = source.newest()[0]
-    window = PictureWindow.open("khepera-forage camera calibrate", frame.shape[1], frame.shape[0])
+    window = _open_window()
     if window is None:
         raise ValueError("--places needs a display and pygame (extra render); allowed without: --points")
-    points: list[Point] = []
+    from pygame.draw import line
+
     with closing(window):
-        while len(points) < len(floor):
-            picture = np.repeat(source.newest()[0][:, :, None], 3, axis=2)
-            for u, v in points:
-                row, column = int(v), int(u)
-                picture[row, max(0, column - 6) : column + 7] = _CROSS_COLOUR
-                picture[max(0, row - 6) : row + 7, column] = _CROSS_COLOUR
-            x, y = floor[len(points)]
-            title = f"click the place at ({x:g}, {y:g}) mm"
-            points += window.show(picture, title)[: len(floor) - len(points)]
-            if window.closed:
-                raise ValueError(
-                    f"window closed after {len(points)} clicks; allowed: one click for each of --places"
-                )
-            time.sleep(_PAUSE)
-    return points
+        while (done := len(window.clicks)) < len(floor):
+            picture = _surface(np.repeat(source.newest()[0][:, :, None], 3, axis=2))
+            for u, v in window.clicks:
+                line(picture, _CROSS_COLOUR, (u - 6, v), (u + 6, v))
+                line(picture, _CROSS_COLOUR, (u, v - 6), (u, v + 6))
+            x, y = floor[done]
+            window.show_picture(picture, f"click the place at ({x:g}, {y:g}) mm")
+            while event := window.wait(_PAUSE):
+                if event == ("escape", True):
+                    raise ValueError(
+                        f"window closed after {done} clicks; allowed: one click for each of --places"
+                    )
+    return window.clicks[: len(floor)]
 
 
 def ids(text: str) -> tuple[int, ...]:
@@ -387,16 +348,16 @@ def _pictures(source: "FrameSource", tracker: "Tracker", frames: int | None) -> 
 
 def _show(pictures: Iterator[NDArray[np.uint8]]) -> None:
     """In a window, where there is a display; until the user closes it."""
-    first = next(pictures)
-    window = PictureWindow.open("khepera-forage camera", first.shape[1], first.shape[0])
+    window = _open_window()
     if window is None:
-        for _ in pictures:
-            pass
+        deque(pictures, 0)
         return
     with closing(window):
-        window.show(first)
-        while not window.closed and (picture := next(pictures, None)) is not None:
-            window.show(picture)
+        for picture in pictures:
+            window.show_picture(_surface(picture), "khepera-forage camera")
+            while event := window.wait(0):
+                if event == ("escape", True):
+                    return
 
 
 def _save(pictures: Iterator[NDArray[np.uint8]], path: Path, simulated: bool) -> None:

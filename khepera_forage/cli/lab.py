@@ -6,7 +6,7 @@ from contextlib import closing
 from functools import partial
 from pathlib import Path
 
-from khepera_forage.cli.camera import calibrate_command
+from khepera_forage.cli.main import main
 from khepera_forage.cli.options import Group, command, option
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.extras import require
@@ -101,20 +101,9 @@ def _calibrated(camera: str, settings: LabSettings) -> str | None:
     )
     if _answer(question, "n").lower() not in ("y", "yes"):
         return None
-    parser = argparse.ArgumentParser()
-    for add in calibrate_command.options:
-        add(parser)
     file = "calibration.toml"
-    works = _passes(
-        "calibration",
-        lambda: str(
-            calibrate_command.run(
-                parser.parse_args(["--source", camera, "--out", file, "--places", *corners])
-            )
-            or file
-        ),
-    )
-    return file if works else None
+    words = ["camera", "calibrate", "--source", camera, "--out", file, "--places", *corners]
+    return None if main(words) else file
 
 
 def lab_text(

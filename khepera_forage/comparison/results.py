@@ -214,7 +214,7 @@ def read_results(source: str) -> Results:
 
 
 def beside(
-    own: Sequence[Curve], learners: Mapping[str, Compared], other: Results | None
+    own: Sequence[Curve], learners: Mapping[str, Shown], other: Results | None
 ) -> tuple[list[Curve], dict[str, Shown]]:
     """The curves and learners of a run, and behind them those of a results file, with its origin in their titles."""
     if other is None:
