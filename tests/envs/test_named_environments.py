@@ -136,7 +136,7 @@ def test_paired_training_takes_place_in_the_levels() -> None:
 def test_procedural_environment_refuses_what_is_not_allowed(kwargs: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         gym.make("khepera_forage/Procedural-v1", **kwargs)
-    if "split" in kwargs:
+    if "foods" not in kwargs:
         with pytest.raises(ValueError, match=message):
             paired_procedural_v1.env(**kwargs)
 
