@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.cli.options import Group, check_ending, command, flag, option, out, seed
+from khepera_forage.cli.options import Group, check_ending, command, flag, option, out, refuse_ignored, seed
 from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
@@ -47,7 +47,7 @@ _IN_USE = {"holes": (1, 2), "grid": tuple(range(1, 13)), "tags": (1, 2, 3, 4)}
 
 def _size(text: str) -> tuple[int, int]:
     width, times, height = text.lower().partition("x")
-    if not (times and width.isdecimal() and height.isdecimal()):
+    if not (times and width.isdecimal() and height.isdecimal() and int(width) and int(height)):
         raise argparse.ArgumentTypeError(f"{text!r}; allowed: width x height in pixels, such as 1280x720")
     return int(width), int(height)
 
@@ -64,6 +64,7 @@ def open_source(
     """
     require("khepera-forage camera", "camera")
     if arguments.source == VIRTUAL:
+        refuse_ignored(arguments, ["--size", "--rate", "--exposure", "--focus"], "with a camera")
         from khepera_forage.rollouts.rendered_training import RenderedTraining
 
         return RenderedTraining(arguments.seed, paced=paced)
@@ -277,7 +278,7 @@ def ids(text: str) -> tuple[int, ...]:
     numbers: list[int] = []
     for part in text.replace(" ", "").split(",") if text.strip() else ():
         found = re.fullmatch(r"(\d{1,2})(?:-(\d{1,2}))?", part)
-        if not found:
+        if not found or int(found[2] or found[1]) < int(found[1]):
             raise argparse.ArgumentTypeError(f"{text!r}; allowed: numbers and ranges, such as 1-4,7")
         numbers += range(int(found[1]), int(found[2] or found[1]) + 1)
     return tuple(numbers)

@@ -60,20 +60,28 @@ def new_command(arguments: argparse.Namespace) -> int:
     elif camera is None:
         camera = _answer("Camera (a number, a file or a URL): ")
     text = partial(lab_text, kind, ports, foods or (), camera or "", arena=arguments.arena)
-    out.write_text(text(calibration), encoding="utf-8")
-    settings = load_settings(out)
+    settings = _written(out, text(calibration))
     if not is_mat:
         picture = out.with_suffix(".png")
         if _passes("picture", partial(_save_picture, settings, picture)) and calibration is None:
             calibration = _calibrated(camera, settings)
-            out.write_text(text(calibration), encoding="utf-8")
-            settings = load_settings(out)
+            settings = _written(out, text(calibration))
         works.append(_passes("camera", partial(_check_camera, settings)))
         if calibration is None:
             print("next: khepera-forage camera calibrate; name its file as calibration under [camera]")
     print(f"{out} is written")
     print(f"then: khepera-forage lab check {out}; khepera-forage train --lab {out}")
     return 0 if all(works) else 1
+
+
+def _written(out: Path, text: str) -> LabSettings:
+    """The settings of a new file; none is left that is not allowed."""
+    out.write_text(text, encoding="utf-8")
+    try:
+        return load_settings(out)
+    except ValueError:
+        out.unlink()
+        raise
 
 
 def _save_picture(settings: LabSettings, file: Path) -> str:

@@ -193,7 +193,7 @@ def experience_files(paths: Sequence[Path]) -> list[Path]:
 
 def arena_of(arguments: argparse.Namespace) -> str | Arena:
     """The arena that `--arena` names: one of `ARENAS`, or the content of a file."""
-    arena: str = arguments.arena or CORRIDOR
+    arena: str = CORRIDOR if arguments.arena is None else arguments.arena
     if arena in ARENAS:
         return arena
     if not arena.endswith(ARENA_FILES):

@@ -1,7 +1,6 @@
 """What a learner records (4.5): its state vector and the behaviour it heard, in each round with a behaviour."""
 
 import os
-import uuid
 from collections.abc import Iterable, Iterator, Sequence
 from os import PathLike
 from pathlib import Path
@@ -20,7 +19,7 @@ from khepera_forage.experience.text_format import (
     header_text,
     row_text,
 )
-from khepera_forage.files import NamingFile
+from khepera_forage.files import replacing
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, differences
 from khepera_forage.task.states import Behaviour, StateVector
 
@@ -167,17 +166,10 @@ class Experience:
         """
         text = header_text(checked_header(self.arena, self.seed, self.episodes, self.decisions))
         text += "".join(row_text(*row) for row in self) + closing_line(len(self))
-        # In the same folder, hence on the same file system: only there is replacing a file atomic.
-        temporary = Path(path).with_name(f".{uuid.uuid4().hex}.tmp")
-        try:
-            with NamingFile(path), open(temporary, "xb") as file:
-                file.write(text.encode())
-                file.flush()
-                os.fsync(file.fileno())
-            os.replace(temporary, path)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
+        with replacing(Path(path)) as partial, open(partial, "wb") as file:
+            file.write(text.encode())
+            file.flush()
+            os.fsync(file.fileno())
 
     def arrays(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """State vectors of shape (n, 5) and behaviours of shape (n,), as new arrays."""

@@ -231,7 +231,7 @@ def training_env(env: AECEnv[str, Any, Any]) -> TrainingEnv:
     Raises:
         TypeError: Another environment.
     """
-    own = env.unwrapped
+    own = getattr(env, "unwrapped", env)
     if not isinstance(own, TrainingEnv):
         raise TypeError(f"env is {env}; allowed: a TrainingEnv, such as paired_corridors_v1.env()")
     return own

@@ -20,6 +20,8 @@ def folder_without_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> N
     Path("there").mkdir()
     Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18)], [0, 2]).save("there/g1.csv")
     Path("mine.toml").touch()
+    Path("deep.toml").write_text("name = " + "[" * 2000)
+    Path("latin.csv").write_bytes(b"caf\xe9")
 
 
 @pytest.mark.parametrize(
@@ -34,6 +36,9 @@ def folder_without_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> N
         ("recall --learner nowhere:f --experience there", "--learner is 'nowhere:f': No module named 'nowhere'"),
         ("recall --learner sklearn.svm:LinearSVC --experience there", "LinearSVC has no predict_proba"),
         ("recall --allow-other-decisions", f"--allow-other-decisions {NOTHING}with --experience"),
+        ("recall --learner json:loads --experience there", "learner loads needs s; allowed: what makes a classifier"),
+        ("recall --arena ''", "arena is ''; allowed: corridor, rectangle"),
+        ("recall --arena deep.toml", "deep.toml: not TOML: maximum recursion depth exceeded"),
         ("recall --foods 17", "foods is 17; allowed: a whole number from 1 to 16"),
         ("recall --food-type CHEESE", "'CHEESE' is unknown; allowed: PICKABLE"),
         ("recall --episodes 0", "--episodes: '0'; allowed: a whole number from 1 to 100,000"),
@@ -67,6 +72,8 @@ def folder_without_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> N
         ("compare --protocol --steps 7", f"--steps {NOTHING}without --protocol"),
         ("infer --tables thesis --quick", f"--quick {NOTHING}without --tables"),
         ("arena show missing.toml", "No such file or directory: 'missing.toml'"),
+        ("arena write doors mine.toml/a.toml", "Not a directory: 'mine.toml/a.toml'"),
+        ("infer --tables latin.csv", "latin.csv: not UTF-8 text"),
         ("arena show mine.toml", "mine.toml: name is missing"),
         ("arena show circle", "arena is 'circle'; allowed: corridor, rectangle, t_maze"),
         ("arena show doors --level 0", f"--level {NOTHING}with the arena procedural"),
@@ -96,6 +103,9 @@ def folder_without_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> N
         ("camera preview --out film.mov", "'film.mov'; allowed: a name that ends in .png, .gif, .mp4, .avi"),
         ("camera preview --source nowhere.avi", "nowhere.avi: there is no such file or device"),
         ("camera preview --source virtual --calibration nowhere.toml", "nowhere.toml"),
+        ("camera preview --numbers 9-3", "--numbers: '9-3'; allowed: numbers and ranges"),
+        ("camera preview --source virtual --rate 9", f"--rate {NOTHING}with a camera"),
+        ("camera preview --size 0x0", "'0x0'; allowed: width x height in pixels"),
         ("camera preview --size 7", "'7'; allowed: width x height in pixels"),
         (f"camera calibrate --points {CORNERS}", "--points has 3 points; allowed: four or more"),
         (f"camera calibrate --points {CORNERS} 0,0=0,2400", "has the point"),
@@ -122,7 +132,7 @@ def test_mistake_is_reported_in_one_line_and_changes_nothing(
     assert error.startswith("khepera-forage")
     assert error.count("\n") == 1
     files = {path.name for path in Path().iterdir() if not path.is_dir() or any(path.iterdir())}
-    assert files == {"there", "mine.toml"}
+    assert files == {"there", "mine.toml", "deep.toml", "latin.csv"}
 
 
 COMMON = ("--seed", "--out")
