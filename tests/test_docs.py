@@ -81,7 +81,7 @@ def test_blocks_of_decisions_page_run(capsys: pytest.CaptureFixture[str]) -> Non
 
 def test_blocks_of_compiled_page_run() -> None:
     names = run_blocks("compiled.md")
-    assert names["rewards"].shape == (1024,)
+    assert names["rewards"]["learner_0"].shape == (256,)
     assert names["episodes"].delivered.sum() > 990
     assert names["recalls"].score.shape == (1000,)
 

@@ -1,9 +1,11 @@
 """What is said without optional dependencies: at once, in one line, with one command that installs all of them."""
 
+import re
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 
@@ -97,6 +99,11 @@ def test_wheel_can_be_published(wheel: Path) -> None:
     done = subprocess.run(check, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
     assert "PASSED" in done.stdout
+    with ZipFile(wheel) as archive:
+        shown = archive.read(next(name for name in archive.namelist() if name.endswith("METADATA"))).decode()
+    links = re.findall(r"\[([^\]]*)\]\(([^)]*)\)", shown)
+    assert links
+    assert all(link.startswith("https:") for _, link in links), links  # there are no files beside the page
 
 
 def test_every_module_of_the_wheel_imports_or_says_what_to_install(wheel: Path, tmp_path: Path) -> None:

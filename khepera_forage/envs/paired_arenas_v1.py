@@ -14,8 +14,7 @@ from typing import Any
 from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arena_settings import settings_of, training_rounds
 from khepera_forage.envs.arguments import FoodOdds
-from khepera_forage.envs.pettingzoo_makers import makers
-from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.envs.training import TrainingEnv, makers
 
 __all__ = ["env", "parallel_env", "raw_env"]
 

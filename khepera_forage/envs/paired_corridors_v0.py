@@ -1,7 +1,6 @@
 """The training phase as in version 0.1 of this package: `paired_corridors_v1` with the decisions of version 0.1."""
 
-from khepera_forage.envs.pettingzoo_makers import makers
-from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.envs.training import TrainingEnv, makers
 from khepera_forage.task.decisions import Decisions
 
 __all__ = ["env", "parallel_env", "raw_env"]

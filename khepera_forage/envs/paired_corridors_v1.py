@@ -11,9 +11,26 @@ for agent in env.agent_iter():
 ```
 """
 
-from khepera_forage.envs.pettingzoo_makers import makers
-from khepera_forage.envs.training import TrainingEnv as raw_env  # noqa: N813 (PettingZoo's name)
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["env", "parallel_env", "raw_env"]
+from khepera_forage.envs.training import TrainingEnv as raw_env  # noqa: N813 (PettingZoo's name)
+from khepera_forage.envs.training import makers
+
+if TYPE_CHECKING:
+    from khepera_forage.envs.compiled.pairs import PairedBatch
+
+__all__ = ["env", "parallel_env", "raw_env", "vector_env"]
 
 env, parallel_env = makers(raw_env)
+
+
+def vector_env(num_envs: int, **kwargs: Any) -> "PairedBatch":
+    """`parallel_env` for many pairs at a time, in compiled worlds; needs numba.
+
+    Args:
+        num_envs: How many pairs.
+        kwargs: Further arguments of `PairedBatch`.
+    """
+    from khepera_forage.envs.compiled.pairs import PairedBatch
+
+    return PairedBatch(num_envs, **kwargs)

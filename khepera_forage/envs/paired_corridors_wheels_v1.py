@@ -15,8 +15,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from khepera_forage.envs.arguments import motor_action
-from khepera_forage.envs.pettingzoo_makers import makers
-from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.envs.training import TrainingEnv, makers
 from khepera_forage.envs.training_episode import HEARD, TrainingEpisode
 from khepera_forage.envs.wheels_env import raw_data_of
 from khepera_forage.policies.model_observations import raw_data_space

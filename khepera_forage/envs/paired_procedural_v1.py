@@ -10,8 +10,7 @@ env = paired_procedural_v1.env(difficulty="hard", num_levels=1000)
 from typing import Any
 
 from khepera_forage.envs.arena_settings import procedural_settings, training_rounds
-from khepera_forage.envs.pettingzoo_makers import makers
-from khepera_forage.envs.training import TrainingEnv
+from khepera_forage.envs.training import TrainingEnv, makers
 from khepera_forage.sim.arenas.difficulty import Difficulty
 
 __all__ = ["env", "parallel_env", "raw_env"]

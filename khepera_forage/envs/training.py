@@ -1,5 +1,6 @@
 """Teacher and learners in identical corridors, round by round (section 4.5, figure 4.3)."""
 
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -7,15 +8,16 @@ from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from gymnasium.utils import seeding
 from numpy.typing import NDArray
-from pettingzoo.utils.env import AECEnv
+from pettingzoo.utils import BaseParallelWrapper, OrderEnforcingWrapper
+from pettingzoo.utils.conversions import aec_to_parallel
+from pettingzoo.utils.env import AECEnv, ParallelEnv
 
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import PYMUNK, FoodOdds, checked_decisions, whole_number
-from khepera_forage.envs.paired_arenas import PairedArenas
 from khepera_forage.envs.recalls import Forager
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, training_view
-from khepera_forage.envs.training_episode import TrainingEpisode, observation_box
+from khepera_forage.envs.training_episode import PairedArenas, TrainingEpisode, observation_box
 from khepera_forage.noise import Noise
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena
@@ -28,10 +30,56 @@ __all__ = ["TEACHER", "TrainingEnv"]
 TEACHER = "teacher_0"
 
 
-class PairedRobotsEnv(AECEnv[str, Any, Any]):
-    """A teacher and its learners, each in its own copy of an arena; `TrainingEnv` adds what happens in a round.
+class TrainingEnv(AECEnv[str, Any, Any]):
+    """A teacher forages and shouts; learners hear, do the same, and stay where the teacher is.
 
-    Its arguments are described there.
+    ## Description
+    The training phase of the thesis (4.5). Each robot has its own copy of the arena, at an offset. A round (MultiStep)
+    is one step of every robot, the teacher first; what they command takes effect together, at its end. After a
+    learner's action the environment applies *following* (4.5.2): an arc towards the place where the teacher is. When
+    a learner is separated, the teacher should WAIT, which is silence, and the learner recovers.
+
+    ## Agents
+    `teacher_0`, then `learner_0`, `learner_1`, ...
+
+    ## Action space
+    `Discrete(11)` for every agent: the ten behaviours of table 4.1, and 10 WAIT.
+
+    ## Observation space
+    `Box((7,), int64)` for every agent: object_presence 0/1, robot_home_distance, food_type, arms_height,
+    robot_food_distance (pixels of 5 mm, as in `Corridor-v1`), heard (a behaviour; 10 is silence), separated 0/1 (for
+    the teacher: any of its learners). `state()` has the observations of all agents in a row.
+
+    ## Rewards
+    +1 for food delivered, -1 for poison brought home, -1/max_cycles a round, each agent its own.
+
+    ## Starting state
+    Every robot and food object on its mark in figure 5.1, as well as an operator can put it there
+    (`Noise.placement_error`). `reset(options={"start": (x, y, degrees), "foods": [(x, y), ...]})` sets other marks, in
+    mm of the teacher's arena; those of the learners' arenas are the same ones at their offsets.
+
+    ## Episode end
+    Terminated (complete, 5.3) when every robot has delivered its food, or left it as poisonous with its arm up again,
+    and is outside its home. Truncated after `max_cycles` rounds, after `patience` rounds of a learner's separation, or
+    when a real robot or camera is lost: all robots are then stopped, and the last observations repeated.
+
+    ## Info
+    Plain numbers: `state`, `correct_behaviour`, `x`, `y`, `orientation` (pixels, degrees, as the camera reports
+    them), the three as `pose`, as in the recall environments, `score`, `correct`, `steps`, `delivered`,
+    `poison_home`, `complete`, `separated_rounds`, `separations`; when a real robot or camera was lost also
+    `robot_lost`, the reason.
+
+    ## Arguments
+    `num_learners`, `max_cycles`, `arena`, `noise`, `food_types` (all as in the recall environments; corresponding
+    food of all arenas is of one type), `patience`, `render_mode`, `world` (another `World` than the simulated one,
+    with an arena for each robot; give `noise=Noise.none()` with a real one, so that its operator puts everything on
+    the marks themselves), `decisions` (a `Decisions`), `backend` ("pymunk", or "compiled", which needs numba), `robot`
+    ("khepera", "e-puck2" or "toio"; the last two push food, and pick up none).
+
+    ## Version history
+    - v1: the default of `decisions` is `Decisions()`, as in this class: inferred from the thesis's corridor tables
+      (`docs/decisions.md`).
+    - v0: first version. The default of `decisions` is `Decisions.v0_1()`: those of version 0.1 of the package.
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (PettingZoo's own form)
@@ -141,59 +189,6 @@ class PairedRobotsEnv(AECEnv[str, Any, Any]):
         if self._attempt is None:
             raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
         return self._attempt
-
-
-class TrainingEnv(PairedRobotsEnv):
-    """A teacher forages and shouts; learners hear, do the same, and stay where the teacher is.
-
-    ## Description
-    The training phase of the thesis (4.5). Each robot has its own copy of the arena, at an offset. A round (MultiStep)
-    is one step of every robot, the teacher first; what they command takes effect together, at its end. After a
-    learner's action the environment applies *following* (4.5.2): an arc towards the place where the teacher is. When
-    a learner is separated, the teacher should WAIT, which is silence, and the learner recovers.
-
-    ## Agents
-    `teacher_0`, then `learner_0`, `learner_1`, ...
-
-    ## Action space
-    `Discrete(11)` for every agent: the ten behaviours of table 4.1, and 10 WAIT.
-
-    ## Observation space
-    `Box((7,), int64)` for every agent: object_presence 0/1, robot_home_distance, food_type, arms_height,
-    robot_food_distance (pixels of 5 mm, as in `Corridor-v1`), heard (a behaviour; 10 is silence), separated 0/1 (for
-    the teacher: any of its learners). `state()` has the observations of all agents in a row.
-
-    ## Rewards
-    +1 for food delivered, -1 for poison brought home, -1/max_cycles a round, each agent its own.
-
-    ## Starting state
-    Every robot and food object on its mark in figure 5.1, as well as an operator can put it there
-    (`Noise.placement_error`). `reset(options={"start": (x, y, degrees), "foods": [(x, y), ...]})` sets other marks, in
-    mm of the teacher's arena; those of the learners' arenas are the same ones at their offsets.
-
-    ## Episode end
-    Terminated (complete, 5.3) when every robot has delivered its food, or left it as poisonous with its arm up again,
-    and is outside its home. Truncated after `max_cycles` rounds, after `patience` rounds of a learner's separation, or
-    when a real robot or camera is lost: all robots are then stopped, and the last observations repeated.
-
-    ## Info
-    Plain numbers: `state`, `correct_behaviour`, `x`, `y`, `orientation` (pixels, degrees, as the camera reports
-    them), the three as `pose`, as in the recall environments, `score`, `correct`, `steps`, `delivered`,
-    `poison_home`, `complete`, `separated_rounds`, `separations`; when a real robot or camera was lost also
-    `robot_lost`, the reason.
-
-    ## Arguments
-    `num_learners`, `max_cycles`, `arena`, `noise`, `food_types` (all as in the recall environments; corresponding
-    food of all arenas is of one type), `patience`, `render_mode`, `world` (another `World` than the simulated one,
-    with an arena for each robot; give `noise=Noise.none()` with a real one, so that its operator puts everything on
-    the marks themselves), `decisions` (a `Decisions`), `backend` ("pymunk", or "compiled", which needs numba), `robot`
-    ("khepera", "e-puck2" or "toio"; the last two push food, and pick up none).
-
-    ## Version history
-    - v1: the default of `decisions` is `Decisions()`, as in this class: inferred from the thesis's corridor tables
-      (`docs/decisions.md`).
-    - v0: first version. The default of `decisions` is `Decisions.v0_1()`: those of version 0.1 of the package.
-    """
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
         """Start an attempt at a training episode.
@@ -313,3 +308,54 @@ class TrainingEnv(PairedRobotsEnv):
             self.rewards[agent] = -1.0 / self.max_cycles
             self.truncations[agent] = True
             self.infos[agent] = {**self._begun.info(i), "robot_lost": str(lost)}
+
+
+class CheckedActions(BaseParallelWrapper[str, Any, Any]):
+    """Checks the actions of all agents before any of them acts, so that an error leaves the environment as it was."""
+
+    def step(self, actions: Mapping[str, Any]) -> Any:
+        """A round of all agents.
+
+        Args:
+            actions: One for every agent.
+
+        Raises:
+            ResetNeeded: Before the first reset, or after the end of an episode.
+            ValueError: An agent has no action or is unknown, or an action is not in its action space.
+        """
+        agents = getattr(
+            self.env, "agents", []
+        )  # PettingZoo's own conversion has none before the first reset
+        if not agents:
+            raise ResetNeeded("no episode is under way; call reset() to start one")
+        if set(actions) != set(agents):
+            raise ValueError(f"actions are of {list(actions)}; allowed: one each of {', '.join(agents)}")
+        check = self.env.unwrapped.checked_action
+        checked = {agent: check(actions[agent], agent) for agent in agents}
+        return super().step(checked)
+
+
+AecMaker = Callable[..., AECEnv[str, Any, Any]]
+ParallelMaker = Callable[..., ParallelEnv[str, Any, Any]]
+
+
+def makers(raw_env: Callable[..., TrainingEnv]) -> tuple[AecMaker, ParallelMaker]:
+    """The functions `env` and `parallel_env` of a module.
+
+    Args:
+        raw_env: Makes the environment without wrappers; the functions have its arguments.
+
+    Returns:
+        `env`, which checks the order of calls (actions are checked by the environment itself), and `parallel_env` with
+        simultaneous actions. What a learner hears is in the latter what the teacher did a round ago.
+    """
+
+    def env(**kwargs: Any) -> AECEnv[str, Any, Any]:
+        """The environment with PettingZoo's usual wrappers; the arguments are those of `raw_env`."""
+        return OrderEnforcingWrapper(raw_env(**kwargs))
+
+    def parallel_env(**kwargs: Any) -> ParallelEnv[str, Any, Any]:
+        """The same with simultaneous actions. What a learner hears is then what the teacher did a round ago."""
+        return CheckedActions(aec_to_parallel(env(**kwargs)))
+
+    return env, parallel_env

@@ -17,8 +17,7 @@ from khepera_forage.policies.memories import memories_of
 from khepera_forage.rollouts.compiled.imitators import confidence_levels
 from khepera_forage.rollouts.compiled.recalls import TEACHER as TEACHES
 from khepera_forage.rollouts.compiled.recalls import UNIFORM, Episodes, recall_rows, run_recalls
-from khepera_forage.rollouts.compiled.training import train_learners
-from khepera_forage.rollouts.compiled.training_results import Trained
+from khepera_forage.rollouts.compiled.training import Trained, train_learners
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow, TrainingRow
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs.arguments import timing_of
+from khepera_forage.envs.compiled import pairs
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
-from khepera_forage.rollouts.compiled import training
-from khepera_forage.rollouts.compiled.training import train_learners
-from khepera_forage.rollouts.compiled.training_results import HEARD, Trained
+from khepera_forage.rollouts.compiled.training import HEARD, Trained, train_learners
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import train
 from khepera_forage.sim.arena import Arena, Pose, copies
@@ -53,7 +52,7 @@ def _learner_beside_its_mark(
     """The paired corridors with another mark for the learner."""
     x, y, heading = ARENAS[1].start
     arenas = ARENAS[0], replace(ARENAS[1], start=Pose(x + ahead, y + aside, heading + turned))
-    monkeypatch.setattr(training, "copies", lambda arena, count: arenas)
+    monkeypatch.setattr(pairs, "copies", lambda arena, count: arenas)
     return arenas
 
 

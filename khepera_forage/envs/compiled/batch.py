@@ -1,6 +1,7 @@
 """`CompiledBatch`: recalls in many compiled worlds, stepped together."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -164,14 +165,24 @@ class CompiledBatch:
         new = waits.nonzero()[0]
         if len(new):
             self._places[new] = self._next_arenas(new)
-        return self.go_on(given, waits)
-
-    def go_on(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> NDArray[Any]:
-        """`step` for arrays of the right form, where no world waits that was not in its next arena yet."""
-        self._run(self.worlds, self._places, actions, waiting, self._random, self.shown)
+        self._run(self.worlds, self._places, given, waits, self._random, self.shown)
         return self.shown
 
-    def _run(
+    def call(self, actions: NDArray[np.float64]) -> Callable[[], None]:
+        """A function that is one round of all worlds under what these actions then are, where no world waits."""
+        waiting = np.zeros(self.num_worlds, np.bool_)
+        given = self._arguments(self.worlds, self._places, actions, waiting, self._random, self.shown)
+        return partial(_step_worlds, 0, self.num_worlds, *given)
+
+    def _run(self, worlds: World, places: NDArray[np.int64], *given: Any) -> None:
+        """One round or the start of an episode in some worlds, see `_arguments`."""
+        self._free[0] = True
+        share_out(_step_worlds, len(places), *self._arguments(worlds, places, *given), least=_LEAST)
+        if not self._free[0]:
+            names = sorted({self._arenas.arena(place).name for place in places[given[1]].tolist()})
+            raise no_room(", ".join(names[:3]) + (", ..." if len(names) > 3 else ""), self.foods)
+
+    def _arguments(
         self,
         worlds: World,
         places: NDArray[np.int64],
@@ -179,19 +190,10 @@ class CompiledBatch:
         waiting: NDArray[np.bool_],
         given: tuple[NDArray[Any], NDArray[Any]],
         shown: NDArray[Any],
-    ) -> None:
-        free = self._free
-        free[0] = True
-        share_out(
-            _step_worlds,
-            len(places),
-            *(*worlds, self._arenas.blocks, places, self._settings),
-            *(actions, waiting, *given, shown, free),
-            least=_LEAST,
-        )
-        if not free[0]:
-            names = sorted({self._arenas.arena(place).name for place in places[waiting].tolist()})
-            raise no_room(", ".join(names[:3]) + (", ..." if len(names) > 3 else ""), self.foods)
+    ) -> tuple[Any, ...]:
+        """Those of `_step_worlds` after the first two."""
+        blocks, settings = self._arenas.blocks, self._settings
+        return *worlds, blocks, places, settings, actions, waiting, *given, shown, self._free
 
     def _next_arenas(self, worlds: NDArray[np.int64]) -> NDArray[np.int64]:
         """Places of the arenas of the next episodes of some worlds."""
@@ -286,7 +288,6 @@ def _show(world: World, shown: Any, diagonal: float) -> None:
 
 _FIRST = np.zeros(1, np.int64)
 """The only world of a batch of one."""
-_WAITING = np.zeros(1, np.bool_)
 
 
 class CompiledRecalls:
@@ -338,9 +339,9 @@ class CompiledRecalls:
 
     def step(self, action: Sequence[float]) -> Shown:
         """One round under the number of a behaviour, or four numbers in -1..1."""
-        numbers = self._actions[len(action)]
-        numbers[0] = action
-        return Shown._make(self._batch.go_on(numbers, _WAITING).item())
+        self._actions[len(action)][0] = action
+        self._calls[len(action)]()
+        return self.shown()
 
     def shown(self) -> Shown:
         """What environments show of the last round."""
@@ -349,11 +350,15 @@ class CompiledRecalls:
     def _enter(self) -> None:
         """Make arena and bodies those of the world."""
         self.arena = self._batch.arenas[0]
+        self._calls = {count: self._batch.call(actions) for count, actions in self._actions.items()}
         self.world = bodies_of(self._batch.world(0), self.arena, self._noise, self._decisions)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"_calls": {}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self._enter()  # a copied world would show records of its own
+        self._enter()  # a copied world shows, and steps, records of its own
 
 
 def forager_of(world: World, arena: Arena, decisions: Decisions) -> Forager:

@@ -1,53 +1,30 @@
-"""Compiled paired corridors: the training phase of the thesis (4.5, 5.2, 5.3) for thousands of learners at once.
-
-A pair is a teacher's world and a learner's, the copy of the arena at its offset under the same camera, with its own
-walls, home and marker. Marker and food of one are never hidden by, or under the cable of, the robot of the other: the
-gap between the arenas is wider than a marker reaches, and the cables hang from its middle. So the two share nothing
-but what the learner hears, where the teacher is, and the types of corresponding food.
-"""
+"""The training phase of the thesis (4.5, 5.2, 5.3) for thousands of learners at once, in compiled paired arenas."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import keys_of, random_bits
-from khepera_forage.envs.arguments import FoodOdds, checked_arena, checked_decisions, whole_number
-from khepera_forage.envs.compiled.arenas import arena_at, arena_block, ground_of, map_of, settings_of
-from khepera_forage.envs.compiled.batch import given_records
-from khepera_forage.envs.compiled.step import (
-    World,
-    carry_out,
-    command_behaviour,
-    drive,
-    motors_of,
-    new_worlds,
-    stand_ready,
-    world_of,
+from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
+from khepera_forage.envs.compiled.arenas import arena_at
+from khepera_forage.envs.compiled.pairs import (
+    Sides,
+    carry_out_pair,
+    paired_sides,
+    pairing_dtype,
+    put_on_marks,
 )
-from khepera_forage.envs.layouts import arenas_with_marks, no_room_on_marks
+from khepera_forage.envs.compiled.step import World, new_worlds
+from khepera_forage.envs.layouts import no_room_on_marks
+from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise, checked_noise
-from khepera_forage.records import dtype_of
-from khepera_forage.rollouts.compiled.training_results import HEARD, Trained, attempt_dtype, trained
 from khepera_forage.rollouts.training import IncompleteTrainingError
-from khepera_forage.sim.arena import Arena, copies
-from khepera_forage.sim.layout_checks import cable_anchor, check_layout, check_seen
-from khepera_forage.sim.world import Layout
+from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.episode import has_done_its_part
-from khepera_forage.task.food_tracking import share_identified
-from khepera_forage.task.pairing import (
-    Pairing,
-    attempt_ends,
-    is_complete,
-    lead,
-    rounds_since_done,
-    teacher_says,
-    update_pairing,
-)
-from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key, place_by_hand
+from khepera_forage.task.pairing import teacher_says
 from khepera_forage.task.states import Behaviour
 
 _WAIT = Behaviour.WAIT.value
@@ -57,36 +34,95 @@ _LEAST = 8
 """Training episodes for which another thread pays."""
 
 
-@dataclass(slots=True)
-class _Attempt:
-    """An attempt at a training episode under way, and how an operator goes about it.
+HEARD = 5
+"""Column of the behaviour heard in an experience vector, behind the five attributes."""
+attempt_dtype = np.dtype(
+    [("complete", "?"), *((name, "i4") for name in ("rounds", "vectors", "separations"))], align=True
+)
+"""What became of one attempt at a training episode."""
+
+
+class Attempts(NamedTuple):
+    """What came of every attempt at every training episode, one element each, in the order of learners and episodes.
 
     Attributes:
-        pairing: The learner and its teacher.
-        rounds: So far.
-        vectors: Experience vectors recorded so far.
-        since_done: For how many rounds the robots have done their part.
+        learner: From 0.
+        episode: Of the learner, from 0.
+        attempt: At the episode, from 1, up to the one that is complete.
         complete: Whether teacher and learner delivered and left home (5.3).
-        limit: Rounds after which an attempt is out of time.
-        patience: Rounds of separation after which an attempt is given up.
-        attempts: Incomplete attempts after which an episode is given up.
-        error: Standard deviation with which something is put on its mark, mm.
-        heading_error: Of a robot's heading, radians.
+        rounds: MultiSteps it took.
+        vectors: Experience vectors recorded; those of an incomplete attempt are forgotten.
+        separations: Times the learner got separated.
+        reason: Why it is incomplete, `separated` or `out of time`; empty for a complete one.
     """
 
-    pairing: Pairing = field(default_factory=Pairing)
-    rounds: int = 0
-    vectors: int = 0
-    since_done: int = 0
-    complete: bool = False
-    limit: int = 600
-    patience: int = 100
-    attempts: int = 200
-    error: float = 0.0
-    heading_error: float = 0.0
+    learner: NDArray[np.int64]
+    episode: NDArray[np.int64]
+    attempt: NDArray[np.int64]
+    complete: NDArray[np.bool_]
+    rounds: NDArray[np.int64]
+    vectors: NDArray[np.int64]
+    separations: NDArray[np.int64]
+    reason: NDArray[np.str_]
 
 
-_attempt_dtype = dtype_of(_Attempt)
+class Trained(NamedTuple):
+    """The experience of many learners.
+
+    Attributes:
+        experience: One vector a row: the five attributes of the state vector, and the behaviour heard; int16.
+        offsets: Where each learner's episodes begin in it, and the last ends: shape (learners, episodes + 1).
+        attempts: One element an attempt.
+        arena: Name of the arena.
+        seed: As given.
+        decisions: Of the training.
+        rewards: The learner's from each vector to the next, one a row, as in `TrainingEnv`; float32.
+    """
+
+    experience: NDArray[np.int16]
+    offsets: NDArray[np.int64]
+    attempts: Attempts
+    arena: str
+    seed: int
+    decisions: Decisions
+    rewards: NDArray[np.float32]
+
+    def vectors_of(self, learner: int, episode: int | None = None) -> NDArray[np.int16]:
+        """The rows of one learner, of all its episodes or of one; a view.
+
+        Raises:
+            ValueError: There is no such learner, or no such episode.
+        """
+        return self.experience[self._rows(learner, episode)]
+
+    def _rows(self, learner: int, episode: int | None) -> slice:
+        learners, episodes = self.offsets.shape[0], self.offsets.shape[1] - 1
+        own = self.offsets[_within("learner", learner, learners)]
+        if episode is None:
+            return slice(own[0], own[-1])
+        episode = _within("episode", episode, episodes)
+        return slice(own[episode], own[episode + 1])
+
+    def rewards_of(self, learner: int, episode: int | None = None) -> NDArray[np.float32]:
+        """The reward that followed each row of `vectors_of`; a view.
+
+        Raises:
+            ValueError: There is no such learner, or no such episode.
+        """
+        return self.rewards[self._rows(learner, episode)]
+
+    def experience_of(self, learner: int, episode: int | None = None) -> Experience:
+        """The same as an `Experience`, which can be saved as a file.
+
+        Raises:
+            ValueError: There is no such learner, or no such episode.
+        """
+        rows = self.vectors_of(learner, episode).tolist()
+        episodes = self.offsets.shape[1] - 1 if episode is None else 1
+        heard = [row[HEARD] for row in rows]
+        return Experience(
+            [row[:HEARD] for row in rows], heard, self.arena, self.seed, episodes, self.decisions
+        )
 
 
 def train_learners(
@@ -130,20 +166,9 @@ def train_learners(
     """
     n, episodes = whole_number("n", n, 1), whole_number("episodes", episodes, 1)
     decisions, noise = checked_decisions(decisions), checked_noise(noise)
-    terms = np.zeros(1, _attempt_dtype)
-    terms["limit"] = limit = whole_number("max_cycles", max_cycles, 1)
-    terms["patience"] = decisions.patience if patience is None else whole_number("patience", patience, 1)
+    limit = whole_number("max_cycles", max_cycles, 1)
     most = decisions.most_attempts if attempts is None else whole_number("attempts", attempts, 1)
-    terms["attempts"], terms["error"] = most, noise.placement_error
-    terms["heading_error"] = np.radians(noise.placement_heading_error)
-    arenas = arenas_with_marks(copies(checked_arena(arena, decisions), 2), options or {})
-    _check(arenas)
-    foods, anchor = len(arenas[0].foods), cable_anchor(arenas)
-    # The teacher has the marker of one hole.
-    sides: list[Any] = []
-    for side, holes in zip(arenas, (1, 2), strict=True):
-        settings = settings_of(foods, limit, noise, food_types, decisions, holes)
-        sides += [arena_block(side, anchor), settings, *given_records(side.start, side.foods, foods)]
+    arenas, sides, terms = paired_sides(2, arena, noise, food_types, limit, patience, options, decisions)
     learner_keys = keys_of(np.uint64(whole_number("seed", seed, 0)) + np.arange(n, dtype=np.uint64))
     keys = random_bits(learner_keys[:, None], np.arange(1, episodes + 1, dtype=np.uint64)).ravel()
     bytes_each = limit * ((HEARD + 1) * 2 + 4) + most * attempt_dtype.itemsize
@@ -158,8 +183,13 @@ def train_learners(
         share_out(
             _train,
             some.size,
-            *(*sides, some, rows, rewards, records, made, free),
-            scratch=lambda: (new_worlds(2, foods), terms.copy()),
+            *(sides, some, rows, rewards, records, made, free),
+            scratch=lambda: (
+                new_worlds(2, len(arenas[0].foods)),
+                terms.copy(),
+                np.zeros(2, pairing_dtype),
+                np.zeros(2, np.int64),
+            ),
             least=_LEAST,
         )
         if not free.all():
@@ -173,7 +203,7 @@ def train_learners(
         gains.append(rewards[: some.size][heard])
         lines.append(done)
         tried.append(made)
-    return trained(
+    return _trained(
         np.concatenate(vectors),
         np.concatenate(gains),
         np.concatenate(lines),
@@ -186,25 +216,11 @@ def train_learners(
     )
 
 
-def _check(arenas: Any) -> None:
-    """Complain about arenas that are out of sight, or marks that nothing can stand on."""
-    check_seen(arenas)
-    layout = Layout(tuple(a.start for a in arenas), tuple(food for a in arenas for food in a.foods))
-    check_layout(arenas, layout)
-
-
 @entry
 def _train(
     first: int,
     last: int,
-    teacher_block: Any,
-    teacher_settings: Any,
-    teacher_mark: Any,
-    teacher_food_marks: Any,
-    learner_block: Any,
-    learner_settings: Any,
-    learner_mark: Any,
-    learner_food_marks: Any,
+    sides: Sides,
     keys: Any,
     rows: Any,
     rewards: Any,
@@ -213,20 +229,15 @@ def _train(
     free: Any,
     worlds: World,
     attempts: Any,
+    pairings: Any,
+    actions: Any,
 ) -> None:
     """Train the episodes from `first` to `last`, attempt by attempt until one is complete.
 
     Args:
         first: Number of an episode.
         last: Number after the last one.
-        teacher_block: The teacher's arena; likewise its settings, the robot's mark and the food's.
-        teacher_settings: Likewise.
-        teacher_mark: Likewise.
-        teacher_food_marks: Likewise.
-        learner_block: The learner's; likewise.
-        learner_settings: Likewise.
-        learner_mark: Likewise.
-        learner_food_marks: Likewise.
+        sides: Of teacher and learner.
         keys: Of the random numbers of each episode.
         rows: Experience vectors of the last attempt at each episode, shape (episodes, rounds, 6).
         rewards: The learner's, from each of them to the next, shape (episodes, rounds).
@@ -234,145 +245,38 @@ def _train(
         made: How many attempts at each episode there were.
         free: Whether robots and food found room on their marks.
         worlds: Two of them, the teacher's and the learner's.
-        attempts: One `_Attempt` record, with how an operator goes about it.
+        attempts: One `Attempt` record.
+        pairings: Two `Pairing` records; that of the learner counts.
+        actions: Two behaviours.
     """
-    teacher, learner = world_of(worlds, 0), world_of(worlds, 1)
-    teacher_arena, learner_arena = arena_at(teacher_block, 0), arena_at(learner_block, 0)
-    diagonal = int(learner_arena.numbers[0].map_diagonal)
-    attempt = attempts[0]
+    diagonal = int(arena_at(sides.blocks, sides.places[1]).numbers[0].map_diagonal)
+    attempt, pairing, teacher, learner = (
+        attempts[0],
+        pairings[1],
+        worlds.foragers[0, 0],
+        worlds.foragers[1, 0],
+    )
     for number in range(first, last):
-        attempt.complete = False
-        for k in range(attempt.attempts):
-            key = random_bits(keys[number], k)
-            _begin(attempt)
-            rewards[number] = 0.0
-            room = _put_on_marks(
-                teacher,
-                teacher_arena,
-                teacher_settings[0],
-                0,
-                key,
-                teacher_mark[0],
-                teacher_food_marks,
-                attempt,
-            )
-            room = room and _put_on_marks(
-                learner,
-                learner_arena,
-                learner_settings[0],
-                1,
-                key,
-                learner_mark[0],
-                learner_food_marks,
-                attempt,
-            )
+        for k in range(records.shape[1]):
+            room = put_on_marks(worlds, 0, sides, attempt, pairings, random_bits(keys[number], k))
             free[number] = free[number] and room
-            ended = False
+            rewards[number] = 0.0
+            vectors, ended = 0, False
             while not ended:
-                ended = _round(
-                    teacher,
-                    learner,
-                    teacher_arena,
-                    learner_arena,
-                    teacher_settings[0],
-                    learner_settings[0],
-                    attempt,
-                    rows[number],
-                    rewards[number],
-                    diagonal,
-                )
+                # The learner hears the teacher's decision in the same round, and executes it.
+                behaviour = teacher_says(teacher.state, pairing.separated or worlds.robots[0, 0].first_frame)
+                if behaviour != _WAIT:
+                    _record_vector(learner.vector, behaviour, rows[number, vectors], diagonal)
+                    vectors += 1
+                actions[0] = actions[1] = behaviour
+                ended = carry_out_pair(worlds, 0, sides, attempt, pairings, actions)
+                rewards[number, max(vectors - 1, 0)] += learner.episode.reward
             record = records[number, k]
-            record.complete, record.rounds, record.vectors = attempt.complete, attempt.rounds, attempt.vectors
-            record.separations = attempt.pairing.separations
+            record.complete, record.rounds, record.vectors = attempt.complete, attempt.rounds, vectors
+            record.separations = pairing.separations
             made[number] = k + 1
             if attempt.complete:
                 break
-
-
-@rule
-def _begin(attempt: Any) -> None:
-    pairing = attempt.pairing
-    pairing.separated, pairing.separated_rounds, pairing.separations = False, 0, 0
-    attempt.rounds = attempt.vectors = attempt.since_done = 0
-    attempt.complete = False
-
-
-@rule
-def _put_on_marks(
-    world: World, arena: Any, settings: Any, side: int, key: Any, mark: Any, food_marks: Any, terms: Any
-) -> bool:
-    """Put the robot and food of one side on their marks; returns whether there was room."""
-    robot = world.robots[0]
-    robot.key, robot.round = random_bits(key, side), 0
-    room = place_by_hand(
-        world.starts[0],
-        world.places,
-        random_bits(layout_key(key, 0), side),
-        mark,
-        food_marks,
-        terms.error,
-        terms.heading_error,
-        ground_of(arena),
-    )
-    stand_ready(world, settings)
-    draw_food_types(world.objects, food_type_key(key, 0), settings.odds)
-    return bool(room)
-
-
-@rule
-def _round(
-    teacher: World,
-    learner: World,
-    teacher_arena: Any,
-    learner_arena: Any,
-    teacher_settings: Any,
-    learner_settings: Any,
-    attempt: Any,
-    row: Any,
-    gains: Any,
-    diagonal: int,
-) -> bool:
-    """One round of a pair; returns whether the attempt has ended. The first round only takes the first frame."""
-    pairing, first = attempt.pairing, teacher.robots[0].first_frame
-    # The learner hears the teacher's decision in the same round, and executes it.
-    behaviour = teacher_says(teacher.foragers[0].state, pairing.separated or first)
-    if behaviour != _WAIT:
-        _record_vector(learner.foragers[0].vector, behaviour, row[attempt.vectors], diagonal)
-        attempt.vectors += 1
-    command_behaviour(teacher, teacher_arena, teacher_settings, behaviour)
-    carry_out(teacher, teacher_arena, teacher_settings)
-    share_identified(teacher.objects, learner.objects)
-    _command_learner(learner, learner_arena, learner_settings, pairing, behaviour)
-    carry_out(learner, learner_arena, learner_settings)
-    gains[max(attempt.vectors - 1, 0)] += learner.foragers[0].episode.reward
-    share_identified(learner.objects, teacher.objects)
-
-    shown, learning = teacher.robots[0], learner.robots[0]
-    decisions = teacher_settings.decisions
-    teacher_map, learner_map = map_of(teacher_arena), map_of(learner_arena)
-    update_pairing(
-        pairing,
-        learning.marker_x,
-        learning.marker_y,
-        learner_map,
-        shown.marker_x,
-        shown.marker_y,
-        shown.marker_heading,
-        teacher_map,
-        decisions,
-    )
-    if first:
-        return False
-    attempt.rounds += 1
-    radius = learner_map.home_radius
-    done = _is_done(teacher, radius, decisions) and _is_done(learner, radius, decisions)
-    attempt.since_done = rounds_since_done(attempt.since_done, done)
-    attempt.complete = is_complete(attempt.since_done, decisions)
-    return bool(
-        attempt_ends(
-            attempt.complete, attempt.rounds, attempt.limit, pairing.separated_rounds, attempt.patience
-        )
-    )
 
 
 @rule
@@ -383,17 +287,57 @@ def _record_vector(vector: Any, behaviour: int, row: Any, diagonal: int) -> None
     row[4], row[HEARD] = min(vector.robot_food_distance, diagonal), behaviour
 
 
-@rule
-def _command_learner(world: World, arena: Any, settings: Any, pairing: Any, behaviour: int) -> None:
-    """Command what the behaviour heard commands, bent towards the teacher (4.5.2)."""
-    robot, forager = world.robots[0], world.foragers[0]
-    forager.behaviour = behaviour
-    own = motors_of(world, map_of(arena), settings, behaviour)
-    x, y, orientation = robot.marker_x, robot.marker_y, robot.marker_heading
-    drive(world, lead(pairing, own, behaviour, x, y, orientation, settings.decisions))
+def _trained(
+    vectors: NDArray[np.int16],
+    rewards: NDArray[np.float32],
+    attempts: NDArray[Any],
+    tried: NDArray[np.int64],
+    n: int,
+    limit: int,
+    arena: str,
+    seed: int,
+    decisions: Decisions,
+) -> Trained:
+    """What the kernel has written down, learner by learner.
+
+    Args:
+        vectors: Of all complete episodes, one after the other.
+        rewards: One a vector.
+        attempts: `attempt_dtype`, one record an attempt.
+        tried: How many attempts there were at each episode.
+        n: Learners.
+        limit: Rounds after which an attempt was out of time.
+        arena: Its name.
+        seed: Of all.
+        decisions: Of the training.
+    """
+    episodes = tried.size // n
+    number = np.repeat(np.arange(tried.size), tried)
+    attempt = np.arange(number.size) - np.repeat(np.cumsum(tried) - tried, tried) + 1
+    rounds, complete = attempts["rounds"].astype(np.int64), attempts["complete"]
+    ends = np.cumsum(attempts["vectors"][complete]).reshape(n, episodes)
+    starts = np.concatenate(([0], ends[:-1, -1]))
+    return Trained(
+        vectors,
+        np.column_stack((starts, ends)),
+        Attempts(
+            number // episodes,
+            number % episodes,
+            attempt,
+            complete,
+            rounds,
+            attempts["vectors"].astype(np.int64),
+            attempts["separations"].astype(np.int64),
+            np.where(complete, "", np.where(rounds < limit, "separated", "out of time")),
+        ),
+        arena,
+        seed,
+        decisions,
+        rewards,
+    )
 
 
-@rule
-def _is_done(world: World, home_radius: float, decisions: Any) -> bool:
-    forager = world.foragers[0]
-    return bool(has_done_its_part(forager.tracker, world.objects, forager.vector, home_radius, decisions))
+def _within(name: str, value: int, count: int) -> int:
+    if not 0 <= value < count:
+        raise ValueError(f"{name} is {value!r}; allowed: 0 to {count - 1}")
+    return value

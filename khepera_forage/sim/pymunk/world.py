@@ -24,7 +24,9 @@ from khepera_forage.sim.driving import (
     is_near_wall,
     move_jaw,
     moves_jaw,
+    push_out,
     put_down,
+    seen_from,
     steps_of,
     tip_of,
     travel_of,
@@ -37,6 +39,9 @@ from khepera_forage.vision.association import Track
 
 FOOD_MASS = 0.013
 """kg: 22 cubic centimetres of soft wood (3.1: light enough for a Khepera to lift). Assumption: 0.6 g/cm3."""
+_INERTIA = 0.1 * FOOD_MASS
+"""kg that resist when food is pushed: pymunk shares an overlap out by inertia, and a finger that begins to push would
+turn its robot back, though the wheels hold five times as well as the food. Pushed food stops at once either way."""
 FLOOR_FRICTION = 0.3 * FOOD_MASS * 9810.0
 """kg mm/s2: wood on a painted floor, coefficient 0.3. Assumption."""
 TRACTION = 0.6 * MASS * 9810.0
@@ -84,7 +89,7 @@ class Bodies:
     def _food(self) -> tuple[pymunk.Body, pymunk.Shape]:
         """A wooden disc that is pushed by contact and slows on the floor."""
         space = self._space
-        body = pymunk.Body(FOOD_MASS, pymunk.moment_for_circle(FOOD_MASS, 0, FOOD_RADIUS))
+        body = pymunk.Body(_INERTIA, pymunk.moment_for_circle(_INERTIA, 0, FOOD_RADIUS))
         slide = pymunk.PivotJoint(space.static_body, body, (0, 0), (0, 0))
         spin = pymunk.GearJoint(space.static_body, body, 0, 1)
         slide.max_bias = spin.max_bias = 0
@@ -120,9 +125,25 @@ class Bodies:
                 if moves_jaw(robots[i]):
                     self._record()
                     move_jaw(robots, i, foods, walls, constants.jaw_speed * dt)
+                    self._slide_aside(robots[i])
                     self._shape()
             self._space.step(dt)
         self._record()
+
+    def _slide_aside(self, robot: Any) -> None:
+        """Let food on the floor slide out of the way of a moving jaw.
+
+        Left to pymunk, an overlap would turn the robot as well.
+        """
+        if robot.arm < ARM_ON_FLOOR:
+            return
+        for k, (food, (body, _)) in enumerate(zip(self._enclosure.foods, self._foods, strict=True)):
+            u, v = seen_from(robot, food.x, food.y)
+            depth, along, aside = push_out(u, v, tip_of(robot), robot.jaw, FOOD_RADIUS)
+            if depth > 0.0 and k != robot.held:
+                food.x += depth * (along * robot.cos - aside * robot.sin)
+                food.y += depth * (along * robot.sin + aside * robot.cos)
+                body.position = food.x, food.y
 
     def _shape(self) -> None:
         """Give grippers and food the shapes that their records say: held food is one rigid body with its robot."""

@@ -1,0 +1,482 @@
+"""Compiled paired arenas: the training phase of the thesis (4.5, 5.2, 5.3), many attempts at a time.
+
+Each robot has a world of its own, a copy of the arena at its offset under the same camera, with its own walls, home
+and marker. Marker and food of one are never hidden by, or under the cable of, the robot of another: the gap between
+the arenas is wider than a marker reaches, and the cables hang from its middle. So the worlds share nothing but what
+learners hear, where the teacher is, and the types of corresponding food.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.error import ResetNeeded
+from numpy.typing import ArrayLike, NDArray
+
+from khepera_forage.compilation import entry, rule, share_out
+from khepera_forage.counter_rng import keys_of, random_bits
+from khepera_forage.envs.arguments import FoodOdds, checked_arena, checked_decisions, whole_number
+from khepera_forage.envs.compiled.arenas import arena_at, arena_block, ground_of, map_of, settings_of
+from khepera_forage.envs.compiled.batch import given_records
+from khepera_forage.envs.compiled.step import (
+    World,
+    carry_out,
+    command_behaviour,
+    drive,
+    motors_of,
+    new_worlds,
+    stand_ready,
+    world_of,
+)
+from khepera_forage.envs.layouts import arena_map_of, arenas_with_marks, no_room_on_marks
+from khepera_forage.envs.training_episode import observation_box
+from khepera_forage.noise import Noise, checked_noise
+from khepera_forage.records import dtype_of
+from khepera_forage.robots.model import KHEPERA
+from khepera_forage.sim.arena import Arena, copies
+from khepera_forage.sim.layout_checks import cable_anchor, check_layout, check_seen
+from khepera_forage.sim.world import Layout
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.episode import has_done_its_part
+from khepera_forage.task.food_tracking import share_identified
+from khepera_forage.task.pairing import (
+    Pairing,
+    attempt_ends,
+    is_complete,
+    lead,
+    rounds_since_done,
+    update_pairing,
+)
+from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key, place_by_hand
+from khepera_forage.task.states import Behaviour
+
+_LEAST = 256
+"""Pairs for which another thread pays."""
+_WAIT = Behaviour.WAIT.value
+pairing_dtype = dtype_of(Pairing)
+
+
+class Sides(NamedTuple):
+    """What paired worlds have in common; one element of each array a robot, the teacher's first.
+
+    Attributes:
+        blocks: Bytes of the arenas, see `arena_at`.
+        places: Where the block of each begins.
+        settings: `settings_dtype` records.
+        marks: `Start` records: where the robots are put down.
+        food_marks: `Place` records, shape (robots, foods): where food is put down.
+    """
+
+    blocks: Any
+    places: Any
+    settings: Any
+    marks: Any
+    food_marks: Any
+
+
+@dataclass(slots=True)
+class Attempt:
+    """An attempt at a training episode under way, and how an operator goes about it.
+
+    Attributes:
+        number: Of the next attempt.
+        rounds: So far.
+        since_done: For how many rounds the robots have done their part.
+        complete: Whether all robots delivered and left home (5.3).
+        limit: Rounds after which an attempt is out of time.
+        patience: Rounds of separation after which an attempt is given up.
+        error: Standard deviation with which something is put on its mark, mm.
+        heading_error: Of a robot's heading, radians.
+    """
+
+    number: int = 0
+    rounds: int = 0
+    since_done: int = 0
+    complete: bool = False
+    limit: int = 600
+    patience: int = 100
+    error: float = 0.0
+    heading_error: float = 0.0
+
+
+def paired_sides(
+    robots: int,
+    arena: Arena | str,
+    noise: Noise | str | None,
+    food_types: FoodOdds,
+    max_cycles: int,
+    patience: int | None,
+    options: Mapping[str, Any] | None,
+    decisions: Decisions,
+    robot: str = KHEPERA.name,
+) -> tuple[tuple[Arena, ...], Sides, NDArray[Any]]:
+    """The copies of an arena, one a robot; what their worlds have in common; and one `Attempt` record.
+
+    The arguments are those of `rollouts.compiled.training.train_learners`, and how many robots there are.
+
+    Raises:
+        ValueError: An argument out of range, arenas out of sight, or marks that nothing can stand on.
+    """
+    noise = checked_noise(noise)
+    arenas = tuple(arenas_with_marks(copies(checked_arena(arena, decisions), robots), options or {}))
+    check_seen(arenas)
+    check_layout(
+        arenas, Layout(tuple(a.start for a in arenas), tuple(food for a in arenas for food in a.foods))
+    )
+    foods, anchor = len(arenas[0].foods), cable_anchor(arenas)
+    blocks = [arena_block(side, anchor) for side in arenas]
+    # The teacher has the marker of one hole.
+    settings = [
+        settings_of(foods, max_cycles, noise, food_types, decisions, min(i + 1, 2), robot=robot)
+        for i in range(robots)
+    ]
+    marks = [given_records(side.start, side.foods, foods) for side in arenas]
+    attempt = np.zeros(1, dtype_of(Attempt))
+    attempt["limit"] = max_cycles
+    attempt["patience"] = decisions.patience if patience is None else whole_number("patience", patience, 1)
+    attempt["error"], attempt["heading_error"] = (
+        noise.placement_error,
+        np.radians(noise.placement_heading_error),
+    )
+    sides = Sides(
+        np.concatenate(blocks),
+        np.cumsum([0, *map(len, blocks[:-1])]),
+        np.concatenate(settings),
+        np.concatenate([mark for mark, _ in marks]),
+        np.stack([food_marks for _, food_marks in marks]),
+    )
+    return arenas, sides, attempt
+
+
+@rule
+def put_on_marks(worlds: World, first: int, sides: Sides, attempt: Any, pairings: Any, key: Any) -> bool:
+    """Begin an attempt: robots and food on their marks, as well as an operator can put them there.
+
+    Args:
+        worlds: Of the robots, the teacher's the one with number `first`.
+        first: See there.
+        sides: What they have in common.
+        attempt: The `Attempt` record.
+        pairings: `Pairing` records, one a robot.
+        key: Of the attempt's random numbers.
+
+    Returns:
+        Whether there was room.
+    """
+    attempt.rounds, attempt.since_done, attempt.complete = 0, 0, False
+    room = True
+    for j in range(len(sides.settings)):
+        pairings[j].separated, pairings[j].separated_rounds, pairings[j].separations = False, 0, 0
+        world, settings = world_of(worlds, first + j), sides.settings[j]
+        robot = world.robots[0]
+        robot.key, robot.round = random_bits(key, j), 0
+        room &= place_by_hand(
+            world.starts[0],
+            world.places,
+            random_bits(layout_key(key, 0), j),
+            sides.marks[j],
+            sides.food_marks[j],
+            attempt.error,
+            attempt.heading_error,
+            ground_of(arena_at(sides.blocks, sides.places[j])),
+        )
+        stand_ready(world, settings)
+        draw_food_types(world.objects, food_type_key(key, 0), settings.odds)
+    return room
+
+
+@rule
+def carry_out_pair(
+    worlds: World, first: int, sides: Sides, attempt: Any, pairings: Any, actions: Any
+) -> bool:
+    """One round of paired robots. The first round of an attempt only takes the first frame.
+
+    Args:
+        worlds: As for `put_on_marks`; so are the next four.
+        first: Likewise.
+        sides: Likewise.
+        attempt: Likewise.
+        pairings: Likewise.
+        actions: The behaviour of each robot.
+
+    Returns:
+        Whether the attempt has ended.
+    """
+    robots, teacher = len(sides.settings), worlds.robots[first, 0]
+    begins = teacher.first_frame
+    for j in range(robots):
+        world, settings, arena = (
+            world_of(worlds, first + j),
+            sides.settings[j],
+            arena_at(sides.blocks, sides.places[j]),
+        )
+        if j == 0:
+            command_behaviour(world, arena, settings, actions[0])
+        else:
+            _command_learner(world, arena, settings, pairings[j], actions[j])
+        carry_out(world, arena, settings)
+        # What one identifies, the next ones know at once, and the others a round later.
+        for other in range(robots):
+            if other != j:
+                share_identified(world.objects, worlds.objects[first + other])
+    done, longest = True, 0
+    decisions, teacher_map = sides.settings[0].decisions, map_of(arena_at(sides.blocks, sides.places[0]))
+    for j in range(robots):
+        robot, forager = worlds.robots[first + j, 0], worlds.foragers[first + j, 0]
+        if j > 0:
+            update_pairing(
+                pairings[j],
+                robot.marker_x,
+                robot.marker_y,
+                map_of(arena_at(sides.blocks, sides.places[j])),
+                teacher.marker_x,
+                teacher.marker_y,
+                teacher.marker_heading,
+                teacher_map,
+                decisions,
+            )
+            longest = max(longest, pairings[j].separated_rounds)
+        done &= has_done_its_part(
+            forager.tracker, worlds.objects[first + j], forager.vector, teacher_map.home_radius, decisions
+        )
+    if begins:
+        return False
+    attempt.rounds += 1
+    attempt.since_done = rounds_since_done(attempt.since_done, done)
+    attempt.complete = is_complete(attempt.since_done, decisions)
+    return bool(attempt_ends(attempt.complete, attempt.rounds, attempt.limit, longest, attempt.patience))
+
+
+@rule
+def _command_learner(world: World, arena: Any, settings: Any, pairing: Any, behaviour: int) -> None:
+    """Command what a behaviour commands, bent towards the teacher (4.5.2)."""
+    robot, forager = world.robots[0], world.foragers[0]
+    forager.behaviour = behaviour
+    own = motors_of(world, map_of(arena), settings, behaviour)
+    x, y, orientation = robot.marker_x, robot.marker_y, robot.marker_heading
+    drive(world, lead(pairing, own, behaviour, x, y, orientation, settings.decisions))
+
+
+@entry
+def _step_pairs(
+    first: int,
+    last: int,
+    worlds: World,
+    sides: Sides,
+    attempts: Any,
+    pairings: Any,
+    keys: Any,
+    actions: Any,
+    waiting: Any,
+    free: Any,
+) -> None:
+    """One round of the pairs from `first` to `last`, or the start of an attempt where they wait for one.
+
+    Afterwards those wait whose attempt has ended.
+    """
+    robots = len(sides.settings)
+    for i in range(first, last):
+        attempt = attempts[i]
+        if waiting[i]:
+            key = random_bits(keys[i], attempt.number)
+            attempt.number += 1
+            free[i] = put_on_marks(worlds, i * robots, sides, attempt, pairings[i], key)
+            for j in range(robots):
+                actions[i, j] = _WAIT
+        waiting[i] = carry_out_pair(worlds, i * robots, sides, attempt, pairings[i], actions[i])
+
+
+class PairedBatch:
+    """Paired corridors by the thousand, for learners that train all agents together: `parallel_env` for many pairs.
+
+    Agents, spaces, rewards and the ends of attempts are those of `paired_corridors_v1.parallel_env`. Observations,
+    rewards and so on are dictionaries by agent with one row a pair. What a learner hears is what the teacher did a
+    round ago. After the end of an attempt the next step ignores the actions of that pair and begins its next attempt.
+
+    Args:
+        num_envs: How many pairs: a teacher with its learners each.
+        num_learners: Of each teacher.
+        max_cycles: Rounds after which an attempt is out of time.
+        arena: One arena, or its name.
+        noise: The laboratory's troubles by default.
+        food_types: One type, or odds by type.
+        patience: Rounds of separation after which an attempt is given up.
+        decisions: Ours by default.
+        robot: Kind of robot.
+
+    Attributes:
+        possible_agents: Names of the agents, the teacher first.
+
+    Raises:
+        ValueError: An argument out of range.
+    """
+
+    def __init__(
+        self,
+        num_envs: int,
+        num_learners: int = 1,
+        max_cycles: int = 600,
+        arena: Arena | str = "corridor",
+        noise: Noise | str | None = "laboratory",
+        food_types: FoodOdds = None,
+        patience: int | None = None,
+        decisions: Decisions | None = None,
+        robot: str = KHEPERA.name,
+    ) -> None:
+        self.num_envs = whole_number("num_envs", num_envs, 1)
+        self.max_cycles = whole_number("max_cycles", max_cycles, 1)
+        robots = whole_number("num_learners", num_learners, 1) + 1
+        self.decisions, self._noise = checked_decisions(decisions), checked_noise(noise)
+        self.possible_agents = ["teacher_0", *(f"learner_{i}" for i in range(robots - 1))]
+        settings = arena, self._noise, food_types, self.max_cycles, patience, None, self.decisions, robot
+        self._arenas, self._sides, attempt = paired_sides(robots, *settings)
+        self._worlds = new_worlds(self.num_envs * robots, len(self._arenas[0].foods))
+        self._attempts = np.repeat(attempt, self.num_envs)
+        self._pairings = np.zeros((self.num_envs, robots), pairing_dtype)
+        self._actions = np.full((self.num_envs, robots), _WAIT)
+        self._waiting, self._free = np.ones(self.num_envs, np.bool_), np.ones(self.num_envs, np.bool_)
+        self._keys: NDArray[np.uint64] | None = None
+        self._diagonal = arena_map_of(self._arenas[0]).diagonal
+        self._space = observation_box(self._diagonal)
+
+    def observation_space(self, agent: str) -> spaces.Box:
+        """The space of one row of an agent's observations."""
+        return self._space
+
+    def action_space(self, agent: str) -> spaces.Discrete:
+        """The space of one of an agent's actions."""
+        return spaces.Discrete(len(Behaviour))
+
+    def reset(
+        self, seed: int | None = None
+    ) -> tuple[dict[str, NDArray[np.int64]], dict[str, dict[str, NDArray[Any]]]]:
+        """Begin a new attempt in every pair.
+
+        Args:
+            seed: Pair i then has the attempts of learner i of `train_learners(seed=seed)`. Without a seed, attempts
+                go on.
+
+        Returns:
+            Observations and infos by agent.
+        """
+        if seed is None and self._keys is None:
+            seed = int(np.random.SeedSequence().generate_state(1)[0])
+        if seed is not None:
+            first = np.uint64(whole_number("seed", seed, 0) & 0xFFFFFFFFFFFFFFFF)
+            self._keys = random_bits(keys_of(first + np.arange(self.num_envs, dtype=np.uint64)), np.uint64(1))
+            self._attempts["number"] = 0
+        self._waiting[:] = True
+        self._run()
+        return self._observations(), self._infos()
+
+    def step(
+        self, actions: Mapping[str, ArrayLike]
+    ) -> tuple[
+        dict[str, NDArray[np.int64]],
+        dict[str, NDArray[np.float64]],
+        dict[str, NDArray[np.bool_]],
+        dict[str, NDArray[np.bool_]],
+        dict[str, dict[str, NDArray[Any]]],
+    ]:
+        """One round of every pair.
+
+        Args:
+            actions: For each agent one behaviour a pair, 0 to 10.
+
+        Returns:
+            Observations, rewards, terminations (the attempt is complete), truncations and infos, by agent.
+
+        Raises:
+            ResetNeeded: Before the first reset.
+            ValueError: An agent has no actions or is unknown, or an action is not in its space.
+        """
+        if self._keys is None:
+            raise ResetNeeded("no episode is under way; call reset() to start one")
+        if set(actions) != set(self.possible_agents):
+            raise ValueError(
+                f"actions are of {list(actions)}; allowed: one array each of {', '.join(self.possible_agents)}"
+            )
+        given = np.empty_like(self._actions)
+        for j, agent in enumerate(self.possible_agents):
+            own = np.asarray(actions[agent])
+            if (
+                own.shape != (self.num_envs,)
+                or own.dtype.kind not in "iu"
+                or own.min() < 0
+                or own.max() > _WAIT
+            ):
+                raise ValueError(
+                    f"actions of {agent} are {actions[agent]!r}; allowed: {self.num_envs} whole numbers from 0 "
+                    f"to {_WAIT}"
+                )
+            given[:, j] = own
+        self._actions[:] = given
+        begins = self._waiting.copy()
+        self._run()
+        complete = self._attempts["complete"] & self._waiting
+        rewards = np.where(begins[:, None], 0.0, self._of_robots(self._worlds.foragers["episode"]["reward"]))
+        agents = self.possible_agents
+        return (
+            self._observations(),
+            {agent: rewards[:, j] for j, agent in enumerate(agents)},
+            {agent: complete.copy() for agent in agents},
+            dict.fromkeys(agents, self._waiting & ~complete),
+            self._infos(),
+        )
+
+    def state(self) -> NDArray[np.int64]:
+        """The observations of all agents in a row, one row a pair, for learners with a critic of all agents."""
+        return np.concatenate(list(self._observations().values()), axis=1)
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+    def _run(self) -> None:
+        share_out(
+            _step_pairs,
+            self.num_envs,
+            *(self._worlds, self._sides, self._attempts, self._pairings, self._keys),
+            *(self._actions, self._waiting, self._free),
+            least=_LEAST,
+        )
+        if not self._free.all():
+            raise no_room_on_marks(self._arenas[0], self._noise)
+
+    def _of_robots(self, values: NDArray[Any]) -> NDArray[Any]:
+        """A field of records of robots, shape (pairs, robots)."""
+        return values.reshape(self.num_envs, -1)
+
+    def _observations(self) -> dict[str, NDArray[np.int64]]:
+        vectors, separated = self._worlds.foragers["vector"], self._pairings["separated"].copy()
+        separated[:, 0] = separated.any(axis=1)
+        rows = np.empty((*self._actions.shape, 7), np.int64)
+        for k, name in enumerate(vectors.dtype.names):
+            rows[..., k] = self._of_robots(vectors[name])
+        rows[..., (1, 4)] = np.minimum(rows[..., (1, 4)], self._diagonal)
+        rows[..., 5], rows[..., 6] = self._actions[:, :1], separated
+        rows[:, 0, 5] = _WAIT
+        return {agent: rows[:, j] for j, agent in enumerate(self.possible_agents)}
+
+    def _infos(self) -> dict[str, dict[str, NDArray[Any]]]:
+        """What an attempt counts, by agent: numbers of the agent's own, but for `complete` and `steps`."""
+        foragers, robots, common = self._worlds.foragers, self._worlds.robots, self._attempts
+        fields = {
+            "correct_behaviour": foragers["state"],
+            "x": robots["marker_x"],
+            "y": robots["marker_y"],
+            "orientation": robots["marker_heading"],
+            "delivered": foragers["tracker"]["delivered"],
+            "poison_home": foragers["tracker"]["poison_home"],
+        }
+        own = {name: self._of_robots(values).copy() for name, values in fields.items()}
+        own["separations"], own["separated_rounds"] = (
+            self._pairings["separations"].copy(),
+            self._pairings["separated_rounds"].copy(),
+        )
+        return {
+            agent: {name: values[:, j] for name, values in own.items()}
+            | {"steps": common["rounds"].copy(), "complete": common["complete"].copy()}
+            for j, agent in enumerate(self.possible_agents)
+        }
