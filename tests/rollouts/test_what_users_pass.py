@@ -120,13 +120,16 @@ def test_other_noise_is_named(noise: Any) -> None:
             gym.make_vec(NAME, num_envs=2, noise=noise)
 
 
+THREE: Any = 3
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: recall(recall_env("corridor"), 3, seed=0), "policy is 3; allowed: what has act"),
-        (lambda: recall(3, Teacher(), seed=0), "env is 3; allowed: Corridor-v1"),
-        (lambda: train(3, 0), "env is 3; allowed: a TrainingEnv"),
-        (lambda: recall_env(3), "arena is 3; allowed: an Arena"),
+        (lambda: recall(recall_env("corridor"), THREE, seed=0), "policy is 3; allowed: what has act"),
+        (lambda: recall(THREE, Teacher(), seed=0), "env is 3; allowed: Corridor-v1"),
+        (lambda: train(THREE, 0), "env is 3; allowed: a TrainingEnv"),
+        (lambda: recall_env(THREE), "arena is 3; allowed: an Arena"),
         (lambda: gym.make(NAME, food_types={"PICKABLE": "a"}), "odds of PICKABLE are 'a'; allowed: a number"),
         (
             lambda: gym.make(NAME, food_types=["PICKABLE"]),
