@@ -148,22 +148,19 @@ def refuse_ignored(arguments: argparse.Namespace, options: Sequence[str], where:
         ValueError: One of them was given.
     """
     for name in options:
-        value = getattr(arguments, name.removeprefix("--").replace("-", "_"))
+        value = getattr(arguments, name.removeprefix("--").replace("-", "_"), None)
         if value is not None and value is not False and value != []:  # 0 is a value that was given
             raise ValueError(f"{name} has no effect here; allowed: {where}")
 
 
-def refuse_ignored_in_laboratory(
-    arguments: argparse.Namespace, listed: Sequence[str], simulated: Sequence[str] = ()
-) -> None:
+def refuse_ignored_in_laboratory(arguments: argparse.Namespace) -> None:
     """Refuse options that a laboratory's file replaces, and those that have an effect in simulations only."""
-    if arguments.lab is not None and arguments.lab.partition(":")[0] != VIRTUAL_LAB:
-        if "--num-learners" in listed:
-            refuse_ignored(arguments, ["--num-learners"], "without --lab; the file lists the learners")
-        others = [name for name in listed if name != "--num-learners"]
-        refuse_ignored(arguments, others, "without --lab; the file names the arena")
-    if arguments.lab is not None:
-        refuse_ignored(arguments, simulated, "without --lab")
+    if arguments.lab is None:
+        return
+    if arguments.lab.partition(":")[0] != VIRTUAL_LAB:
+        refuse_ignored(arguments, ["--num-learners"], "without --lab; the file lists the learners")
+        refuse_ignored(arguments, ["--arena", "--foods"], "without --lab; the file names the arena")
+    refuse_ignored(arguments, ["--noise"], "without --lab")
 
 
 def check_ending(path: Path, endings: Iterable[str]) -> None:

@@ -77,7 +77,7 @@ def recall_command(arguments: argparse.Namespace) -> None:
 
 def _check_policy(arguments: argparse.Namespace) -> None:
     """Refuse what has no effect on the policy or in a laboratory."""
-    options.refuse_ignored_in_laboratory(arguments, ["--arena", "--foods"], ["--noise"])
+    options.refuse_ignored_in_laboratory(arguments)
     if not arguments.experience:
         ignored = ["--learner", "--allow-other-decisions", "--recover"]
         options.refuse_ignored(arguments, ignored, "with --experience")
@@ -205,7 +205,7 @@ def _check_watch(arguments: argparse.Namespace) -> None:
     if arguments.phase == "training":
         ignored = ["--experience", "--learner", "--foods", "--allow-other-decisions", "--recover"]
         options.refuse_ignored(arguments, ignored, "with `watch recall`")
-        options.refuse_ignored_in_laboratory(arguments, ["--num-learners", "--arena"], ["--noise"])
+        options.refuse_ignored_in_laboratory(arguments)
     else:
         options.refuse_ignored(arguments, ["--num-learners"], "with `watch training`")
         _check_policy(arguments)
