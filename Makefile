@@ -26,7 +26,7 @@ pytest: $(VENV)/installed
 # torch first and pinned: a range would take the newest build, with gigabytes of GPU libraries.
 test-baselines: $(VENV)/installed
 	$(PIP_INSTALL) torch==2.13.0
-	$(PIP_INSTALL) --editable '.[dev,baselines,ray,dask]'
+	$(PIP_INSTALL) --editable '.[dev,baselines,dask]'
 	$(BIN)/python -m pytest $(PARALLEL) tests/baselines tests/benchmarks/test_learners_on_clusters.py
 
 # Installs the wheel into empty environments, without extras and with each extra.

@@ -65,9 +65,9 @@ from khepera_forage.study import Count, Page, Picture, Rows, Unit, collect, fini
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.food_tracking import is_finished
 from khepera_forage.task.states import Behaviour, FoodType
-from khepera_forage.thesis.cells import in_cell
 from khepera_forage.thesis.design import THESIS as DESIGN
-from khepera_forage.thesis.replication import JobCounts, Replication, compiled_jobs
+from khepera_forage.thesis.replication import JobCounts, compiled_jobs, replicate
+from khepera_forage.thesis.tables import in_cell
 
 COUNTS = (
     Count("forages", 500, 15, "teacher: random starts of each line", adds_units=True),
@@ -244,8 +244,8 @@ class Experiment(NamedTuple):
 
     def run(self) -> Sequence[RecallRow]:
         """Train, and return the recalls."""
-        replication = Replication(self.seed, self.number, cells=QUICK_DESIGN if self.quick else DESIGN)
-        return Rows(replication.run()).of(RecallRow)
+        cells = QUICK_DESIGN if self.quick else DESIGN
+        return Rows(replicate(self.seed, self.number, cells=cells)).of(RecallRow)
 
 
 def _settings(arena: str, level: int) -> dict[str, Any]:
@@ -528,7 +528,7 @@ def _tested(stem: str, title: str, lines: Sequence[tuple[Value, ...]], names: in
 
 def design_table(pymunk: Sequence[RecallRow], seed: int, experiments: int) -> Table:
     """The thesis's experiments on both backends."""
-    jobs = compiled_jobs(seed, JobCounts(DESIGN_FACTOR * experiments, 0, (), 0, 0), DEFAULT_DECISIONS)
+    jobs = compiled_jobs(seed, JobCounts(DESIGN_FACTOR * experiments), DEFAULT_DECISIONS)
     compiled = Rows(row for job in jobs for row in job.run()).of(RecallRow)
     measures = {"score (%)": "score", "food": "delivered", "steps": "steps", "vectors": "experience_size"}
     lines: list[tuple[Value, ...]] = []

@@ -9,12 +9,11 @@ name.
 import argparse
 import sys
 
-from further_experiments.action_level import ACTION_LEVEL
-from further_experiments.alternatives import ALTERNATIVES
-from further_experiments.arenas_and_food import DIFFERENT_ROBOTS, PUSH_AND_AVOID, SPATIAL_VARIETY
-from further_experiments.experiment import TABLES, Analysis, RecallEpisode, Size, TrainingEpisode
-from further_experiments.state_vectors import ATTRIBUTE_WEIGHTS, STATE_VECTOR
+from further_experiments.common import TABLES, Analysis, RecallEpisode, Size, TrainingEpisode
+from further_experiments.memory import ALTERNATIVES, ATTRIBUTE_WEIGHTS
+from further_experiments.perception import ACTION_LEVEL, STATE_VECTOR
 from further_experiments.teachers import CHAINS_OF_LEARNERS, HUMAN_TEACHER, SEVERAL_LEARNERS
+from further_experiments.training import DIFFERENT_ROBOTS, PUSH_AND_AVOID, SPATIAL_VARIETY
 
 from khepera_forage.study import Count, collect, parse, write
 
@@ -58,7 +57,7 @@ def main() -> int:
     for name in given.only or EXPERIMENTS:
         experiment = EXPERIMENTS[name]
         given.out = results / name
-        rows = collect(given, experiment.trials(given.seed, given.replications, size), TABLES)
+        rows = collect(given, experiment.jobs(given.seed, given.replications, size), TABLES)
         written = experiment.page(Analysis(rows.of(TrainingEpisode), rows.of(RecallEpisode), given.seed))
         write(given.out, name, written)
         print(f"# {experiment.title}: {experiment.question}\n")

@@ -148,12 +148,12 @@ def procedural_recalls(arenas: int, seed: int) -> float:
 
 def design(replications: int, seed: int) -> float:
     """Seconds of replications of the thesis's design: training and recalls as rows, without the report."""
-    from khepera_forage.thesis.compiled_replications import GROUP_SIZE, CompiledReplications
+    from khepera_forage.thesis.compiled_replications import GROUP_SIZE, replicate_together
 
-    CompiledReplications(seed, 0, 1).run()  # compiles, or loads the kernels
+    replicate_together(seed, 0, 1)  # compiles, or loads the kernels
     start = perf_counter()
     for first in range(0, replications, GROUP_SIZE):
-        CompiledReplications(seed, first, min(GROUP_SIZE, replications - first)).run()
+        replicate_together(seed, first, min(GROUP_SIZE, replications - first))
     return perf_counter() - start
 
 

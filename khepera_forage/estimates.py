@@ -10,10 +10,10 @@ Tables are Markdown or text, with intervals in brackets, and CSV, with one numbe
 import csv
 import io
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import fill
-from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,13 +39,11 @@ UNKNOWN = Estimate(math.nan, math.nan, math.nan)
 
 
 class PercentileRank(NamedTuple):
-    """The rank of a single value among comparable experiments.
+    """The rank of a value among comparable experiments; equal experiments count half.
 
     Attributes:
-        percentile: Percent of the experiments below the value; equal experiments count half.
-        tail: Two-sided probability that one more experiment of the same kind is at least as extreme: twice the
-            smaller tail, which includes the value itself, at most 1.
-        experiments: Number of experiments.
+        tail: Two-sided probability that one more experiment is at least as extreme: twice the smaller tail, which
+            includes the value itself, at most 1.
     """
 
     percentile: float
@@ -57,9 +55,7 @@ class Replicated(Protocol):
     """A row that belongs to a replication."""
 
     @property
-    def replication(self) -> int:
-        """Number of the replication."""
-        ...
+    def replication(self) -> int: ...  # noqa: D102
 
 
 RowT = TypeVar("RowT", bound=Replicated)
@@ -88,19 +84,23 @@ def sums_by_replication(
     return np.stack(sums, axis=1)
 
 
-def ratio(sums: Floats) -> Floats:
-    """First column divided by the second, as a mean or a share; nan where the second is 0."""
-    return _divide(sums[..., 0], sums[..., 1])
-
-
 def contrast(*weights: float) -> Callable[[Floats], Floats]:
-    """A weighted sum of ratios, each of two columns: `contrast(1, -1)` is the difference of two means."""
+    """A weighted sum of ratios, each of two columns: `contrast(1, -1)` is the difference of two means.
+
+    It is nan where a denominator is 0.
+    """
 
     def statistic(sums: Floats) -> Floats:
-        means = _divide(sums[..., 0::2], sums[..., 1::2])
+        numerator, denominator = sums[..., 0::2], sums[..., 1::2]
+        means = np.full(numerator.shape, np.nan)
+        np.divide(numerator, denominator, out=means, where=denominator != 0)
         return np.asarray(means @ np.array(weights), dtype=np.float64)
 
     return statistic
+
+
+ratio = contrast(1.0)
+"""First column divided by the second, as a mean or a share."""
 
 
 def bootstrap(
@@ -108,6 +108,7 @@ def bootstrap(
     statistic: Callable[[Floats], Floats],
     rng: np.random.Generator,
     resamples: int = RESAMPLES,
+    method: Literal["linear", "inverted_cdf"] = "linear",
 ) -> Estimate:
     """A statistic of all replications, with its percentile interval over resampled replications.
 
@@ -119,14 +120,23 @@ def bootstrap(
         statistic: Takes sums (..., columns) and returns (...).
         rng: Draws the resamples.
         resamples: Number of resamples.
+        method: Of the percentiles, as in `numpy.quantile`.
     """
     count = len(sums)
     if not count:
         return UNKNOWN
     value = float(statistic(sums.sum(axis=0)))
-    if count < MIN_REPLICATIONS or not math.isfinite(value):
-        return Estimate(value, math.nan, math.nan)
-    return Estimate(value, *_interval(statistic(_draw(count, rng, resamples) @ sums)))
+    if count < MIN_REPLICATIONS or math.isnan(value):
+        return plain(value)
+    # How often each replication is drawn in each resample.
+    drawn = rng.integers(count, size=(resamples, count)) + count * np.arange(resamples)[:, None]
+    counts = np.bincount(drawn.ravel(), minlength=resamples * count).reshape(resamples, count)
+    draws = statistic(counts.astype(np.float64) @ sums)
+    defined = draws[~np.isnan(draws)]
+    if 2 * len(defined) < len(draws):
+        return plain(value)
+    low, high = np.quantile(defined, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2], method=method)
+    return Estimate(value, float(low), float(high))
 
 
 def bootstrap_quantile(
@@ -140,8 +150,6 @@ def bootstrap_quantile(
 
     The quantile is the smallest value that at least this share of the rows does not exceed. It may be infinite.
     """
-    if not rows:
-        return UNKNOWN
     numbers = replications(rows)
     values = np.array([measure(row) for row in rows])
     order = np.argsort(values)
@@ -152,12 +160,7 @@ def bootstrap_quantile(
         reached = shares >= quantile * shares[..., -1:] - 1e-9
         return np.asarray(values[order][np.argmax(reached, axis=-1)], dtype=np.float64)
 
-    value = float(statistic(np.ones(len(numbers))))
-    if len(numbers) < MIN_REPLICATIONS:
-        return Estimate(value, math.nan, math.nan)
-    draws = statistic(_draw(len(numbers), rng, resamples))
-    low, high = np.quantile(draws, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2], method="inverted_cdf")
-    return Estimate(value, float(low), float(high))
+    return bootstrap(np.eye(len(numbers)), statistic, rng, resamples, "inverted_cdf")
 
 
 def percentile_rank(value: float, experiments: Sequence[float]) -> PercentileRank:
@@ -175,15 +178,12 @@ def percentile_rank(value: float, experiments: Sequence[float]) -> PercentileRan
 
 def wilson(successes: int, trials: int) -> Estimate:
     """A share with Wilson's 95 % score interval, for independent trials."""
+    from scipy.stats import binomtest
+
     if trials == 0:
         return UNKNOWN
-    z = 1.959964
-    share = successes / trials
-    spread = z * math.sqrt(share * (1 - share) / trials + z * z / (4 * trials * trials))
-    centre = share + z * z / (2 * trials)
-    scale = 1 + z * z / trials
-    low, high = (centre - spread) / scale, (centre + spread) / scale
-    return Estimate(share, max(0.0, low), min(1.0, high))  # rounding errors may exceed the range
+    test = binomtest(successes, trials)
+    return Estimate(test.statistic, *map(float, test.proportion_ci(COVERAGE, "wilson")))
 
 
 def holm(values: Sequence[float]) -> list[float]:
@@ -195,29 +195,6 @@ def holm(values: Sequence[float]) -> list[float]:
     return adjusted
 
 
-def _draw(count: int, rng: np.random.Generator, resamples: int) -> Floats:
-    """How often each replication is drawn in each resample."""
-    drawn = rng.integers(count, size=(resamples, count)) + count * np.arange(resamples)[:, None]
-    return (
-        np.bincount(drawn.ravel(), minlength=resamples * count).reshape(resamples, count).astype(np.float64)
-    )
-
-
-def _interval(draws: Floats) -> tuple[float, float]:
-    defined = draws[np.isfinite(draws)]
-    if 2 * len(defined) < len(draws):
-        return math.nan, math.nan
-    low, high = np.quantile(defined, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2])
-    return float(low), float(high)
-
-
-def _divide(numerator: Floats, denominator: Floats) -> Floats:
-    """A quotient, nan where the denominator is 0."""
-    result = np.full(np.shape(numerator), np.nan)
-    np.divide(numerator, denominator, out=result, where=denominator != 0)
-    return result
-
-
 Value = str | int | float | Estimate
 
 
@@ -226,7 +203,6 @@ class Column:
     """One column.
 
     Attributes:
-        name: Heading with the unit.
         digits: Digits after the decimal point in Markdown; CSV always has six significant digits.
         estimate: Whether the values are estimates, each with an interval.
         page: Whether the column appears in Markdown; all columns appear in CSV.
@@ -244,7 +220,6 @@ class Table:
 
     Attributes:
         stem: Name of the table in file names.
-        title: Heading.
         note: Explanation of the contents and their computation.
         columns: One for each value of a row.
         rows: Values; nan for a missing number.
@@ -314,6 +289,7 @@ def table_of(
     note: str,
     rows: Sequence[Mapping[str, Value]],
     digits: Mapping[str, int] | None = None,
+    hidden: Collection[str] = (),
 ) -> Table:
     """A table of rows that have the same columns, in the same order.
 
@@ -323,11 +299,11 @@ def table_of(
         note: Explanation.
         rows: Values by the name of their column. Estimates have three columns in CSV.
         digits: After the decimal point, by the name of the column; by default 1.
+        hidden: Names of columns that appear in CSV alone.
     """
-    first = rows[0] if rows else {}
     columns = [
-        Column(name, (digits or {}).get(name, 1), isinstance(value, Estimate))
-        for name, value in first.items()
+        Column(name, (digits or {}).get(name, 1), isinstance(value, Estimate), name not in hidden)
+        for name, value in (rows[0] if rows else {}).items()
     ]
     return Table(stem, title, note, tuple(columns), [tuple(row.values()) for row in rows])
 
@@ -360,15 +336,22 @@ def _parts(value: Value) -> tuple[str | int, ...]:
     return (value,)
 
 
-class Measure(NamedTuple, Generic[T]):
-    """A ratio of sums over rows: a mean, or a share.
+class Sample(NamedTuple, Generic[T]):
+    """Rows, and the ratio of two sums over them: by default a mean."""
 
-    Attributes:
-        name: With its unit.
-        value: Of a row.
-        weight: Of a row; the measure is the sum of the values divided by the sum of the weights.
-        digits: Shown after the decimal point.
-    """
+    rows: Sequence[T]
+    value: Callable[[T], float]
+    weight: Callable[[T], float] = lambda _: 1.0
+
+    @property
+    def ratio(self) -> float:
+        """The sum of the values divided by that of the weights; nan if that is 0."""
+        weight = sum(map(self.weight, self.rows))
+        return sum(map(self.value, self.rows)) / weight if weight else math.nan
+
+
+class Measure(NamedTuple, Generic[T]):
+    """A ratio of sums over rows: a mean, or a share."""
 
     name: str
     value: Callable[[T], float]
@@ -377,34 +360,26 @@ class Measure(NamedTuple, Generic[T]):
 
 
 def combined(
-    groups: Sequence[tuple[float, Sequence[Any]]], measure: Measure[Any], rng: np.random.Generator
+    terms: Sequence[tuple[float, Sample[Any]]], rng: np.random.Generator, resamples: int = RESAMPLES
 ) -> Estimate:
-    """A weighted sum of a measure over groups of rows, with its interval over replications.
-
-    Args:
-        groups: Weight and rows of each; the result is unknown if a group has no rows.
-        measure: What is summed.
-        rng: Draws the resamples.
-    """
-    if not all(rows for _, rows in groups):
+    """A weighted sum of means, with its interval over replications; unknown if one of them has no rows."""
+    if not all(sample.rows for _, sample in terms):
         return UNKNOWN
-    numbers = replications(*(rows for _, rows in groups))
-    sums = np.hstack(
-        [sums_by_replication(rows, numbers, measure.value, measure.weight) for _, rows in groups]
-    )
-    return bootstrap(sums, contrast(*(weight for weight, _ in groups)), rng)
+    numbers = replications(*(sample.rows for _, sample in terms))
+    sums = [sums_by_replication(sample.rows, numbers, sample.value, sample.weight) for _, sample in terms]
+    return bootstrap(np.hstack(sums), contrast(*(weight for weight, _ in terms)), rng, resamples)
 
 
 def mean(rows: Sequence[RowT], measure: Measure[RowT], rng: np.random.Generator) -> Estimate:
     """A measure with its interval."""
-    return combined([(1.0, rows)], measure, rng)
+    return combined([(1.0, Sample(rows, *measure[1:3]))], rng)
 
 
 def difference(
     rows: Sequence[RowT], others: Sequence[RowT], measure: Measure[RowT], rng: np.random.Generator
 ) -> Estimate:
     """How much greater a measure is in `rows` than in `others`."""
-    return combined([(1.0, rows), (-1.0, others)], measure, rng)
+    return combined([(1.0, Sample(rows, *measure[1:3])), (-1.0, Sample(others, *measure[1:3]))], rng)
 
 
 def pick(rows: Iterable[T], **fields: object) -> list[T]:
@@ -432,18 +407,20 @@ def means_table(
         measures: One a column.
         rng: Draws the resamples.
     """
-    places = {name: _order(getattr(row, name) for row in rows) for name in by}
     groups: dict[tuple[Any, ...], list[RowT]] = {}
     for row in rows:
         groups.setdefault(tuple(getattr(row, name) for name in by), []).append(row)
-    lines: list[tuple[Value, ...]] = [
-        (*key, len(own), *(mean(own, measure, rng) for measure in measures))
-        for key, own in sorted(
-            groups.items(), key=lambda item: [places[n][v] for n, v in zip(by, item[0], strict=True)]
-        )
-    ]
+    seen = [list(dict.fromkeys(values)) for values in zip(*groups, strict=True)]
+    for values in seen:
+        if not any(isinstance(value, str) for value in values):
+            values.sort()
+    places = [{value: place for place, value in enumerate(values)} for values in seen]
     columns = [*map(Column, by.values()), Column("rows")]
     columns += [Column(measure.name, measure.digits, estimate=True) for measure in measures]
+    lines = [
+        (*key, len(groups[key]), *(mean(groups[key], measure, rng) for measure in measures))
+        for key in sorted(groups, key=lambda key: [own[v] for own, v in zip(places, key, strict=True)])
+    ]
     return Table(stem, title, note, tuple(columns), lines)
 
 
@@ -468,11 +445,3 @@ def extremes(values: Sequence[float]) -> Estimate:
 def plain(value: float) -> Estimate:
     """A value without an interval."""
     return Estimate(value, math.nan, math.nan)
-
-
-def _order(values: Iterable[Any]) -> dict[Any, int]:
-    """The place of every value that occurs."""
-    distinct = list(dict.fromkeys(values))
-    if not any(isinstance(value, str) for value in distinct):
-        distinct.sort()
-    return {value: place for place, value in enumerate(distinct)}

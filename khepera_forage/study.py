@@ -8,18 +8,13 @@ class Forage:                                     # a table of rows is a frozen 
     seed: int
     steps: int
 
-class Start(NamedTuple):                          # a unit is work for any process, in any order
-    seed: int
-
-    @property
-    def key(self) -> str: return str(self.seed)   # names the unit among the results
-
-    def run(self) -> list[Forage]: ...            # its rows; tables of several types may be mixed
+def forages(seed: int) -> list[Forage]: ...       # rows; tables of several types may be mixed
 
 if __name__ == "__main__":
     given = parse("forages", __doc__, Count("starts", 500, 5, "random starts", adds_units=True))
     seeds = np.random.SeedSequence(given.seed).generate_state(given.starts).tolist()
-    rows = collect(given, [Start(seed) for seed in seeds], {Forage: "forages"}).of(Forage)
+    jobs = [Job(f"start {seed}", forages, (seed,)) for seed in seeds]      # done in any process, in any order
+    rows = collect(given, jobs, {Forage: "forages"}).of(Forage)
     table = Table("forages", "Steps of a forage", "Median and ...", columns, [quantiles(...)])
     finish(given, Page("Forages", ["What a reader learns.", table, Picture("forages", "steps", figure)]))
 ```
@@ -84,13 +79,7 @@ class Arguments(argparse.Namespace):
 
     Attributes:
         name: Of the study; its page and its folder of results have it, too.
-        program: What error messages begin with.
-        seed: Of the whole run.
-        out: Folder for the results.
-        quick: Whether the work is done in small.
-        jobs: Processes, as joblib counts them.
         fresh: Whether rows of earlier runs in the folder are deleted.
-        counts: Every count by its name.
         settings: Everything that the rows of a unit depend on, as text.
     """
 
@@ -191,6 +180,18 @@ class Unit(Protocol):
     def key(self) -> str: ...  # noqa: D102
 
     def run(self) -> Sequence[Any]: ...  # noqa: D102
+
+
+class Job(NamedTuple):
+    """A unit that calls a function, which any process can import."""
+
+    key: str
+    function: Callable[..., Sequence[Any]]
+    arguments: tuple[Any, ...]
+
+    def run(self) -> Sequence[Any]:
+        """The rows that the function returns."""
+        return self.function(*self.arguments)
 
 
 Done = tuple[str, Sequence[Any]]
@@ -373,7 +374,6 @@ class Page(NamedTuple):
     """What a study found.
 
     Attributes:
-        title: Heading.
         parts: Paragraphs of Markdown, tables (each a section of its own) and pictures, in the order of the page.
         attachments: Tables that are written as CSV and do not stand on the page.
     """
@@ -388,8 +388,8 @@ class Page(NamedTuple):
         return [part for part in self.parts if isinstance(part, Table)]
 
 
-def write(folder: Path, name: str, page: Page) -> None:
-    """Write `<name>.md` with the command and the machine that made it, and its tables and pictures."""
+def rendered(folder: Path, page: Page) -> list[str]:
+    """Write the tables and pictures of a page, and return its paragraphs."""
     folder.mkdir(parents=True, exist_ok=True)
     text = [f"# {page.title}"]
     for part in page.parts:
@@ -398,10 +398,21 @@ def write(folder: Path, name: str, page: Page) -> None:
             text.append(f"![{part.caption}]({part.name}.png)")
         else:
             text.append(part.markdown().rstrip("\n") if isinstance(part, Table) else part)
-    text += ["## Command", f"    {command_line()}", machine()]
-    (folder / f"{name}.md").write_text("\n\n".join(text) + "\n", encoding="utf-8")
     for table in (*page.tables, *page.attachments):
-        (folder / f"table_{table.stem}.csv").write_text(table.csv(), encoding="utf-8")
+        write_text(folder / f"table_{table.stem}.csv", table.csv())
+    return text
+
+
+def write(folder: Path, name: str, page: Page) -> None:
+    """Write `<name>.md` with the command and the machine that made it, and its tables and pictures."""
+    text = [*rendered(folder, page), "## Command", f"    {command_line()}", machine()]
+    write_text(folder / f"{name}.md", "\n\n".join(text) + "\n")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file; an error names it."""
+    with NamingFile(path):
+        path.write_text(text, encoding="utf-8")
 
 
 def finish(given: Arguments, page: Page) -> int:

@@ -1,1 +1,1 @@
-"""The experiments of `benchmarks/further_work.py`, one file each."""
+"""The experiments of `benchmarks/further_work.py`."""

@@ -6,41 +6,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from further_experiments.episodes import ARENAS, imitator, recall_all, train_files, training_seeds
-from further_experiments.experiment import (
-    AGREEMENT,
-    ATTEMPTS,
-    DELIVERED,
-    DISTINCT,
-    INTERVALS,
-    ROUNDS,
-    SCORE,
-    SEPARATIONS,
-    TRUE,
-    VECTORS,
-    WAITED,
-    Analysis,
-    Experiment,
-    Report,
-    Row,
-    RowT,
-    TrainingEpisode,
-    Trial,
-    amounts_of,
-    claim,
-    curves,
-)
+import further_experiments.common as fw
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.estimates import Estimate, Measure, pick
+from khepera_forage.estimates import Measure, pick
 from khepera_forage.experience import Experience
 from khepera_forage.figures import SMALL, legend, panels
 from khepera_forage.policies import Observation, Policy
 from khepera_forage.policies.policy import SEPARATED, is_training, state_vector_of
-from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.training import IncompleteTrainingError
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, DecisionValues
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.states import BEHAVIOURS, Behaviour, behaviour_for, classify
-from khepera_forage.thesis.claims.claim import Claim, Unit, above, points, within
+from khepera_forage.thesis.claims import Claim, Unit, points, within
 
 LENGTHS = {"1 episode": 1, "5 episodes": 5}
 """Training episodes of a generation."""
@@ -61,32 +37,29 @@ class SilentWhenSeparated:
         return self.policy.act(observation, rng)
 
 
-def run_chain(trial: Trial) -> list[Row]:
+def run_chain(trial: fw.Trial) -> list[fw.Row]:
     """One chain: each generation is trained by the one before it, the first by the teacher."""
-    env = TrainingEnv(max_cycles=trial.size.rounds)
-    recall_envs = {arena: recall_env(arena, limit=trial.size.steps) for arena in ARENAS}
-    rows: list[Row] = []
+    env = trial.env()
+    recall_envs = {arena: trial.alone(arena) for arena in fw.ARENAS}
+    rows: list[fw.Row] = []
     teacher: Policy | None = None
     episodes = min(LENGTHS[trial.condition], trial.size.files)
-    seeds = training_seeds(trial).spawn(trial.size.generations)
+    seeds = trial.seeds(trial.size.generations)
     try:
         for generation, seed in enumerate(seeds, 1):
             files: list[Experience] = []
-            for experience, row in train_files(env, trial, seed.spawn(episodes), generation, teacher):
+            for experience, row in fw.train_files(env, trial, seed.spawn(episodes), generation, teacher):
                 files.append(experience)
                 rows.append(row)
             for alone in recall_envs.values():
-                rows += recall_all(alone, imitator(files, alone.diagonal), trial, generation, files)
-            teacher = SilentWhenSeparated(imitator(files, recall_envs["corridor"].diagonal))
+                rows += fw.recall_all(alone, fw.imitator(files, alone.diagonal), trial, generation, files)
+            teacher = SilentWhenSeparated(fw.imitator(files, recall_envs["corridor"].diagonal))
     except IncompleteTrainingError:
         pass  # The chain ends: its last generation cannot teach. Later generations have no rows.
-    for alone in recall_envs.values():
-        alone.close()
-    env.close()
     return rows
 
 
-def report_chains(found: Analysis) -> Report:
+def report_chains(found: fw.Analysis) -> fw.Report:
     """How much of the first generation's performance the last one has kept."""
     note = (
         "Generation 1 was trained by the teacher, generation 2 by generation 1, and so on. Steps as the teacher: steps "
@@ -94,43 +67,42 @@ def report_chains(found: Analysis) -> Report:
         "later generations."
     )
     tables = (
-        found.recall_table(note, (AGREEMENT, DELIVERED, VECTORS, DISTINCT), "generation"),
+        found.recall_table(note, (fw.AGREEMENT, fw.DELIVERED, fw.VECTORS, fw.DISTINCT), "generation"),
         found.training_table(
-            "With the generation before as the teacher.", (ATTEMPTS, ROUNDS, TRUE), "generation"
+            "With the generation before as the teacher.", (fw.ATTEMPTS, fw.ROUNDS, fw.TRUE), "generation"
         ),
     )
     figure, axes = panels(4, "Chains: the trained learner becomes the teacher of the next")
     own = pick(found.recalls, arena="corridor")
-    curves(axes[0], found, own, AGREEMENT, "generation", "corridor")
-    curves(axes[1], found, own, DELIVERED, "generation", "corridor")
-    curves(axes[2], found, own, DISTINCT, "generation", "experience", share=False)
-    curves(axes[3], found, found.trainings, TRUE, "generation", "training")
-    legend(figure, axes[0], INTERVALS)
-    return Report([made for condition in LENGTHS for made in _chain_claims(found, condition)], tables, figure)
+    fw.curves(axes[0], found, own, fw.AGREEMENT, "generation", "corridor")
+    fw.curves(axes[1], found, own, fw.DELIVERED, "generation", "corridor")
+    fw.curves(axes[2], found, own, fw.DISTINCT, "generation", "experience", share=False)
+    fw.curves(axes[3], found, found.trainings, fw.TRUE, "generation", "training")
+    legend(figure, axes[0], fw.INTERVALS)
+    return [made for condition in LENGTHS for made in _chain_claims(found, condition)], tables, figure
 
 
-def _chain_claims(found: Analysis, condition: str) -> list[Claim]:
+def _chain_claims(found: fw.Analysis, condition: str) -> Iterator[Claim]:
+    """The last generation against the first, in the corridor."""
     recalls = pick(found.recalls, condition=condition, arena="corridor")
     trainings = pick(found.trainings, condition=condition)
-    variety = KEPT_SHARE * found.mean(pick(recalls, amount=1), DISTINCT).value
-    shift, more = Unit("points", "+.1f"), Unit("different vectors", "+.0f")
-
-    def last_against_first(rows: list[RowT], measure: Measure[RowT]) -> Estimate:
-        last = max(amounts_of(rows))
-        return found.difference(pick(rows, amount=last), pick(rows, amount=1), measure)
-
-    return [
-        claim(f"{condition} a generation: {name} is kept", effect, within(margin), unit)
-        for name, effect, margin, unit in (
-            ("agreement with the teacher", last_against_first(recalls, AGREEMENT), KEPT_POINTS, shift),
-            ("food delivered", last_against_first(recalls, DELIVERED), KEPT_POINTS, shift),
-            ("variety of the experience", last_against_first(recalls, DISTINCT), variety, more),
-            ("correctness of the vectors", last_against_first(trainings, TRUE), KEPT_POINTS, shift),
-        )
-    ]
+    variety = KEPT_SHARE * found.mean(pick(recalls, amount=1), fw.DISTINCT).value
+    last, kept = max(fw.amounts_of(recalls)), within(KEPT_POINTS)
+    vectors = Unit("different vectors", "+.0f")
+    for name, measure, rule, unit in (
+        ("agreement with the teacher", fw.AGREEMENT, kept, None),
+        ("food delivered", fw.DELIVERED, kept, points),
+        ("variety of the experience", fw.DISTINCT, within(variety), vectors),
+    ):
+        name = f"{condition} a generation: {name} is kept"
+        few, many = pick(recalls, amount=1), pick(recalls, amount=last)
+        yield found.compared(name, many, few, measure, rule, unit)
+    last = max(fw.amounts_of(trainings))
+    name = f"{condition} a generation: correctness of the vectors is kept"
+    yield found.compared(name, pick(trainings, amount=last), pick(trainings, amount=1), fw.TRUE, kept)
 
 
-CHAINS_OF_LEARNERS = Experiment(
+CHAINS_OF_LEARNERS = fw.Experiment(
     "chains_of_learners",
     "Chains of learners",
     "1.2, 6.2",
@@ -172,18 +144,17 @@ class SimulatedPerson:
     delay: int
     wrong: float
     _right_keys: deque[Behaviour] = field(init=False, repr=False)
-    _decisions: DecisionValues = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         self._right_keys = deque(maxlen=self.delay + 1)
-        self._decisions = self.env.decisions.values()
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
         """What the teacher would have done `delay` rounds ago, or a wrong key, which `rng` draws."""
         assert rng is not None
         if self.env.infos[TEACHER]["steps"] == 0:
             self._right_keys.clear()
-        state = classify(state_vector_of(observation), self.env.home_radius, self._decisions)
+        decisions = self.env.decisions.values()
+        state = classify(state_vector_of(observation), self.env.home_radius, decisions)
         self._right_keys.append(behaviour_for(state))
         if is_training(observation) and observation[SEPARATED]:
             return Behaviour.WAIT
@@ -194,30 +165,27 @@ class SimulatedPerson:
         return key
 
 
-def run_person(trial: Trial) -> list[Row]:
+def run_person(trial: fw.Trial) -> list[fw.Row]:
     """One learner for each delay, all with the same share of wrong keys."""
     trial = trial._replace(size=trial.size._replace(attempts=trial.size.patience))
-    env = TrainingEnv(max_cycles=trial.size.rounds)
-    recall_envs = [recall_env(arena, limit=trial.size.steps) for arena in ARENAS]
-    rows: list[Row] = []
+    env = trial.env()
+    recall_envs = [trial.alone(arena) for arena in fw.ARENAS]
+    rows: list[fw.Row] = []
     for delay in DELAYS:
         person = SimulatedPerson(env, delay, WRONG[trial.condition])
-        seeds = training_seeds(trial).spawn(min(LESSONS, trial.size.files))
+        seeds = trial.seeds(min(LESSONS, trial.size.files))
         try:
-            trained = list(train_files(env, trial, seeds, delay, person))
+            trained = list(fw.train_files(env, trial, seeds, delay, person))
         except IncompleteTrainingError:
             continue  # No learner can be trained like this: the delay has no rows.
         files = [experience for experience, _ in trained]
         rows += [row for _, row in trained]
         for alone in recall_envs:
-            rows += recall_all(alone, imitator(files, alone.diagonal), trial, delay, files)
-    for alone in recall_envs:
-        alone.close()
-    env.close()
+            rows += fw.recall_all(alone, fw.imitator(files, alone.diagonal), trial, delay, files)
     return rows
 
 
-def report_person(found: Analysis) -> Report:
+def report_person(found: fw.Analysis) -> fw.Report:
     """What a learner loses through its teacher's faults."""
     note = (
         f"Learners of {LESSONS} training episodes in the corridor. Delay: {ROUNDS_OF} by which the simulated person "
@@ -225,27 +193,29 @@ def report_person(found: Analysis) -> Report:
         "complete have no rows."
     )
     tables = (
-        found.recall_table(note, (SCORE, AGREEMENT, DELIVERED, VECTORS, DISTINCT), "delay"),
+        found.recall_table(note, (fw.SCORE, fw.AGREEMENT, fw.DELIVERED, fw.VECTORS, fw.DISTINCT), "delay"),
         found.training_table(
-            "The last column refers to the learner's own state vectors.", (ATTEMPTS, ROUNDS, TRUE), "delay"
+            "The last column refers to the learner's own state vectors.",
+            (fw.ATTEMPTS, fw.ROUNDS, fw.TRUE),
+            "delay",
         ),
     )
     figure, axes = panels(4, "A simulated person as the teacher: late, and with wrong keys")
-    corridor, rectangle = (pick(found.recalls, arena=arena) for arena in ARENAS)
+    corridor, rectangle = (pick(found.recalls, arena=arena) for arena in fw.ARENAS)
     label = f"delay ({ROUNDS_OF})"
-    curves(axes[0], found, corridor, SCORE, label, "corridor", amounts=DELAYS)
-    curves(axes[1], found, corridor, DELIVERED, label, "corridor", amounts=DELAYS)
-    curves(axes[2], found, rectangle, DELIVERED, label, "rectangle", amounts=DELAYS)
-    curves(axes[3], found, found.trainings, TRUE, label, "training", amounts=DELAYS)
+    fw.curves(axes[0], found, corridor, fw.SCORE, label, "corridor", amounts=DELAYS)
+    fw.curves(axes[1], found, corridor, fw.DELIVERED, label, "corridor", amounts=DELAYS)
+    fw.curves(axes[2], found, rectangle, fw.DELIVERED, label, "rectangle", amounts=DELAYS)
+    fw.curves(axes[3], found, found.trainings, fw.TRUE, label, "training", amounts=DELAYS)
     for panel in axes:
         for place, delay in enumerate(DELAYS):
             if not pick(found.trainings, amount=delay):
                 panel.text(place, 50, "no complete\ntraining", ha="center", va="center", fontsize=SMALL)
-    legend(figure, axes[0], INTERVALS)
-    return Report(list(_person_claims(found)), tables, figure)
+    legend(figure, axes[0], fw.INTERVALS)
+    return list(_person_claims(found)), tables, figure
 
 
-def _person_claims(found: Analysis) -> Iterator[Claim]:
+def _person_claims(found: fw.Analysis) -> Iterator[Claim]:
     """The learner of a faulty teacher against that of the hand-coded one, in the corridor."""
     corridor = pick(found.recalls, arena="corridor")
     usual = pick(corridor, condition=NO_WRONG_KEYS, amount=0)
@@ -254,11 +224,11 @@ def _person_claims(found: Analysis) -> Iterator[Claim]:
         *((f"{keys} without delay", keys, 0) for keys in WRONG_KEYS),
         *((f"a delay of {DELAYS[2]} rounds and {keys}", keys, DELAYS[2]) for keys in WRONG_KEYS),
     ):
-        effect = found.difference(pick(corridor, condition=condition, amount=delay), usual, SCORE)
-        yield claim(f"{faults}: the learner is as good", effect, within(MARGIN), points)
+        own = pick(corridor, condition=condition, amount=delay)
+        yield found.compared(f"{faults}: the learner is as good", own, usual, fw.SCORE, within(MARGIN))
 
 
-HUMAN_TEACHER = Experiment(
+HUMAN_TEACHER = fw.Experiment(
     "human_teacher",
     "A human teacher",
     "1.2, 6.2",
@@ -273,53 +243,49 @@ HUMAN_TEACHER = Experiment(
 )
 
 LEARNERS = (1, 2, 3, 4)
-COST = Measure[TrainingEpisode](
+COST = Measure[fw.TrainingEpisode](
     "rounds of all attempts, by learners", lambda row: row.all_rounds / row.amount
 )
 
 
-def run_together(trial: Trial) -> list[Row]:
+def run_together(trial: fw.Trial) -> list[fw.Row]:
     """Training episodes with some number of learners."""
     learners = int(trial.condition)
     trial = trial._replace(condition="one teacher")
-    env = TrainingEnv(num_learners=learners, max_cycles=trial.size.rounds)
-    seeds = training_seeds(trial).spawn(trial.size.files)
-    rows: list[Row] = [row for _, row in train_files(env, trial, seeds, amount=learners)]
-    env.close()
+    env = trial.env(num_learners=learners)
+    seeds = trial.seeds(trial.size.files)
+    rows: list[fw.Row] = [row for _, row in fw.train_files(env, trial, seeds, amount=learners)]
     return rows
 
 
-def report_together(found: Analysis) -> Report:
+def report_together(found: fw.Analysis) -> fw.Report:
     """What an episode with several learners costs."""
     note = (
         "Noise of the laboratory. Rounds, waiting and separations are those of the complete attempt. The cost of an "
         "experience file is the rounds of all attempts at an episode, divided by the number of learners."
     )
-    measures = (ATTEMPTS, ROUNDS, WAITED, SEPARATIONS, COST, TRUE)
+    measures = (fw.ATTEMPTS, fw.ROUNDS, fw.WAITED, fw.SEPARATIONS, COST, fw.TRUE)
     figure, axes = panels(4, "Several learners with one teacher")
-    for panel, measure in zip(axes, (WAITED, ROUNDS, ATTEMPTS, COST), strict=True):
-        curves(panel, found, found.trainings, measure, "learners", share=False)
-    legend(figure, axes[0], INTERVALS)
+    for panel, measure in zip(axes, (fw.WAITED, fw.ROUNDS, fw.ATTEMPTS, COST), strict=True):
+        fw.curves(panel, found, found.trainings, measure, "learners", share=False)
+    legend(figure, axes[0], fw.INTERVALS)
     few, most = (pick(found.trainings, amount=n) for n in (LEARNERS[0], LEARNERS[-1]))
     rounds, attempts = Unit("rounds", ".1f"), Unit("attempts", ".2f")
     claims = [
-        claim(
-            f"{name} ({LEARNERS[-1]} learners against {LEARNERS[0]})",
-            found.difference(most, few, measure),
-            above(0.0),
-            unit,
+        found.compared(
+            f"{name} ({LEARNERS[-1]} learners against {LEARNERS[0]})", most, few, measure, unit=unit
         )
         for name, measure, unit in (
-            ("Waiting for the slowest learner costs rounds", WAITED, rounds),
-            ("A complete episode takes more rounds", ROUNDS, rounds),
-            ("More attempts are needed", ATTEMPTS, attempts),
+            ("Waiting for the slowest learner costs rounds", fw.WAITED, rounds),
+            ("A complete episode takes more rounds", fw.ROUNDS, rounds),
+            ("More attempts are needed", fw.ATTEMPTS, attempts),
             ("A learner's file costs the teacher more rounds", COST, rounds),
         )
     ]
-    return Report(claims, [found.training_table(note, measures, "learners")], figure)
+    return claims, [found.training_table(note, measures, "learners")], figure
 
 
-SEVERAL_LEARNERS = Experiment(
+SEVERAL_LEARNERS = fw.Experiment(
     "several_learners",
     "Several learners at once",
     "4.5, 6.2",

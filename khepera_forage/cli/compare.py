@@ -62,10 +62,10 @@ continues."""
     option(
         "--backend",
         "where the work is done: loky is this machine (loky)",
-        choices=("loky", "ray", "dask"),
+        choices=("loky", "dask"),
         default="loky",
     ),
-    option("--address", "of a Ray or Dask cluster (by default a temporary one on this machine)"),
+    option("--address", "of a Dask cluster (by default a temporary one on this machine)"),
     description=DESCRIPTION,
     epilog="example: khepera-forage compare --learner my_module:make_forest --against published",
 )

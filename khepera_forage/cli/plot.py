@@ -2,17 +2,17 @@
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from khepera_forage.cli.options import check_ending, command, option, out
-from khepera_forage.comparison.learning import RecallBatch, all_learners, settings_of
+from khepera_forage.comparison.learning import RecallBatch, all_learners
 from khepera_forage.comparison.page import STYLES
 from khepera_forage.comparison.page import figure as figure_of_curves
-from khepera_forage.comparison.results import ReadLearner, Results, beside, curves, read_results
+from khepera_forage.comparison.results import ReadLearner, Results, beside, curves, described, read_results
 from khepera_forage.estimates import Estimate, wilson
 from khepera_forage.extras import require
 from khepera_forage.figures import (
@@ -139,10 +139,8 @@ def _trainings(paths: Sequence[Path], contents: Sequence[list[TrainingRow]]) -> 
 
 def _results(rows: Sequence[Any]) -> Results:
     """The curves of a comparison's rows; a learner that is not known here is drawn among the imitators."""
-    learners = {row.learner: ReadLearner(row.learner, Needs.VECTORS, "") for row in rows} | {
-        name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in all_learners().items()
-    }
-    return Results("", learners, curves(rows, 0))
+    unknown = {row.learner: ReadLearner(row.learner, Needs.VECTORS, "") for row in rows}
+    return Results("", unknown | described(all_learners()), curves(rows, 0))
 
 
 def _comparison(paths: Sequence[Path], contents: Sequence[Results]) -> "Figure":
@@ -152,7 +150,7 @@ def _comparison(paths: Sequence[Path], contents: Sequence[Results]) -> "Figure":
     if len(paths) > 1:
         found, learners = [], {}
         for path, content in zip(paths, contents, strict=True):
-            found, learners = beside(found, learners, replace(content, origin=path.resolve().parent.name))
+            found, learners = beside(found, learners, content._replace(origin=path.resolve().parent.name))
     shown = [curve for curve in found if curve.arena in STYLES]
     if not shown:
         raise ValueError(f"no recalls in {' or '.join(STYLES)}; allowed: results with at least one of them")

@@ -1,7 +1,7 @@
 """The comparison of learners: who takes part, where the work is done, and what is written; and of settings."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
@@ -9,41 +9,40 @@ from shutil import get_terminal_size
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, cpu_count, delayed, parallel_config
+from joblib import Parallel, delayed, effective_n_jobs, parallel_config
 
 from khepera_forage.comparison.learning import (
+    ALL_ARENAS,
     ARENAS,
     Compared,
     RecallBatch,
-    Size,
     all_learners,
     check_form,
-    in_order,
-    plan,
+    learn_and_forage,
     settings_of,
-    steps_up_to,
     unable,
 )
 from khepera_forage.comparison.page import SMOKE_TEST, page
 from khepera_forage.comparison.results import (
     DELIVERED,
     Curve,
-    ReadLearner,
     Results,
     as_json,
     beside,
     curves,
+    described,
     read_results,
 )
 from khepera_forage.estimates import UNKNOWN, Estimate, Table, difference, pick, table_of
 from khepera_forage.files import replacing
 from khepera_forage.policies.learner_registry import installed_learners, learner_at
-from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors, Learner
+from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors, Learner, Needs
 from khepera_forage.study import (
     UNITS,
     Arguments,
     Done,
     Execute,
+    Job,
     Page,
     Unit,
     collect,
@@ -60,80 +59,47 @@ BASELINES = ("teacher", "imitator")
 """What a learner of `--learner` is compared with, without `--only`."""
 EPISODES, QUICK_EPISODES = (1, 2, 3, 5, 10), (1, 2)
 QUERIES, QUICK_QUERIES = (100, 200, 300, 500, 1_000), (100, 200)
+HALF_DECADES = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000)
+"""Amounts of learning after which learners are tested: training episodes, queries, and steps up to `--steps`."""
 
 
-def _execute(title: str, number: int, streams: bool, units: Sequence[Unit]) -> Iterator[Done]:
-    """Do units with joblib's present backend, which streams rows as soon as they are there, or returns all at once."""
+def _execute(title: str, number: int, units: Sequence[Unit]) -> Iterator[Done]:
+    """Do units with joblib's present backend, which streams rows as soon as they are there."""
     print(f"{len(units)} units for {number} {title}", flush=True)
-    if streams:
-        yield from Parallel(return_as="generator_unordered", batch_size=1)(map(delayed(done), units))
-        return
-    with Parallel(batch_size=1) as workers:
-        # In portions: a run that is killed loses one portion at most.
-        for start in range(0, len(units), 2 * number):
-            yield from workers(map(delayed(done), units[start : start + 2 * number]))
+    yield from Parallel(return_as="generator_unordered", batch_size=1)(map(delayed(done), units))
 
 
 @contextmanager
-def _loky(jobs: int, address: str | None) -> Iterator[Execute]:
-    """Processes of this machine; they have no address."""
-    with parallel_config("loky", n_jobs=jobs):
-        yield partial(_execute, "processes of this machine", _count(jobs), True)
+def workers(backend: str, jobs: int, address: str | None) -> Iterator[Execute]:
+    """What does units with a backend; with Dask on the cluster at an address, or on a temporary one here.
 
-
-@contextmanager
-def _ray(jobs: int, address: str | None) -> Iterator[Execute]:
-    import ray
-    from ray.util.joblib import register_ray
-
-    register_ray()
-    here: dict[str, Any] = {} if address else {"num_cpus": _count(jobs), "include_dashboard": False}
-    ray.init(address=address, log_to_driver=False, logging_level="error", **here)
-    try:
-        workers = int(ray.cluster_resources()["CPU"])
-        with parallel_config("ray", n_jobs=workers):
-            yield partial(_execute, "workers of Ray", workers, False)
-    finally:
-        ray.shutdown()
-
-
-@contextmanager
-def _dask(jobs: int, address: str | None) -> Iterator[Execute]:
-    from distributed import Client, LocalCluster
-
+    The workers of a cluster need `khepera_forage` installed, and the packages of all learners.
+    """
+    number, title = effective_n_jobs(jobs), "processes of this machine"
     with ExitStack() as stack:
-        here = {"n_workers": _count(jobs), "threads_per_worker": 1, "dashboard_address": None}
-        cluster = address or stack.enter_context(LocalCluster(**here))
-        client = stack.enter_context(Client(cluster))
-        threads = list(client.nthreads().values())
-        if max(threads, default=1) > 1:  # learners whose libraries use global random numbers would share them
-            raise ValueError(
-                f"a worker of Dask has {max(threads)} threads; allowed: 1 (dask worker --nthreads 1)"
-            )
-        stack.enter_context(parallel_config("dask", n_jobs=len(threads)))
-        yield partial(_execute, "workers of Dask", len(threads), True)
+        if backend == "dask":
+            from distributed import Client, LocalCluster
 
-
-BACKENDS: dict[str, Callable[[int, str | None], AbstractContextManager[Execute]]] = {
-    "loky": _loky,
-    "ray": _ray,
-    "dask": _dask,
-}
-"""By name; each takes a number of processes and the address of a cluster, by default a temporary one on this machine.
-The workers of a cluster need `khepera_forage` installed, and the packages of all learners."""
+            here: dict[str, Any] = {"n_workers": number, "threads_per_worker": 1, "dashboard_address": None}
+            cluster = address or stack.enter_context(LocalCluster(**here))
+            client = stack.enter_context(Client(cluster))
+            threads = list(client.nthreads().values())
+            if max(threads, default=1) > 1:  # they would share global random numbers
+                raise ValueError(
+                    f"a worker of Dask has {max(threads)} threads; allowed: 1 (dask worker --nthreads 1)"
+                )
+            number, title = len(threads), "workers of Dask"
+        stack.enter_context(parallel_config(backend, n_jobs=number))
+        yield partial(_execute, title, number)
 
 
 def unavailable(backend: str, address: str | None) -> str:
     """Why a backend cannot be used with this address; empty if it can."""
     if backend == "loky":
-        return "" if address is None else f"--address is {address!r}; allowed: with --backend ray or dask"
-    if find_spec(backend) is None or (backend == "dask" and find_spec("distributed") is None):
+        return "" if address is None else f"--address is {address!r}; allowed: with --backend dask"
+    if find_spec("distributed") is None:
         return f"--backend {backend} needs the extra {backend}: pip install 'khepera-forage[{backend}]'"
     return ""
-
-
-def _count(jobs: int) -> int:
-    return cpu_count() if jobs < 0 else jobs
 
 
 def known_learners() -> str:
@@ -169,7 +135,7 @@ def compare(given: Arguments) -> int:
         from khepera_forage.comparison.protocol import run  # needs numba
 
         taking_part = {name: one for name, one in known.items() if name in chosen}
-        with BACKENDS[given.backend](given.jobs, given.address) as execute:
+        with workers(given.backend, given.jobs, given.address) as execute:
             return run(given, taking_part, execute)
     missing = {name: reason for name in chosen if (reason := unable(known[name], given.arenas or ARENAS))}
     if not given.only and not own:
@@ -179,14 +145,10 @@ def compare(given: Arguments) -> int:
     learners = {name: learner for name, learner in known.items() if name in chosen and name not in missing}
     if not learners:
         raise ValueError("no learner is left")
-    rows = _rows(learners, known, range(given.seeds), _size(given), given)
+    rows = _rows(learners, known, range(given.seeds), _amounts(given), given)
     found = curves(rows, given.seed)
-    shown = {curve.learner: known[curve.learner] for curve in found}
-    results = Results(
-        f"{machine()} {command_line()}",
-        {name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in shown.items()},
-        found,
-    )
+    shown = described({curve.learner: known[curve.learner] for curve in found})
+    results = Results(f"{machine()} {command_line()}", shown, found)
     written = page(*beside(found, shown, against), missing, (given.out / TUNING).exists(), given.quick)
     write(given.out, given.name, written)
     with replacing(given.out / RESULTS) as path:
@@ -209,34 +171,48 @@ def _own_learners(places: list[str]) -> dict[str, Compared]:
     return found
 
 
-def _size(given: Arguments) -> Size:
-    return Size(
-        recalls=given.recalls,
-        episodes=QUICK_EPISODES if given.quick else EPISODES,
-        queries=QUICK_QUERIES if given.quick else QUERIES,
-        steps=steps_up_to(given.steps),
-        arenas=tuple(dict.fromkeys(given.arenas or ARENAS)),
-    )
+def _amounts(given: Arguments) -> dict[Needs | None, tuple[int, ...]]:
+    """The amounts of learning after which learners are tested, by what they learn from."""
+    return {
+        None: (0,),
+        Needs.VECTORS: QUICK_EPISODES if given.quick else EPISODES,
+        Needs.QUERIES: QUICK_QUERIES if given.quick else QUERIES,
+        Needs.STEPS: (*(amount for amount in HALF_DECADES if amount < given.steps), given.steps),
+    }
 
 
 def _rows(
     learners: Mapping[str, Compared],
     known: Mapping[str, Compared],
     replications: range,
-    size: Size,
+    amounts: Mapping[Needs | None, tuple[int, ...]],
     given: Arguments,
 ) -> list[RecallBatch]:
     """All rows of the folder, of any known learner, after the missing ones of some learners have been made."""
-    units = plan(learners, replications, size, given.seed)
+    arenas = tuple(dict.fromkeys(given.arenas or ARENAS))
+    # Replication by replication, so that a run that is killed has rows of every learner.
+    units = [
+        Job(
+            f"{name} {number}",
+            learn_and_forage,
+            (given.seed, number, name, learner, amounts[learner.needs], given.recalls, arenas),
+        )
+        for number in replications
+        for name, learner in learners.items()
+    ]
     settings = {f"learner {name}": settings_of(learner) for name, learner in learners.items()}
-    settings["arenas"] = " ".join(size.arenas)
-    with BACKENDS[given.backend](given.jobs, given.address) as execute:
+    settings["arenas"] = " ".join(arenas)
+    with workers(given.backend, given.jobs, given.address) as execute:
         rows = collect(given, units, {RecallBatch: "rows"}, execute, settings, others=True)
     found = rows.of(RecallBatch)
     for row in found:
         if row.learner not in known:
             raise ValueError(f"{given.out / UNITS}: learner is {row.learner!r}; allowed: {', '.join(known)}")
-    return in_order(found, list(known))
+    place = {name: i for i, name in enumerate(known)}
+    return sorted(
+        found,
+        key=lambda row: (place[row.learner], row.replication, row.amount, ALL_ARENAS.index(row.arena)),
+    )
 
 
 def _printed(given: Arguments, written: Page) -> int:
@@ -267,11 +243,15 @@ def candidates() -> dict[str, Compared]:
     """Every learner that is tuned: as it is, with each other setting, and with its most probable behaviour."""
     found: dict[str, Compared] = {}
     for name, changes in CANDIDATES.items():
-        learner = LEARNERS[name]
-        found[name] = learner
+        learner = found[name] = LEARNERS[name]
         for number, change in enumerate(changes, 1):
             found[f"{name}.{number}"] = replace(learner, settings={**learner.settings, **change})
-        found[f"{name}.{len(changes) + 1}"] = _most_probable(learner)
+        if isinstance(learner, FromQueries):
+            most_probable: Learner = replace(learner, learner=replace(learner.learner, sample=False))
+        else:
+            assert isinstance(learner, FromVectors)
+            most_probable = replace(learner, sample=False)
+        found[f"{name}.{len(changes) + 1}"] = most_probable
     return found
 
 
@@ -299,10 +279,9 @@ def tune(given: Arguments) -> int:
     if not learners:
         raise ValueError(f"--only is {', '.join(wanted)}; allowed with --tune: {', '.join(CANDIDATES)}")
     given.out /= TUNING
-    size = _size(given)
-    size = size._replace(episodes=size.episodes[-1:], queries=size.queries[-1:], arenas=ARENAS)
+    amounts = {needs: own[-1:] for needs, own in _amounts(given).items()}
     replications = range(FIRST_REPLICATION, FIRST_REPLICATION + given.seeds)
-    rows = _rows(learners, known, replications, size, given)
+    rows = _rows(learners, known, replications, amounts, given)
     written = Page("Settings of the learners", [_tuning_table(rows, known, given.seed)])
     write(given.out, TUNING, written)
     return _printed(given, written)
@@ -335,13 +314,6 @@ def _tuning_table(rows: Sequence[RecallBatch], learners: Mapping[str, Compared],
             for curve in own
         ],
     )
-
-
-def _most_probable(learner: Learner) -> Learner:
-    if isinstance(learner, FromQueries):
-        return replace(learner, learner=replace(learner.learner, sample=False))
-    assert isinstance(learner, FromVectors)
-    return replace(learner, sample=False)
 
 
 def _base(name: str) -> str:

@@ -7,6 +7,8 @@ import copy
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
+from itertools import groupby
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -81,8 +83,41 @@ def recalls_after(
         }
     more = {"groups": training.episodes} if learner.grouped else {}
     classifier = learner.classifier(diagonal, seed).fit(training.vectors, training.behaviours, **more)
-    table, rng = _Decisions(learner, classifier), np.random.default_rng(seed)
-    return _together(BehavioursVectorEnv, seeds, _vectors, lambda rows: table.draw(rows, rng))
+    rng = np.random.default_rng(seed)
+    known: dict[tuple[int, ...], NDArray[np.float64]] = {}
+
+    def draw(rows: NDArray[np.int64]) -> NDArray[np.int64]:
+        """A behaviour for each row, a diagonal and a state vector, drawn with its probability."""
+        if not learner.diagonal:
+            rows[:, 0] = 0
+        keys = list(map(tuple, rows.tolist()))
+        for own, group in groupby(sorted(set(keys) - known.keys()), key=itemgetter(0)):
+            new = list(group)
+            known.update(zip(new, _levels(learner, classifier, np.array(new)[:, 1:], own), strict=True))
+        steps = np.array([known[key] for key in keys]).cumsum(axis=1)
+        drawn: NDArray[np.int64] = (steps <= rng.random((len(keys), 1)) * steps[:, -1:]).sum(axis=1)
+        return drawn
+
+    return _together(BehavioursVectorEnv, seeds, _vectors, draw)
+
+
+def _levels(
+    learner: FromVectors, classifier: Any, vectors: NDArray[np.int64], diagonal: int
+) -> NDArray[np.float64]:
+    """The probability of each behaviour in some state vectors."""
+    if learner.diagonal:
+        classifier = copy.copy(classifier)
+        classifier.diagonal = diagonal
+    classes, levels = classifier.classes_, np.zeros((len(vectors), NUM_BEHAVIOURS))
+    if len(classes) == 1:  # for which scikit-learn's networks predict two probabilities
+        levels[:, classes] = 1.0
+        return levels
+    found = np.asarray(classifier.predict_proba(vectors), np.float64)
+    if learner.sample:
+        levels[:, classes] = found
+    else:
+        levels[np.arange(len(vectors)), classes[found.argmax(axis=1)]] = 1.0
+    return levels
 
 
 def recalls_on_wheels(policy: Callable[[NDArray[Any]], NDArray[Any]], seeds: Seeds) -> dict[str, Foraged]:
@@ -161,46 +196,6 @@ def _together(
     return found
 
 
-class _Decisions:
-    """What a classifier decides in state vectors: each is computed once."""
-
-    def __init__(self, learner: FromVectors, classifier: Any) -> None:
-        self._learner, self._classifier = learner, classifier
-        self._row_of: dict[tuple[int, ...], int] = {}
-        self._levels = np.zeros((0, NUM_BEHAVIOURS))
-
-    def draw(self, rows: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
-        """A behaviour for each row, a diagonal and a state vector, drawn with its probability."""
-        if not self._learner.diagonal:
-            rows[:, 0] = 0
-        keys = list(map(tuple, rows.tolist()))
-        missing = np.array(sorted({key for key in keys if key not in self._row_of}), np.int64)
-        for diagonal in np.unique(missing[:, 0]) if len(missing) else ():
-            own = missing[missing[:, 0] == diagonal]
-            first = len(self._row_of)
-            self._row_of.update(zip(map(tuple, own.tolist()), range(first, first + len(own)), strict=True))
-            self._levels = np.concatenate((self._levels, self._predicted(own[:, 1:], int(diagonal))))
-        steps = self._levels[[self._row_of[key] for key in keys]].cumsum(axis=1)
-        drawn: NDArray[np.int64] = (steps <= rng.random((len(keys), 1)) * steps[:, -1:]).sum(axis=1)
-        return drawn
-
-    def _predicted(self, vectors: NDArray[np.int64], diagonal: int) -> NDArray[np.float64]:
-        classifier = self._classifier
-        if self._learner.diagonal:
-            classifier = copy.copy(classifier)
-            classifier.diagonal = diagonal
-        classes, levels = classifier.classes_, np.zeros((len(vectors), NUM_BEHAVIOURS))
-        if len(classes) == 1:  # for which scikit-learn's networks predict two probabilities
-            levels[:, classes] = 1.0
-            return levels
-        found = np.asarray(classifier.predict_proba(vectors), np.float64)
-        if self._learner.sample:
-            levels[:, classes] = found
-        else:
-            levels[np.arange(len(vectors)), classes[found.argmax(axis=1)]] = 1.0
-        return levels
-
-
 PLACES = 5
 """Numbers of a demonstration."""
 ATTEMPTS = 20
@@ -221,8 +216,6 @@ class Budget(NamedTuple):
     """How much a search does.
 
     Attributes:
-        sets: Of demonstrations, in each generation.
-        generations: How many.
         trainings: With each set.
         recalls: After all trainings with a set.
     """
@@ -363,14 +356,10 @@ def _value(learner: FromVectors, marks: Marks, budget: Budget, seed: int) -> flo
         memories = memories_of([training[:2] for training in trainings])
         done = kernel_recalls(CORRIDOR, memories, np.repeat(np.arange(budget.trainings), each), seeds)
         return float(done.delivered.mean())
-    parts = [seeds[first : first + each] for first in range(0, len(seeds), each)]
-    return float(
-        np.mean(
-            [
-                recalls_after(learner, training, {CORRIDOR: part}, seed, CORRIDOR_DIAGONAL)[
-                    CORRIDOR
-                ].delivered.mean()
-                for training, part in zip(trainings, parts, strict=True)
-            ]
+    shares = [
+        recalls_after(
+            learner, training, {CORRIDOR: seeds[k * each : (k + 1) * each]}, seed, CORRIDOR_DIAGONAL
         )
-    )
+        for k, training in enumerate(trainings)
+    ]
+    return float(np.mean([share[CORRIDOR].delivered.mean() for share in shares]))

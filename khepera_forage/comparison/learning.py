@@ -4,7 +4,7 @@ All of them learn in the corridor alone.
 """
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache, lru_cache, partial
 from importlib.util import find_spec
@@ -20,14 +20,13 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.learner_registry import LearnerError, installed_learners, own_errors
-from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner, Needs
+from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner
 from khepera_forage.policies.policy import UniformPolicy
 from khepera_forage.rollouts.dagger import dagger
-from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.rollouts.recall import WheelsRecall, recall, recall_env, recall_wheels, recall_wheels_env
 from khepera_forage.rollouts.reinforcement import reinforce
 from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.rollouts.training import arrays, train
-from khepera_forage.rollouts.wheels_recall import WheelsRecall, recall_wheels, recall_wheels_env
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import ARENAS as NAMED
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
@@ -37,7 +36,6 @@ ARENAS = THESIS_ARENAS
 """Where learners are tested by default; all of them learn in the first."""
 ALL_ARENAS = (*NAMED, *DIFFICULTIES)
 """Where they can be tested: named arenas, and procedural test arenas of a difficulty."""
-HALF_DECADES = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +49,6 @@ class RecallBatch:
         arena: One of `ALL_ARENAS`.
         steps: Environment steps of the learning: rounds of all training attempts, queries, or steps of the trials.
         vectors: Experience vectors or answers of the teacher that the learner used; 0 for reinforcement learning.
-        recalls: Recall episodes in this batch.
         score: Their mean (equation 5.1), in percent.
         delivered: Food objects carried home in all of them, without poisonous ones.
         foods: Food objects in all of them that are not poisonous.
@@ -85,44 +82,6 @@ class RecallBatch:
         _require(self.recall_steps >= self.recalls, "recall_steps", self.recall_steps, "1 a recall or more")
 
 
-class Size(NamedTuple):
-    """How much is done.
-
-    Attributes:
-        recalls: Recall episodes in each arena, after each amount of learning.
-        episodes: Training episodes after which imitators are tested.
-        queries: Answers of the teacher after which learners that query it are tested.
-        steps: Environment steps after which reinforcement learners are tested.
-        arenas: Where learners are tested.
-    """
-
-    recalls: int
-    episodes: tuple[int, ...]
-    queries: tuple[int, ...]
-    steps: tuple[int, ...]
-    arenas: tuple[str, ...] = ARENAS
-
-    def amounts(self, needs: Needs | None) -> tuple[int, ...]:
-        """The amounts of learning after which a learner is tested; None learns nothing."""
-        if needs is None:
-            return (0,)
-        return {Needs.VECTORS: self.episodes, Needs.QUERIES: self.queries, Needs.STEPS: self.steps}[needs]
-
-
-def steps_up_to(most: int) -> tuple[int, ...]:
-    """Half decades of steps below the most, and the most."""
-    return (*(amount for amount in HALF_DECADES if amount < most), most)
-
-
-def in_order(rows: Collection[RecallBatch], names: Sequence[str]) -> list[RecallBatch]:
-    """Rows by learner, replication, amount and arena."""
-    place = {name: i for i, name in enumerate(names)}
-    return sorted(
-        rows,
-        key=lambda row: (place[row.learner], row.replication, row.amount, ALL_ARENAS.index(row.arena)),
-    )
-
-
 def _require(fine: bool, name: str, value: object, allowed: str) -> None:
     if not fine:
         raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
@@ -147,9 +106,6 @@ class Learned(NamedTuple):
 
     Attributes:
         steps: Environment steps of the learning.
-        vectors: That it learned from.
-        seconds: Wall time so far.
-        policy: Its policy in an environment.
     """
 
     steps: int
@@ -171,13 +127,9 @@ def learn(learner: Compared, amounts: Sequence[int], seeds: np.random.SeedSequen
             yield from _query(learner, amounts, seed)
         case FromSteps():
             for policy, steps, seconds in reinforce(learner, amounts, seed):
-                yield Learned(steps, 0, seconds, partial(_always, policy))
+                yield Learned(steps, 0, seconds, partial(lambda policy, env: policy, policy))
         case Reference():
             yield Learned(0, 0, 0.0, Teacher.of if learner.expert else lambda _: UniformPolicy())
-
-
-def _always(policy: Any, env: object) -> Any:
-    return policy
 
 
 def _imitate(
@@ -236,78 +188,62 @@ def _policy(
     return lambda env: fitted(env.diagonal if learner.diagonal else corridor), seconds
 
 
-_SHOWN = ("title", "algorithm", "settings")
-"""Fields of a reinforcement learner that `settings_of` does not list."""
+def learn_and_forage(
+    seed: int,
+    replication: int,
+    name: str,
+    learner: Compared,
+    amounts: Sequence[int],
+    recalls: int,
+    arenas: Sequence[str],
+) -> list[RecallBatch]:
+    """One learner in one replication learns and is tested; the rows by amount, then arena.
 
+    Linear algebra runs on one thread, because sums depend on the number of threads.
 
-class LearnerUnit(NamedTuple):
-    """One learner in one replication; seed and size are those of the whole run."""
-
-    seed: int
-    replication: int
-    name: str
-    learner: Compared
-    size: Size
-
-    @property
-    def key(self) -> str:
-        """Learner and replication."""
-        return f"{self.name} {self.replication}"
-
-    def run(self) -> list[RecallBatch]:
-        """Learn and be tested; the rows by amount, then arena.
-
-        Linear algebra runs on one thread, because sums depend on the number of threads.
-        """
-        learning, *testing = np.random.SeedSequence(self.seed, spawn_key=(self.replication,)).spawn(
-            1 + len(ALL_ARENAS)
-        )
-        amounts = self.size.amounts(self.learner.needs)
-        with threadpool_limits(1), own_errors(f"learner {self.name}"):
-            return [
-                self._batch(amount, arena, learned, testing[ALL_ARENAS.index(arena)])
-                for amount, learned in zip(amounts, learn(self.learner, amounts, learning), strict=True)
-                for arena in self.size.arenas
-            ]
-
-    def _batch(self, amount: int, arena: str, learned: Learned, seeds: np.random.SeedSequence) -> RecallBatch:
-        # The same places for every learner and after every amount.
-        numbers, level = (
-            seeds.generate_state(self.size.recalls).tolist(),
-            self.replication * self.size.recalls,
-        )
-        wheels = isinstance(self.learner, FromSteps) and self.learner.wheels
-        done = [_forage(learned, arena, seed, level + i, wheels) for i, seed in enumerate(numbers)]
-        rows = [row for row, _ in done]
-        return RecallBatch(
-            learner=self.name,
-            replication=self.replication,
-            amount=amount,
-            arena=arena,
-            steps=learned.steps,
-            vectors=learned.vectors,
-            recalls=len(rows),
-            score=float(np.mean([row.score for row in rows])),
-            delivered=sum(row.delivered for row in rows),
-            foods=sum(foods for _, foods in done),
-            recall_steps=sum(row.steps for row in rows),
-            seconds=learned.seconds,
-        )
-
-
-def _forage(
-    learned: Learned, arena: str, seed: int, level: int, wheels: bool
-) -> tuple[RecallRow | WheelsRecall, int]:
-    """One recall in a named arena, or in a level of a difficulty; and the food objects that are not poisonous."""
-    env: Any
-    row: RecallRow | WheelsRecall
-    if wheels:
-        env = _wheels_env(arena)
-        row = recall_wheels(env, learned.policy(env), seed)
-    else:
-        env = _recall_env(arena, level if arena in DIFFICULTIES else 0)
-        row = recall(env, learned.policy(env), seed)
-    return row, sum(food.type != FoodType.POISONOUS for food in env.forager.tracker.foods)
+    Args:
+        seed: Of the whole run.
+        replication: Number.
+        name: Of the learner.
+        learner: The learner.
+        amounts: Of learning, after which it is tested: training episodes, queries or steps, in increasing order.
+        recalls: Recall episodes in each arena, after each amount.
+        arenas: Where it is tested.
+    """
+    sequence = np.random.SeedSequence(seed, spawn_key=(replication,))
+    learning, *testing = sequence.spawn(1 + len(ALL_ARENAS))
+    # The same places for every learner and after every amount.
+    seeds = {arena: testing[ALL_ARENAS.index(arena)].generate_state(recalls).tolist() for arena in arenas}
+    batches = []
+    with threadpool_limits(1), own_errors(f"learner {name}"):
+        for amount, learned in zip(amounts, learn(learner, amounts, learning), strict=True):
+            for arena in arenas:
+                foods, rows = 0, list[RecallRow | WheelsRecall]()
+                for level, own in enumerate(seeds[arena], replication * recalls):
+                    if isinstance(learner, FromSteps) and learner.wheels:
+                        env: Any = _wheels_env(arena)
+                        rows.append(recall_wheels(env, learned.policy(env), own))
+                    else:
+                        env = _recall_env(arena, level if arena in DIFFICULTIES else 0)
+                        rows.append(recall(env, learned.policy(env), own))
+                    foods += sum(food.type != FoodType.POISONOUS for food in env.forager.tracker.foods)
+                batches.append(
+                    RecallBatch(
+                        learner=name,
+                        replication=replication,
+                        amount=amount,
+                        arena=arena,
+                        steps=learned.steps,
+                        vectors=learned.vectors,
+                        recalls=len(rows),
+                        score=float(np.mean([row.score for row in rows])),
+                        delivered=sum(row.delivered for row in rows),
+                        foods=foods,
+                        recall_steps=sum(row.steps for row in rows),
+                        seconds=learned.seconds,
+                    )
+                )
+    return batches
 
 
 @lru_cache(maxsize=len(ALL_ARENAS))
@@ -370,18 +306,10 @@ def settings_of(learner: Compared) -> str:
         case FromQueries():
             return f"{settings_of(learner.learner)}; {_arguments(learner.settings)}"
         case FromSteps():
-            own = {f.name: getattr(learner, f.name) for f in fields(learner) if f.name not in _SHOWN}
+            apart = ("title", "algorithm", "settings")
+            own = {f.name: getattr(learner, f.name) for f in fields(learner) if f.name not in apart}
             return f"{learner.algorithm}({_arguments(learner.settings)}); {_arguments(own)}"
     return "learns nothing"
-
-
-def plan(learners: Mapping[str, Compared], replications: range, size: Size, seed: int) -> list[LearnerUnit]:
-    """All work, replication by replication, so that a run that is killed has rows of every learner."""
-    return [
-        LearnerUnit(seed, number, name, learner, size)
-        for number in replications
-        for name, learner in learners.items()
-    ]
 
 
 def _arguments(values: Mapping[str, Any]) -> str:

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from textwrap import wrap
 from typing import TYPE_CHECKING, NamedTuple
 
-from khepera_forage.comparison.learning import ARENAS, settings_of
-from khepera_forage.comparison.results import SUCCESS, Curve, ReadLearner, Shown
+from khepera_forage.comparison.learning import ARENAS
+from khepera_forage.comparison.results import SUCCESS, Curve, ReadLearner
 from khepera_forage.estimates import Column, Table, Value, table_of
 from khepera_forage.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure, padded
 from khepera_forage.policies.learners import Needs
@@ -30,7 +30,7 @@ imitator, which are fixed, and of reinforcement learners, whose trainings take l
 SMOKE_TEST = "A run with --quick is a smoke test: it supports no claim about any learner."
 
 
-def main_table(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> Table:
+def main_table(curves: Sequence[Curve], learners: Mapping[str, ReadLearner]) -> Table:
     """Every learner in both arenas, after all of its learning."""
     rows: list[dict[str, Value]] = []
     for curve in curves:
@@ -90,7 +90,7 @@ def amounts_table(curves: Sequence[Curve]) -> Table:
 
 def page(
     curves: Sequence[Curve],
-    learners: Mapping[str, Shown],
+    learners: Mapping[str, ReadLearner],
     missing: Mapping[str, str],
     tuned: bool,
     quick: bool = False,
@@ -111,17 +111,19 @@ def page(
         f"{TUNING} See [all settings](tuning/tuning.md)." if tuned else TUNING,
         (Column("name"), Column("learner"), Column("settings")),
         [
-            (f"`{name}`", learners[name].title, f"`{_settings(learners[name])}`")
+            (f"`{name}`", learners[name].title, f"`{learners[name].settings}`")
             for name in names
             if learners[name].needs is not None
         ],
     )
+    drawn = [curve for curve in curves if curve.arena in STYLES]
+    caption = "food delivered against steps of learning"
     absent = [f"`{name}` was left out: {why}." for name, why in missing.items() if name not in names]
     return Page(
         "All learners side by side",
         [
             "**How much experience does a learner need to forage?**",
-            *_pictures(curves, learners),
+            *([Picture("learners", caption, figure(drawn, learners))] if drawn else []),
             *absent,
             *([SMOKE_TEST] if quick else []),
             METHOD,
@@ -131,16 +133,6 @@ def page(
         ],
         (amounts_table(curves),),
     )
-
-
-def _pictures(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> list[Picture]:
-    shown = [curve for curve in curves if curve.arena in STYLES]
-    caption = "food delivered against steps of learning"
-    return [Picture("learners", caption, figure(shown, learners))] if shown else []
-
-
-def _settings(learner: Shown) -> str:
-    return learner.settings if isinstance(learner, ReadLearner) else settings_of(learner)
 
 
 FAMILIES = {
@@ -171,9 +163,10 @@ _PANEL, _HEADING, _LEGEND = 1.7, 0.34, 1.0
 """Inches: height of a line of panels, of the heading of a kind with its label of the steps, and of the rest."""
 
 
-def figure(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> "Figure":
+def figure(curves: Sequence[Curve], learners: Mapping[str, ReadLearner]) -> "Figure":
     """A block of panels for each kind of learner, and a panel for each learner with its curve in each arena."""
-    families = {needs: _names(curves, learners, needs) for needs in FAMILIES}
+    shown = dict.fromkeys(curve.learner for curve in curves)
+    families = {needs: [name for name in shown if learners[name].needs is needs] for needs in FAMILIES}
     families = {needs: names for needs, names in families.items() if names}
     heights = [_HEADING + _PANEL * math.ceil(len(names) / COLUMNS) for names in families.values()]
     drawn = new_figure(WIDTH, _LEGEND + sum(heights))
@@ -189,12 +182,6 @@ def figure(curves: Sequence[Curve], learners: Mapping[str, Shown]) -> "Figure":
     return drawn
 
 
-def _names(curves: Sequence[Curve], learners: Mapping[str, Shown], needs: Needs) -> list[str]:
-    return [
-        name for name in dict.fromkeys(curve.learner for curve in curves) if learners[name].needs is needs
-    ]
-
-
 def _block(
     block: "SubFigure", titles: Mapping[str, str], curves: Sequence[Curve], references: Sequence[Curve]
 ) -> None:
@@ -202,15 +189,26 @@ def _block(
     lines = math.ceil(len(titles) / COLUMNS)
     panels = block.subplots(lines, COLUMNS, sharex=True, sharey=True, squeeze=False)
     for axes, (name, title) in zip(panels.flat, titles.items(), strict=False):
-        _axes(axes, "\n".join(wrap(title, _TITLE)))
+        axes.set_title("\n".join(wrap(title, _TITLE)), fontsize=SMALL)
+        axes.set_xscale("log")
+        axes.set_ylim(*padded(0, 100))
+        axes.set_yticks(range(0, 101, 20))
+        axes.tick_params(labelsize=SMALL)
+        axes.axhline(100 * SUCCESS, color="0.6", lw=0.8, zorder=1)
+        grid(axes)
         for reference in references:
             value = reference.end.delivered.value
             axes.axhline(value, color=GREY, lw=1, ls=STYLES[reference.arena].reference, zorder=1)
         for curve in curves:
-            if curve.learner == name:
-                _line(axes, curve)
-            else:
-                axes.plot(*_points(curve), color="0.85", lw=0.8, ls=STYLES[curve.arena].line, zorder=1)
+            style, steps = STYLES[curve.arena], [point.steps.value for point in curve.points]
+            food, low, high = zip(*(point.delivered for point in curve.points), strict=True)
+            if curve.learner != name:
+                axes.plot(steps, food, color="0.85", lw=0.8, ls=style.line, zorder=1)
+                continue
+            look = {"color": style.colour, "marker": style.marker, "ls": style.line}
+            axes.plot(steps, food, **look, ms=4.5, lw=1.6, mec="white", mew=0.5)
+            if all(map(math.isfinite, low)):
+                axes.fill_between(steps, low, high, color=style.colour, alpha=0.15, lw=0)
     for axes in panels.flat[len(titles) :]:
         axes.set_axis_off()
     _step_axis(panels[0, 0])
@@ -221,52 +219,18 @@ def _block(
         axes.set_ylabel("food delivered (%)", fontsize=SMALL)
 
 
-def _axes(axes: "Axes", title: str) -> None:
-    axes.set_title(title, fontsize=SMALL)
-    axes.set_xscale("log")
-    axes.set_ylim(*padded(0, 100))
-    axes.set_yticks(range(0, 101, 20))
-    axes.tick_params(labelsize=SMALL)
-    axes.axhline(100 * SUCCESS, color="0.6", lw=0.8, zorder=1)
-    grid(axes)
-
-
 def _step_axis(axes: "Axes") -> None:
     """Numbers along the axis of steps, which all panels of a block share."""
-    from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
+    from matplotlib.ticker import EngFormatter, LogLocator, MaxNLocator, NullLocator
 
     low, high = axes.get_xlim()
     few = LogLocator(subs=(1, 2, 5) if high < _DENSE * low else (1,))
     axes.xaxis.set_major_locator(few if high > 3 * low else MaxNLocator(2))
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter(lambda steps, _: _short(steps))
+    axes.xaxis.set_major_formatter(EngFormatter(sep=""))  # 500, 2k, 1M
 
 
-def _short(steps: float) -> str:
-    """A number of steps: 500, 2k, 1M."""
-    for unit, suffix in ((1e6, "M"), (1e3, "k")):
-        if steps >= unit:
-            return f"{steps / unit:g}{suffix}"
-    return f"{steps:g}"
-
-
-def _line(axes: "Axes", curve: Curve) -> None:
-    style = STYLES[curve.arena]
-    x, y = _points(curve)
-    low, high = ([getattr(point.delivered, end) for point in curve.points] for end in ("low", "high"))
-    axes.plot(
-        x, y, color=style.colour, marker=style.marker, ls=style.line, ms=4.5, lw=1.6, mec="white", mew=0.5
-    )
-    if all(map(math.isfinite, low)):
-        axes.fill_between(x, low, high, color=style.colour, alpha=0.15, lw=0)
-
-
-def _points(curve: Curve) -> tuple[list[float], list[float]]:
-    """Steps of learning, and percent of the food delivered."""
-    return [point.steps.value for point in curve.points], [point.delivered.value for point in curve.points]
-
-
-def _key(drawn: "Figure", references: Sequence[Curve], learners: Mapping[str, Shown]) -> None:
+def _key(drawn: "Figure", references: Sequence[Curve], learners: Mapping[str, ReadLearner]) -> None:
     """One legend for all panels."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch

@@ -36,21 +36,27 @@ from khepera_forage.comparison.compiled_learning import (
     thinned,
     varied_arenas,
 )
-from khepera_forage.comparison.learning import REFERENCES, Compared, LearnerUnit, Size, settings_of, unable
+from khepera_forage.comparison.learning import (
+    REFERENCES,
+    Compared,
+    learn_and_forage,
+    settings_of,
+    unable,
+)
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.estimates import UNKNOWN, Estimate, Measure, Table, Value, mean, pick, plain, table_of
+from khepera_forage.estimates import Estimate, Measure, Table, Value, mean, pick, plain, table_of
 from khepera_forage.experience import Experience
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.features import wheels_features
 from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.raw_episodes import LearnerRecorder, RawEpisode, teacher_alone
+from khepera_forage.rollouts.recall import recall_wheels_env
 from khepera_forage.rollouts.training import IncompleteTrainingError, train
-from khepera_forage.rollouts.wheels_recall import recall_wheels_env
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
-from khepera_forage.study import Arguments, Execute, Page, Rows, collect, finish
+from khepera_forage.study import Arguments, Execute, Job, Page, Rows, collect, finish
 
 NAME = "forage-bench-1"
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -81,14 +87,10 @@ class Track(NamedTuple):
     """One question.
 
     Attributes:
-        question: That it asks.
         learners: Those of the package that take part.
         amounts: Amounts of learning in each condition: episodes, or steps of reinforcement learning.
-        places: Of the recalls.
-        seeds: Replications.
-        slow: Replications of learners whose replication takes seconds, that is, all but the thesis's imitator and the
-            references.
-        recalls: In each group of places.
+        places: Of the recalls, `recalls` in each group.
+        slow: Replications of learners that take seconds: all but the thesis's imitator and the references.
     """
 
     question: str
@@ -153,19 +155,12 @@ def track_of(name: str, quick: bool) -> Track:
 
 @dataclass(frozen=True, slots=True)
 class Tested:
-    """Recalls of one learner in one place.
+    """Recalls of one learner in one place; fields that are not explained are those of `RecallBatch`.
 
     Attributes:
-        track: One of `TRACKS`.
-        learner: Its name; `teacher` and `random` learn nothing.
         condition: One of the track's, or a learner for which the demonstrations were searched; empty without learning.
-        amount: Training episodes or steps.
         replication: With seeds and training of its own. For demonstrations that were searched for, the search.
         place: A named arena or a difficulty.
-        recalls: How many.
-        score: Their mean (equation 5.1), in percent.
-        delivered: Food brought home that is not poisonous.
-        foods: Food objects that are not poisonous.
         vectors: What was learned from: experience vectors, or rounds.
         seconds: Learning and recalls in all places, wall time.
     """
@@ -189,8 +184,6 @@ class Demonstrations:
     """Demonstrations that a search found.
 
     Attributes:
-        learner: For which.
-        search: Number of the search.
         marks: Of each demonstration: x, y (mm), heading (degrees) of the start, x, y of the food.
     """
 
@@ -199,40 +192,22 @@ class Demonstrations:
     marks: tuple[float, ...]
 
 
-class Searching(NamedTuple):
-    """A unit of work: search for the demonstrations after which a learner delivers most."""
-
-    seed: int
-    name: str
-    search: int
-    budget: Budget
-
-    @property
-    def key(self) -> str:
-        """Learner and number."""
-        return f"search {self.name} {self.search}"
-
-    def run(self) -> list[Demonstrations]:
-        """Search."""
-        learner = LEARNERS[self.name]
-        assert isinstance(learner, FromVectors)
-        rng = np.random.default_rng(_seed(self.seed, 3, self.search, TAUGHT.index(self.name)))
-        with threadpool_limits(1):
-            marks = search(learner, DEMONSTRATIONS, self.budget, rng)
-        return [Demonstrations(self.name, self.search, tuple(marks.ravel().round(2).tolist()))]
+def find_demonstrations(seed: int, name: str, number: int, budget: Budget) -> list[Demonstrations]:
+    """Search for the demonstrations after which a learner delivers most."""
+    learner = LEARNERS[name]
+    assert isinstance(learner, FromVectors)
+    rng = np.random.default_rng(_seed(seed, 3, number, TAUGHT.index(name)))
+    with threadpool_limits(1):
+        marks = search(learner, DEMONSTRATIONS, budget, rng)
+    return [Demonstrations(name, number, tuple(marks.ravel().round(2).tolist()))]
 
 
 class Learning(NamedTuple):
-    """A unit of work: one learner learns once, and forages.
+    """A unit of work: one learner learns once, and forages; fields that are not explained are those of `Tested`.
 
     Attributes:
         seed: Of the whole run.
-        track: Its name.
-        name: Of the learner.
         learner: An entry of `LEARNERS`, a reference, or None for an offline learner on wheels.
-        condition: As in `Tested`.
-        amount: Likewise.
-        replication: Likewise.
         recalls: In each group of places.
         test: Number of the training with the same demonstrations.
         marks: Demonstrations that were searched for.
@@ -279,8 +254,10 @@ class Learning(NamedTuple):
                     self.learner, training, seeds, own % 2**31, CORRIDOR_DIAGONAL
                 )
             case FromSteps():
-                size = Size(self.recalls, (), (), (self.amount,), TRACKS[self.track].places)
-                rows = LearnerUnit(self.seed, self.replication, self.name, self.learner, size).run()
+                rows = learn_and_forage(
+                    *(self.seed, self.replication, self.name, self.learner),
+                    *((self.amount,), self.recalls, TRACKS[self.track].places),
+                )
                 found = {
                     row.arena: Foraged(
                         np.full(row.recalls, row.score), np.array([row.delivered]), np.array([row.foods])
@@ -289,7 +266,9 @@ class Learning(NamedTuple):
                 }
                 return rows[0].steps, found
             case None:
-                episodes = _raw_episodes(self.condition, self.amount, self.seed, number)
+                most = max(TRACKS[WHEELS].amounts[self.condition])
+                recorded = _recorded(self.condition, min(self.amount, most), self.seed, number)
+                episodes = [raw for _, raw in recorded]
                 return sum(len(one.actions) for one in episodes), recalls_on_wheels(
                     wheels_learner(self.name, episodes, own % 2**31), seeds
                 )
@@ -300,11 +279,10 @@ class Learning(NamedTuple):
 
     def _seeds(self, number: int) -> Seeds:
         found = {}
-        for place in TRACKS[self.track].places:
-            for own in (group := GROUPS[place]):
-                each = max(1, self.recalls // len(group))
-                drawing = np.random.SeedSequence(self.seed, spawn_key=(1, number, _ALL_PLACES.index(own)))
-                found[own] = drawing.generate_state(each).tolist()
+        for group in (GROUPS[name] for name in TRACKS[self.track].places):
+            for place in group:
+                drawing = np.random.SeedSequence(self.seed, spawn_key=(1, number, _ALL_PLACES.index(place)))
+                found[place] = drawing.generate_state(max(1, self.recalls // len(group))).tolist()
         return found
 
     def training(self, number: int) -> Training:
@@ -312,18 +290,14 @@ class Learning(NamedTuple):
         key = _seed(self.seed, 2, number)
         if self.marks:
             return demonstrate(np.array(self.marks).reshape(-1, PLACES), key)[0]
-        match self.condition:
-            case _ if self.track == VOCABULARY:
-                heard = thesis_teacher(self.amount, key)
-                return spoken(heard, self.condition, np.random.default_rng(key))
-            case "random":
-                return _followed(self.amount, key)
-            case "varied arenas":
-                return varied_arenas(self.amount, key)
-            case "varied arenas, thinned":
-                size = len(thesis_teacher(self.amount, key).vectors)
-                return thinned(varied_arenas(self.amount, key), size, key)
-        return thesis_teacher(self.amount, key)
+        if self.condition == RANDOM:
+            return _followed(self.amount, key)
+        if self.condition == VARIED:
+            return varied_arenas(self.amount, key)
+        usual = thesis_teacher(self.amount, key)
+        if self.condition == THINNED:
+            return thinned(varied_arenas(self.amount, key), len(usual.vectors), key)
+        return spoken(usual, self.condition, np.random.default_rng(key))
 
 
 _ALL_PLACES = tuple(place for group in GROUPS.values() for place in group)
@@ -338,21 +312,20 @@ def spoken(training: Training, vocabulary: str, rng: np.random.Generator) -> Tra
     """
     vectors, heard, episodes = training
     size = len(heard)
-    match vocabulary:
-        case "permuted":
-            order = rng.permutation(_BEHAVIOURS)
-            names = np.empty(_BEHAVIOURS, np.int64)
-            names[order] = np.roll(order, 1)
-            return Training(vectors, names[heard], episodes)
-        case "3 late":
-            same = episodes[3:] == episodes[:-3]
-            return Training(vectors[3:][same], heard[:-3][same], episodes[3:][same])
-        case "half silent":
-            kept = rng.random(size) < 0.5
-            return Training(vectors[kept], heard[kept], episodes[kept])
-        case "a fifth wrong":
-            wrong = (rng.random(size) < 0.2) * rng.integers(1, _BEHAVIOURS, size)
-            return Training(vectors, (heard + wrong) % _BEHAVIOURS, episodes)
+    if vocabulary == PERMUTED:
+        order = rng.permutation(_BEHAVIOURS)
+        names = np.empty(_BEHAVIOURS, np.int64)
+        names[order] = np.roll(order, 1)
+        return Training(vectors, names[heard], episodes)
+    if vocabulary == LATE:
+        same = episodes[3:] == episodes[:-3]
+        return Training(vectors[3:][same], heard[:-3][same], episodes[3:][same])
+    if vocabulary == SILENT:
+        kept = rng.random(size) < 0.5
+        return Training(vectors[kept], heard[kept], episodes[kept])
+    if vocabulary == WRONG:
+        wrong = (rng.random(size) < 0.2) * rng.integers(1, _BEHAVIOURS, size)
+        return Training(vectors, (heard + wrong) % _BEHAVIOURS, episodes)
     return training
 
 
@@ -394,11 +367,6 @@ def wheels_learner(
     return lambda rows: np.clip(learner.predict(rows), -1.0, 1.0)
 
 
-def _raw_episodes(data: str, amount: int, seed: int, replication: int) -> list[RawEpisode]:
-    most = max(track_of(WHEELS, False).amounts[data])
-    return [raw for _, raw in _recorded(data, amount if amount < most else most, seed, replication)]
-
-
 @lru_cache(4)
 def _recorded(data: str, amount: int, seed: int, replication: int) -> list[tuple[Experience, RawEpisode]]:
     """The first raw episodes of a replication."""
@@ -419,13 +387,13 @@ def _seed(seed: int, *purpose: int) -> int:
     return int(np.random.SeedSequence(seed, spawn_key=purpose).generate_state(1)[0])
 
 
-def searches(learners: Mapping[str, Compared], seed: int, quick: bool, most: int) -> list[Searching]:
+def searches(learners: Mapping[str, Compared], seed: int, quick: bool, most: int) -> list[Job]:
     """The searches for demonstrations, one for every ten replications; arguments as for `plan`."""
-    small = Budget(4, 2, 1, 4)
+    budgets = {name: Budget(4, 2, 1, 4) if quick else BUDGETS.get(name, _BUDGET) for name in TAUGHT}
     return [
-        Searching(seed, name, number, small if quick else BUDGETS.get(name, _BUDGET))
+        Job(f"search {name} {number}", find_demonstrations, (seed, name, number, budget))
         for number in range(1 if quick else min(SEARCHES, most // TESTS))
-        for name in TAUGHT
+        for name, budget in budgets.items()
         if name in learners
     ]
 
@@ -531,8 +499,8 @@ def page(rows: Sequence[Tested], seed: int, quick: bool) -> Page:
     return Page(NAME, tables)
 
 
-def _mean(rows: Sequence[Tested], seed: int) -> Estimate:
-    return mean(rows, SHARE, np.random.default_rng(seed)) if rows else UNKNOWN
+def _share(rows: Sequence[Tested], seed: int) -> Estimate:
+    return mean(rows, SHARE, np.random.default_rng(seed))
 
 
 def _table(name: str, question: str, rows: Sequence[Tested], seed: int) -> Table:
@@ -548,7 +516,7 @@ def _table(name: str, question: str, rows: Sequence[Tested], seed: int) -> Table
                 "amount": amount,
                 "trainings": len({(row.replication, row.seconds) for row in own}),
                 **{
-                    f"{g} (%)": _mean([r for r in own if r.place in group], seed)
+                    f"{g} (%)": _share([row for row in own if row.place in group], seed)
                     for g, group in groups.items()
                 },
                 "vectors": plain(float(np.mean([row.vectors for row in own]))),
@@ -568,8 +536,8 @@ def _transfer(rows: Sequence[Tested], seed: int) -> Table:
     lines: list[dict[str, Value]] = []
     for learner, condition, amount in _kinds(rows):
         if learner not in REFERENCES and amount == few and condition != THESIS:
-            share = _mean(pick(rows, learner=learner, condition=condition, amount=amount), seed)
-            usual = _mean(pick(rows, learner=learner, condition=THESIS, amount=amount), seed).value
+            share = _share(pick(rows, learner=learner, condition=condition, amount=amount), seed)
+            usual = _share(pick(rows, learner=learner, condition=THESIS, amount=amount), seed).value
             lines.append(
                 {
                     "learner": learner,

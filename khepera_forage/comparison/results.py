@@ -21,13 +21,12 @@ infinite.
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from khepera_forage.comparison.learning import ALL_ARENAS, Compared, RecallBatch
+from khepera_forage.comparison.learning import ALL_ARENAS, Compared, RecallBatch, settings_of
 from khepera_forage.estimates import UNKNOWN, Estimate, Measure, bootstrap_quantile, difference, mean, pick
 from khepera_forage.files import utf8
 from khepera_forage.policies.learners import Needs
@@ -57,13 +56,6 @@ class Point(NamedTuple):
 
     Attributes:
         amount: Requested training episodes, queries or steps.
-        batches: Replications.
-        steps: Environment steps of the learning.
-        vectors: Learned from.
-        score: Equation 5.1, in percent.
-        delivered: Percent of the food.
-        recall_steps: A recall.
-        seconds: Wall time of learning.
     """
 
     amount: int
@@ -76,24 +68,34 @@ class Point(NamedTuple):
     seconds: Estimate
 
 
-@dataclass(frozen=True, slots=True)
-class Curve:
+class ReadLearner(NamedTuple):
+    """A learner as tables, figures and results files have it; `needs` is None if it learns nothing."""
+
+    title: str
+    needs: Needs | None
+    settings: str
+
+
+def described(learners: Mapping[str, Compared]) -> dict[str, ReadLearner]:
+    """Learners as tables, figures and results files have them."""
+    return {name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in learners.items()}
+
+
+class Curve(NamedTuple):
     """One learner in one arena.
 
     Attributes:
-        learner: Its name.
-        arena: One of `ALL_ARENAS`.
-        points: In increasing order of the amount.
         steps_to_success: Steps after which a replication first delivered the share `SUCCESS` of the food; the median
             over replications, infinite if more than half never did.
         gain: Percentage points of the food delivered after all of the learning, minus those after the first amount.
+        points: In increasing order of the amount.
     """
 
     learner: str
     arena: str
-    points: tuple[Point, ...]
     steps_to_success: Estimate
     gain: Estimate
+    points: tuple[Point, ...]
 
     @property
     def end(self) -> Point:
@@ -102,7 +104,7 @@ class Curve:
 
 
 def curves(rows: Sequence[RecallBatch], seed: int) -> list[Curve]:
-    """A curve for each learner and arena, in the order of the rows, which is that of `in_order`.
+    """A curve for each learner and arena, in the order of the rows.
 
     The resamples of every curve have the same seed, so that it does not depend on which others there are.
     """
@@ -119,46 +121,27 @@ def _curve(rows: Sequence[RecallBatch], rng: np.random.Generator) -> Curve:
         for amount, own in parts.items()
     )
     first, *_, last = (*parts.values(), *parts.values())
-    to_success = bootstrap_quantile(_firsts(rows), lambda row: row.steps, 0.5, rng)
-    gain = difference(last, first, DELIVERED, rng) if len(parts) > 1 else UNKNOWN
-    return Curve(rows[0].learner, rows[0].arena, points, to_success, gain)
-
-
-class _First(NamedTuple):
-    replication: int
-    steps: float
-
-
-def _firsts(rows: Sequence[RecallBatch]) -> list[_First]:
-    """Steps to the first success of each replication; infinite without success."""
     firsts = {row.replication: math.inf for row in rows}
     for row in rows:
         if row.delivered >= SUCCESS * row.foods:
             firsts[row.replication] = min(firsts[row.replication], row.steps)
-    return [_First(*item) for item in firsts.items()]
+    to_success = bootstrap_quantile([_First(*own) for own in firsts.items()], lambda row: row.steps, 0.5, rng)
+    gain = difference(last, first, DELIVERED, rng) if len(parts) > 1 else UNKNOWN
+    return Curve(rows[0].learner, rows[0].arena, to_success, gain, points)
 
 
-@dataclass(frozen=True, slots=True)
-class ReadLearner:
-    """A learner of a results file; `needs` is None if it learns nothing."""
+class _First(NamedTuple):
+    """Steps to the first success of a replication; infinite without success."""
 
-    title: str
-    needs: Needs | None
-    settings: str
+    replication: int
+    steps: float
 
 
-Shown = Compared | ReadLearner
-"""What tables and figures show."""
-
-
-@dataclass(frozen=True, slots=True)
-class Results:
+class Results(NamedTuple):
     """What a results file holds.
 
     Attributes:
         made_with: Version and command, in one line.
-        learners: By name.
-        curves: One a learner and arena.
         origin: Where they were read, in one word: `published`, or the name of the folder or file.
     """
 
@@ -200,12 +183,10 @@ def read_results(source: str) -> Results:
         content = json.loads(utf8(path.read_bytes()))
         if not isinstance(content, dict) or content.get("format") != FORMAT:
             raise ValueError(f"no results of a comparison; allowed: a file with the format {FORMAT!r}")
-        learners = {
-            name: ReadLearner(
-                one["title"], Needs(one["learns_from"]) if one["learns_from"] else None, one["settings"]
-            )
-            for name, one in content["learners"].items()
-        }
+        learners = {}
+        for name, one in content["learners"].items():
+            needs = Needs(one["learns_from"]) if one["learns_from"] else None
+            learners[name] = ReadLearner(one["title"], needs, one["settings"])
         curves = [_curve_of(value, learners) for value in content["curves"]]
         return Results(str(content["made_with"]), learners, curves, origin)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
@@ -214,34 +195,26 @@ def read_results(source: str) -> Results:
 
 
 def beside(
-    own: Sequence[Curve], learners: Mapping[str, Shown], other: Results | None
-) -> tuple[list[Curve], dict[str, Shown]]:
+    own: Sequence[Curve], learners: Mapping[str, ReadLearner], other: Results | None
+) -> tuple[list[Curve], dict[str, ReadLearner]]:
     """The curves and learners of a run, and behind them those of a results file, with its origin in their titles."""
     if other is None:
         return list(own), dict(learners)
     mark = f"({other.origin})"
-    names = {name: f"{name} {mark}" for name in other.learners}
-    read = {names[name]: replace(one, title=f"{one.title} {mark}") for name, one in other.learners.items()}
-    behind = [replace(curve, learner=names[curve.learner]) for curve in other.curves]
+    behind = [curve._replace(learner=f"{curve.learner} {mark}") for curve in other.curves]
+    read = {
+        f"{name} {mark}": one._replace(title=f"{one.title} {mark}") for name, one in other.learners.items()
+    }
     return [*own, *behind], {**learners, **read}
 
 
-def _plain(curve: Curve) -> dict[str, Any]:
-    """A curve as JSON has it."""
-
-    def numbers(estimate: Estimate) -> list[float | str | None]:
-        return [None if math.isnan(v) else "inf" if math.isinf(v) else float(f"{v:.6g}") for v in estimate]
-
-    def point(one: Point) -> dict[str, Any]:
-        return {k: numbers(v) if isinstance(v, Estimate) else v for k, v in one._asdict().items()}
-
-    return {
-        "learner": curve.learner,
-        "arena": curve.arena,
-        "steps_to_success": numbers(curve.steps_to_success),
-        "gain": numbers(curve.gain),
-        "points": [point(one) for one in curve.points],
-    }
+def _plain(value: Any) -> Any:
+    """A curve, or a part of it, as JSON has it."""
+    if isinstance(value, Estimate):
+        return [None if math.isnan(v) else "inf" if math.isinf(v) else float(f"{v:.6g}") for v in value]
+    if isinstance(value, Curve | Point):
+        return {name: _plain(part) for name, part in value._asdict().items()}
+    return [_plain(part) for part in value] if isinstance(value, tuple) else value
 
 
 def _curve_of(value: Any, learners: Mapping[str, ReadLearner]) -> Curve:
@@ -250,17 +223,14 @@ def _curve_of(value: Any, learners: Mapping[str, ReadLearner]) -> Curve:
         raise ValueError(f"learner is {name!r}; allowed: {', '.join(learners)}")
     if arena not in ALL_ARENAS:
         raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ALL_ARENAS)}")
+    means = Point._fields[2:]
     points = tuple(
-        Point(
-            _count(one, "amount"),
-            _count(one, "batches"),
-            *(_estimate(one, key) for key in Point._fields[2:]),
-        )
+        Point(_count(one, "amount"), _count(one, "batches"), *(_estimate(one, key) for key in means))
         for one in value["points"]
     )
     if not points:
         raise ValueError(f"points of {name} are empty; allowed: one or more")
-    return Curve(name, arena, points, _estimate(value, "steps_to_success"), _estimate(value, "gain"))
+    return Curve(name, arena, _estimate(value, "steps_to_success"), _estimate(value, "gain"), points)
 
 
 def _count(value: Any, key: str) -> int:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.recall import Observation, RecallEnv
 from khepera_forage.envs.recalls import Shown
-from khepera_forage.policies.model_observations import state_vector_space
+from khepera_forage.policies.features import state_vector_space
 from khepera_forage.policies.teacher import APPLICABLE
 from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, FoodType, behaviour_number
 

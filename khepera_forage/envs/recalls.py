@@ -24,11 +24,11 @@ from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import Simulation
 from khepera_forage.sim.world import Layout, World
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.behaviours import command, decode_motors, same_motors
+from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_way_home
 from khepera_forage.task.decisions import Decisions, DecisionValues
 from khepera_forage.task.episode import Episode, begin_episode, end_step, penalty, score
-from khepera_forage.task.food_tracking import FoodTracker, explored, share_identified, update_food
-from khepera_forage.task.perception import RawData, own_region, perceive, state_vector, without_food
+from khepera_forage.task.food_tracking import FoodTracker, share_identified
+from khepera_forage.task.perception import RawData, look_up_way_home, own_region, perceive
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
 from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for, classify
 from khepera_forage.vision.scene import Region, Scene
@@ -72,7 +72,11 @@ class Forager:
         return behaviour_for(self.state)
 
     def motors_for(self, behaviour: int) -> Motors:
-        """What a behaviour commands now."""
+        """What a behaviour commands now. The way home is looked up only where the behaviour uses it."""
+        tracker, raw = self.tracker, self.raw
+        if uses_way_home(behaviour, raw, tracker.foods, self.arena, self.decisions):
+            bearing, path = look_up_way_home(raw, tracker, tracker.foods, tracker.chosen, self.arena)
+            self.raw = raw._replace(home_bearing=bearing, home_path=path)
         return command(behaviour, self.raw, self.decisions)
 
     def drive(self, motors: Motors) -> None:
@@ -90,25 +94,22 @@ class Forager:
         if own is None:
             raise RuntimeError("the camera's scene has lost all trace of the robot's marker")
         self.own = own
-        tracker, present = self.tracker, self.senses.object_presence != 0
-        update_food(
+        tracker = self.tracker
+        self.raw, self.vector = perceive(
             tracker,
             tracker.foods,
             tracker.chosen,
             tracker.links,
             scene.regions,
-            self.arena,
+            before,
+            self.senses,
+            self.applied,
             own.x,
             own.y,
             own.orientation,
-            present,
-            present and explored(before, self.senses, self.applied),
-            self.senses.arm,
+            own.found,
+            self.arena,
             self.decisions,
-        )
-        self.raw = perceive(self.senses, own, tracker, self.arena)
-        self.vector = state_vector(
-            self.raw, without_food(tracker, self.arena, self.decisions), self.decisions
         )
         self.state = classify(self.vector, self.arena.home_radius, self.decisions)
 

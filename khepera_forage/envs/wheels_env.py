@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from khepera_forage.envs.arguments import motor_action
 from khepera_forage.envs.recall import Observation, RecallEnv
 from khepera_forage.envs.recalls import Shown
-from khepera_forage.policies.model_observations import raw_data_space
+from khepera_forage.policies.features import raw_data_space
 
 
 class WheelsEnv(RecallEnv[NDArray[np.float64]]):

@@ -9,7 +9,6 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.experience.reader import read
 from khepera_forage.experience.text_format import (
     ExperienceError,
     checked_header,
@@ -17,6 +16,7 @@ from khepera_forage.experience.text_format import (
     closing_line,
     header_decisions_text,
     header_text,
+    read,
     row_text,
 )
 from khepera_forage.files import replacing
@@ -166,7 +166,7 @@ class Experience:
         """
         text = header_text(checked_header(self.arena, self.seed, self.episodes, self.decisions))
         text += "".join(row_text(*row) for row in self) + closing_line(len(self))
-        with replacing(Path(path)) as partial, open(partial, "wb") as file:
+        with replacing(Path(path)) as partial, open(partial, "xb") as file:
             file.write(text.encode())
             file.flush()
             os.fsync(file.fileno())

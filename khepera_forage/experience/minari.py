@@ -6,7 +6,7 @@ MINARI_DATASETS_PATH is the folder in which Minari stores datasets.
 """
 
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -15,12 +15,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import khepera_forage
+from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.experience import Experience, ExperienceError
-from khepera_forage.experience.dataset_environment import arena_name, dataset_environment
 from khepera_forage.experience.text_format import header_decisions, header_decisions_text
 from khepera_forage.extras import require
 from khepera_forage.rollouts.raw_episodes import RawEpisode
 from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.sim.arenas.procedural import LEVELS, SPLITS, level_of
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, StateVector
 
@@ -82,7 +84,7 @@ def to_minari(
     names = {part.arena for part in parts}
     if truncated is None:
         truncated = [False] * len(parts) if episodes is None else [episode.truncated for episode in episodes]
-    env = dataset_environment(names, arena, None if others else decisions, wheels=episodes is not None)
+    env = _environment(names, arena, None if others else decisions, wheels=episodes is not None)
     buffers = []
     for number, part in enumerate(parts):
         buffer = _about(part) | (
@@ -127,7 +129,7 @@ def from_minari(dataset: Any, arena: str | None = None) -> list[Experience]:
     metadata = dataset.storage.get_episode_metadata(dataset.episode_indices)
     for episode, about in zip(dataset.iterate_episodes(), metadata, strict=True):
         options = about.get("options", {})
-        name = arena or options.get("arena") or arena_name(getattr(spec, "kwargs", {}).get("arena"))
+        name = arena or options.get("arena") or _arena_name(getattr(spec, "kwargs", {}).get("arena"))
         if not isinstance(name, str):
             raise ExperienceError(f"episode {episode.id}: the dataset has no arena; pass arena=")
         seed = options.get("seed", "None")
@@ -213,3 +215,63 @@ def _vectors(observations: Any, count: int, number: int) -> NDArray[np.int64]:
 def _minari() -> Any:
     require("a Minari dataset", "minari")
     return import_module("minari")
+
+
+def _environment(
+    names: Iterable[str], arena: Arena | str | None, decisions: Decisions | None, wheels: bool = False
+) -> gym.Env[Any, Any]:
+    """The environment of behaviours, or of motors, in the arena of some experience.
+
+    Args:
+        names: Of the arenas in the experience.
+        arena: The arena of all of it. It may be left out if the names say what it is: one of `ARENAS`, or procedural
+            levels of one difficulty and split.
+        decisions: Of the environment; those of its version by default.
+        wheels: Whether actions are motors.
+
+    Raises:
+        ExperienceError: The names are of several arenas, of an unknown one, or of another one than `arena`.
+    """
+    found = sorted(set(names))
+    kind = "Wheels-v1" if wheels else "-v1"
+    if arena is not None and found != [arena.name if isinstance(arena, Arena) else arena]:
+        own = arena.name if isinstance(arena, Arena) else arena
+        raise ExperienceError(f"experience of {found}; allowed: of {own!r}, the argument arena")
+    if isinstance(arena, Arena):
+        return gym.make(f"khepera_forage/Corridor{kind}", decisions=decisions, **settings_of(arena))
+    if len(found) == 1 and found[0] in ARENAS:
+        return gym.make(f"khepera_forage/{environment_name(found[0])}{kind}", decisions=decisions)
+    levels = _levels(found)
+    if levels is None:
+        raise ExperienceError(
+            f"experience of {found}; allowed: one arena, of {', '.join(ARENAS)}, or one of your own with the argument "
+            "arena; or procedural levels of one difficulty and split"
+        )
+    return gym.make(f"khepera_forage/Procedural{kind}", decisions=decisions, **levels)
+
+
+def _arena_name(arena: Any) -> Any:
+    """The name of an arena in a spec: of an `Arena`, of its fields as JSON stores them, or the name itself."""
+    if isinstance(arena, Mapping):
+        return arena.get("name")
+    return arena.name if isinstance(arena, Arena) else arena
+
+
+def _levels(names: Sequence[str]) -> dict[str, Any] | None:
+    """The arguments of `Procedural-v1` in which all named levels are; None if there are none."""
+    parsed = [level_of(name) for name in names]
+    levels = [level for level in parsed if level is not None]
+    kinds = {(difficulty, level // LEVELS) for difficulty, level in levels}
+    splits = {first // LEVELS: split for split, first in SPLITS.items()}
+    if len(levels) < len(names) or len(kinds) != 1:
+        return None
+    ((difficulty, part),) = kinds
+    if part not in splits:
+        return None
+    first, last = min(level for _, level in levels), max(level for _, level in levels)
+    return {
+        "difficulty": difficulty,
+        "split": splits[part],
+        "num_levels": last - first + 1,
+        "start_level": first % LEVELS,
+    }

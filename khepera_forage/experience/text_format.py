@@ -1,4 +1,4 @@
-"""The text format of experience files: valid headers and rows, and their text.
+"""Experience files: their text format, strict reading, and writing while the experience is recorded.
 
     # khepera_forage experience, version 1
     # package: 0.1.0
@@ -16,12 +16,19 @@ differs from it, or says that the decisions are `mixed`. Older files have no suc
 their decisions are those of version 0.1, and what differs from it.
 """
 
+import os
+import re
+import warnings
 from collections.abc import Sequence
 from operator import index
-from typing import Any, NamedTuple
+from os import PathLike
+from pathlib import Path
+from types import TracebackType
+from typing import Any, NamedTuple, Self
 
+from khepera_forage.files import utf8, write_all
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
-from khepera_forage.task.decisions import Decisions, decisions_from_text, decisions_text
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_from_text, decisions_text
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
 VERSION = 1
@@ -31,6 +38,7 @@ COLUMNS = (*StateVector._fields, "behaviour")
 MAX_DISTANCE = 2**31 - 1
 """Pixels: more than in any arena, and the largest number of a 32-bit integer."""
 
+DECISIONS_KEY = "# decisions: "
 MIXED = "mixed"
 """Text of the decisions of joined experience that was recorded under different ones."""
 
@@ -104,6 +112,8 @@ def header_decisions(text: str) -> Decisions | None:
     Raises:
         ValueError: Not of this form.
     """
+    if not text:
+        raise ValueError("decisions are ''; allowed: a version and what differs from it, or no such line")
     return None if text == MIXED else decisions_from_text(text)
 
 
@@ -158,3 +168,240 @@ def row_text(vector: StateVector, behaviour: Behaviour) -> str:
 def closing_line(count: int) -> str:
     """The last line of a complete file."""
     return f"# complete: {count} vectors\n"
+
+
+def read(path: str | PathLike[str], recover: bool) -> tuple[Header, list[tuple[StateVector, Behaviour]]]:
+    """Read a file.
+
+    Args:
+        path: The file.
+        recover: Read the complete rows of a file without a closing line, which a killed recording leaves, with an
+            `ExperienceWarning`.
+
+    Raises:
+        ExperienceError: The file is not an experience file, is incomplete, or is damaged; with the line.
+        OSError: The file cannot be read.
+    """
+    lines = _Lines(Path(path).read_bytes())
+    try:
+        header = _header(lines)
+        rows: list[tuple[StateVector, Behaviour]] = []
+        while (line := lines.next()) is not None and not line.startswith("#"):
+            rows.append(_row(line))
+        if line is not None:
+            _check_closing_line(line, len(rows))
+            after = lines.next()
+            if after is None and lines.rest:
+                after, lines.number = lines.rest, lines.number + 1
+            if after is not None:
+                raise ExperienceError(f"{quoted(after)} follows the closing line; allowed: nothing")
+            return header, rows
+        end = f"then the incomplete line {quoted(lines.rest)}" if lines.rest else "no incomplete line"
+        state = f"ends before its closing line: {len(rows)} complete rows, {end}"
+        if not recover:
+            lines.number += bool(lines.rest)
+            raise ExperienceError(f"{state}; --recover or recover=True reads the complete rows")
+    except ValueError as error:
+        raise ExperienceError(f"{path}, line {lines.number}: {error}") from None
+    loss = "the incomplete line is lost" if lines.rest else "no line is known to be lost"
+    # stacklevel 3 is the caller of Experience.load.
+    warnings.warn(f"{path}: {state}; rows kept, {loss}", ExperienceWarning, stacklevel=3)
+    return header, rows
+
+
+class _Lines:
+    """The lines of a file. One without a line end is not complete: its last number may lack digits."""
+
+    def __init__(self, data: bytes) -> None:
+        *self._complete, rest = utf8(data).split(b"\n")
+        self.rest = rest.decode(errors="replace")
+        self.number = 0
+
+    def next(self) -> str | None:
+        """The next complete line; None at the end."""
+        if self.number >= len(self._complete):
+            return None
+        line = self._complete[self.number]
+        self.number += 1
+        try:
+            return line.decode().removesuffix("\r")  # which editors on Windows add
+        except UnicodeDecodeError:
+            raise ExperienceError(f"{quoted(line)} is not text; allowed: UTF-8") from None
+
+    def first(self) -> str:
+        """The first line, complete or not, text or not."""
+        self.number = 1
+        return self._complete[0].decode(errors="replace").removesuffix("\r") if self._complete else self.rest
+
+    def of_header(self, count: int) -> str:
+        """The next line of a header of `count` lines; a file without all of them has nothing to recover."""
+        line = self.next()
+        if line is None:
+            self.number = len(self._complete) + 1
+            raise ExperienceError(f"ends in the header; allowed: {count} lines before the rows")
+        return line
+
+
+def _header(lines: _Lines) -> Header:
+    first = lines.first()
+    allowed = f"allowed: {MAGIC + str(VERSION)!r}"
+    if not first:
+        raise ExperienceError("not an experience file, it is empty")
+    if not first.startswith(MAGIC):
+        raise ExperienceError(f"not an experience file, its first line is {quoted(first)}; {allowed}")
+    version = first.removeprefix(MAGIC)
+    if version != str(VERSION):
+        later = ", written by a later version of this package" if re.fullmatch("[1-9][0-9]*", version) else ""
+        raise ExperienceError(f"the format version is {quoted(version)}{later}; {allowed}")
+    count = 7
+    _value("package", lines.of_header(count))
+    arena = _value("arena", lines.of_header(count))
+    checked_header(arena, None, 1, None)
+    seed_text = _value("seed", lines.of_header(count))
+    seed = None if seed_text == "none" else _integer("seed", seed_text)
+    episodes = _integer("episodes", _value("episodes", lines.of_header(count)))
+    header = checked_header(arena, seed, episodes, Decisions.v0_1())
+    line = lines.of_header(count)
+    if line.startswith(DECISIONS_KEY):
+        count += 1
+        header = header._replace(decisions=header_decisions(line.removeprefix(DECISIONS_KEY)))
+        line = lines.of_header(count)
+    units, columns = _value("units", line), lines.of_header(count)
+    if units != UNITS:
+        lines.number -= 1
+        raise ExperienceError(f"units are {quoted(units)}; allowed: {UNITS!r}")
+    if columns != ",".join(COLUMNS):
+        raise ExperienceError(f"columns are {quoted(columns)}; allowed: {','.join(COLUMNS)!r}")
+    return header
+
+
+def _value(name: str, line: str) -> str:
+    key = f"# {name}: "
+    if not line.startswith(key):
+        raise ExperienceError(f"{quoted(line)}; allowed: {key!r} and a value")
+    return line.removeprefix(key)
+
+
+def _row(line: str) -> tuple[StateVector, Behaviour]:
+    cells = line.split(",")
+    if len(cells) != len(COLUMNS):
+        expected = f"{len(COLUMNS)}, {','.join(COLUMNS)}"
+        raise ExperienceError(f"{quoted(line)} has {len(cells)} columns; allowed: {expected}")
+    presence, home, food_type, arm, food, behaviour = cells
+    for name, value, allowed in (("food_type", food_type, FOOD_TYPES), ("behaviour", behaviour, RECORDED)):
+        if value not in allowed:
+            raise ExperienceError(f"{name} is {quoted(value)}; allowed: {', '.join(allowed)}")
+    vector = StateVector(
+        _integer("object_presence", presence),
+        _integer("robot_home_distance", home),
+        FoodType[food_type],
+        _integer("arms_height", arm),
+        _integer("robot_food_distance", food),
+    )
+    return checked_row(vector, Behaviour[behaviour])
+
+
+def _integer(name: str, text: str) -> int:
+    # Only ASCII digits: int() also accepts '1_0', ' 1' and Arabic digits, and refuses thousands of digits.
+    if not re.fullmatch("-?[0-9]{1,100}", text):
+        raise ExperienceError(f"{name} is {quoted(text)}; allowed: an integer")
+    return int(text)
+
+
+def _check_closing_line(line: str, rows: int) -> None:
+    expected = closing_line(rows).strip()
+    if not re.fullmatch("# complete: [0-9]{1,18} vectors", line):
+        raise ExperienceError(f"{quoted(line)}; allowed: a row, or the closing line {expected!r}")
+    if line != expected:
+        raise ExperienceError(f"{quoted(line)} after {rows} rows; allowed: the number of rows above it")
+
+
+class ExperienceWriter:
+    """Writes an experience file, vector by vector.
+
+    `append` passes each vector to the operating system before it returns, so that a killed process loses at most an
+    incomplete last line. `close` writes the closing line of a complete file. As a context manager the writer closes the
+    file at the end of the block; after an exception the file has no closing line, and only
+    `Experience.load(..., recover=True)` reads it.
+
+    Args:
+        path: The file.
+        arena: Name of the arena.
+        seed: Of the training, if known.
+        episodes: Number of training episodes.
+        decisions: Of the training; the defaults by default.
+        overwrite: Replace an existing file. By default an existing file is an error.
+
+    Attributes:
+        path: The file.
+        count: Number of experience vectors written so far.
+
+    Raises:
+        FileExistsError: There is a file at `path`.
+        ExperienceError: A value cannot be written.
+    """
+
+    def __init__(
+        self,
+        path: str | PathLike[str],
+        arena: str,
+        seed: int | None = None,
+        episodes: int = 1,
+        *,
+        decisions: Decisions = DEFAULT_DECISIONS,
+        overwrite: bool = False,
+    ) -> None:
+        header = checked_header(arena, seed, episodes, decisions)
+        self.path = Path(path)
+        self.count = 0
+        try:
+            # Without a buffer, whose rest `close` would write a second time after an error.
+            self._file = open(path, "wb" if overwrite else "xb", buffering=0)  # noqa: SIM115 - closed by close()
+        except FileExistsError:
+            raise FileExistsError(f"{path} exists; overwrite=True replaces it") from None
+        try:
+            self._write(header_text(header))
+        except OSError:
+            self._file.close()
+            if not overwrite:  # without a header, it would prevent the next recording at this path
+                self.path.unlink(missing_ok=True)
+            raise
+
+    def append(self, vector: Sequence[int], behaviour: int) -> None:
+        """Write one experience vector.
+
+        Args:
+            vector: The learner's state vector; see `StateVector`.
+            behaviour: The behaviour that it heard; never WAIT, because nothing is recorded in silence.
+
+        Raises:
+            ExperienceError: A value is out of range, or the writer is closed. Nothing is written then.
+        """
+        if self._file.closed:
+            raise ExperienceError(f"{self.path} is closed; allowed: append before close")
+        self._write(row_text(*checked_row(vector, behaviour)))
+        self.count += 1
+
+    def close(self, complete: bool = True) -> None:
+        """Close the file; a second call does nothing.
+
+        Args:
+            complete: Write the closing line, without which the file counts as incomplete.
+        """
+        if self._file.closed:
+            return
+        with self._file:
+            if complete:
+                self._write(closing_line(self.count))
+                os.fsync(self._file.fileno())
+
+    def _write(self, text: str) -> None:
+        write_all(self._file, text.encode(), self.path)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close(complete=kind is None)

@@ -6,18 +6,22 @@ What needs scikit-learn is imported when it is first used, because scikit-learn 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from khepera_forage.policies.adapters import AgentPolicy, ClassifierPolicy, as_policy
-from khepera_forage.policies.classifiers import ContiguousLabels
+from khepera_forage.policies.classifiers import ClassifierPolicy, ContiguousLabels
 from khepera_forage.policies.distance import distance
-from khepera_forage.policies.model_policy import ModelPolicy
-from khepera_forage.policies.policy import Listener, Observation, Policy, UniformPolicy, state_vector_of
+from khepera_forage.policies.models import AgentPolicy, ModelPolicy, as_policy
+from khepera_forage.policies.policy import (
+    Listener,
+    Neighbours,
+    Observation,
+    Policy,
+    UniformPolicy,
+    state_vector_of,
+)
 from khepera_forage.policies.teacher import Teacher
-from khepera_forage.policies.votes import Neighbours
 
 if TYPE_CHECKING:
-    from khepera_forage.policies.brute_force import KNearestImitator, WeightedImitator
     from khepera_forage.policies.growing_memory import GrowingMemory
-    from khepera_forage.policies.imitator import NearestNeighbourImitator
+    from khepera_forage.policies.imitator import KNearestImitator, NearestNeighbourImitator, WeightedImitator
     from khepera_forage.policies.learner_registry import register_learner
 
 __all__ = [
@@ -43,9 +47,9 @@ __all__ = [
 
 LATER = {
     "GrowingMemory": "growing_memory",
-    "KNearestImitator": "brute_force",
+    "KNearestImitator": "imitator",
     "NearestNeighbourImitator": "imitator",
-    "WeightedImitator": "brute_force",
+    "WeightedImitator": "imitator",
     "register_learner": "learner_registry",
 }
 """The module of each name that needs scikit-learn."""

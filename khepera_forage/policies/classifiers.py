@@ -1,11 +1,112 @@
-"""Classifiers of scikit-learn with our settings, and those that only know labels 0, 1, 2, ...."""
+"""Classifiers of scikit-learn: as policies, with our settings, and those that only know labels 0, 1, 2, ...."""
 
-from typing import Any, Self
+from dataclasses import dataclass, field
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
+from khepera_forage.policies.distance import CORRIDOR_DIAGONAL, STATE_WIDTH
+from khepera_forage.policies.features import encoded
+from khepera_forage.policies.policy import Observation, checked_generator, draw, state_vector_of
+from khepera_forage.task.states import Behaviour, StateVector
+
+CACHE_SIZE = 32768
+"""State vectors whose probabilities are cached."""
+TOLERANCE = 1e-3
+"""How much the sum of probabilities may differ from 1: learners with 32-bit floats round."""
+
+
+class Classifier(Protocol):
+    """A fitted scikit-learn classifier of state vectors (`Experience.arrays`)."""
+
+    classes_: NDArray[Any]
+
+    def predict_proba(self, rows: NDArray[np.int64], /) -> NDArray[np.float64]:
+        """The probability of each class, one row for each row given."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class ClassifierPolicy:
+    """Executes the behaviour that a classifier predicts from the state vector.
+
+    Attributes:
+        classifier: Fitted on state vectors of five columns and behaviours as numbers.
+        sample: Whether a behaviour is drawn with its probability, like the imitator's with its confidence level.
+            If not, the most probable behaviour is executed.
+        remember: Whether probabilities are cached by state vector, which makes decisions ten to a thousand times as
+            fast. Only for a classifier that learns no further.
+    """
+
+    classifier: Classifier
+    sample: bool = True
+    remember: bool = False
+    _cache: dict[StateVector, NDArray[np.float64]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+
+    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
+        """The behaviour drawn, or the most probable one.
+
+        Args:
+            observation: What the robot perceives; see `policies.policy.state_vector_of`.
+            rng: Must be given with `sample`: one number is drawn at every call.
+
+        Raises:
+            TypeError: A behaviour is to be drawn and `rng` is not a NumPy generator.
+            ValueError: The observation holds no state vector, the classifier's probabilities are none, or the label
+                found is not a behaviour.
+        """
+        levels = self._levels(state_vector_of(observation))
+        if not self.sample:
+            return Behaviour(self.classifier.classes_[levels.argmax()].item())
+        return Behaviour(self.classifier.classes_[draw(levels, checked_generator(rng))].item())
+
+    def _levels(self, vector: StateVector) -> NDArray[np.float64]:
+        if not self.remember:
+            return self._predicted(vector)
+        levels = self._cache.get(vector)
+        if levels is None:
+            if len(self._cache) >= CACHE_SIZE:
+                self._cache.clear()
+            levels = self._cache[vector] = self._predicted(vector)
+        return levels
+
+    def _predicted(self, vector: StateVector) -> NDArray[np.float64]:
+        classes = self.classifier.classes_
+        if len(classes) == 1:  # for which scikit-learn's networks predict two probabilities
+            return np.ones(1)
+        levels = np.asarray(self.classifier.predict_proba(np.array([vector], np.int64)))[0]
+        fine = levels.shape == np.shape(classes) and np.all(levels >= 0.0)  # NaN fails the comparison
+        if not fine or abs(levels.sum() - 1.0) > TOLERANCE:
+            raise ValueError(
+                f"{type(self.classifier).__name__} predicts the probabilities {levels} of the classes {classes}; "
+                "allowed: one for each class, none negative, with the sum 1"
+            )
+        probabilities: NDArray[np.float64] = levels.astype(np.float64, copy=False)
+        return probabilities
+
+
+def check_classifier(learner: Any) -> None:
+    """Check that a fitted classifier has probabilities, says what their columns are, and knows state vectors.
+
+    Raises:
+        ValueError: It does not.
+    """
+    kind = type(learner).__name__
+    if not callable(getattr(learner, "predict_proba", None)):
+        raise ValueError(
+            f"{kind} has no predict_proba; allowed: a classifier that gives each behaviour a probability"
+        )
+    if not hasattr(learner, "classes_"):
+        raise ValueError(
+            f"{kind} has no classes_; allowed: a fitted classifier, whose classes_ are the behaviours that the columns "
+            "of predict_proba stand for"
+        )
+    columns = getattr(learner, "n_features_in_", STATE_WIDTH)
+    if columns != STATE_WIDTH:
+        raise ValueError(f"{kind} was fitted on {columns} columns; allowed: {STATE_WIDTH}, state vectors")
 
 
 class ContiguousLabels:
@@ -88,8 +189,6 @@ def cloning(random_state: int = 0, **settings: Any) -> Any:
     from sklearn.neural_network import MLPClassifier
     from sklearn.pipeline import make_pipeline
     from sklearn.preprocessing import FunctionTransformer
-
-    from khepera_forage.policies.features import encoded
 
     return make_pipeline(
         FunctionTransformer(encoded, kw_args={"diagonal": CORRIDOR_DIAGONAL}),

@@ -30,13 +30,11 @@ def scaled_distance(differing: Any, arm: Any, pixels: Any, diagonal: Any) -> Any
     return (ARM_SPAN * differing + arm) * diagonal + ARM_SPAN * pixels
 
 
-def rounded_distance(
-    differing: int, arm: int, home: int, food: int, diagonal: int, arithmetic: float
-) -> float:
+def rounded_distance(differing: Any, arm: Any, home: Any, food: Any, diagonal: int, arithmetic: float) -> Any:
     """The distance of section 4.6.1 as a sum of floats, in the order of that section.
 
     Sums of floats may differ in the last bit where the exact distances are equal. Where exact distances differ, they
-    differ by more than rounding.
+    differ by more than rounding. Kernels compile this function, too.
 
     Args:
         differing: How many of ObjectPresence and FoodType differ.
@@ -50,7 +48,7 @@ def rounded_distance(
         span, whole = np.float32(ARM_SPAN), np.float32(diagonal)
         total = np.float32(differing) + np.float32(arm) / span
         total = total + np.float32(food) / whole
-        return float(total + np.float32(home) / whole)
+        return total + np.float32(home) / whole
     if arithmetic == FLOATS_64:
         return differing + arm / ARM_SPAN + food / diagonal + home / diagonal
     return 0.0
@@ -96,7 +94,7 @@ def attribute_distances(
     if rows.shape[1] == STATE_WIDTH:
         category = scaled_distance(1, 0, 0, diagonal)
         arm = scaled_distance(0, 1, 0, diagonal)
-        differences[:, [0, 2]] = differences[:, [0, 2]] != 0
+        np.sign(differences[:, :3:2], out=differences[:, :3:2])  # the two categories
         differences *= (category, PIXEL, category, arm, PIXEL)
     return differences
 

@@ -1,15 +1,16 @@
-"""Features: observations as rows of numbers about -1..1, for networks and other learners that calculate."""
+"""Observations: their spaces, and features, which are rows of numbers about -1..1 for networks and other learners."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from gymnasium import spaces
 from numpy.typing import NDArray
 
 from khepera_forage.policies.distance import ARM_SPAN, STATE_WIDTH
 from khepera_forage.policies.policy import Observation, state_vector_of
-from khepera_forage.robots.khepera import ARM_RAISED
-from khepera_forage.task.states import FoodType
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
+from khepera_forage.task.states import FoodType, StateVector
 
 SCALE = 138
 """Pixels by which distances are divided: the corridor's diagonal, in every arena."""
@@ -17,6 +18,39 @@ BEHAVIOUR_FEATURES = 9
 WHEELS_FEATURES = 25
 INFRA_REDS = 6
 MAX_PROXIMITY = 1023.0
+
+
+def state_vector_space(diagonal: int) -> spaces.Dict:
+    """The space of state vectors (4.3).
+
+    Args:
+        diagonal: The longest distance, in pixels.
+    """
+    return spaces.Dict(
+        object_presence=spaces.Discrete(2),
+        robot_home_distance=spaces.Box(0, diagonal, (1,), np.int64),
+        food_type=spaces.Discrete(len(FoodType)),
+        arms_height=spaces.Box(ARM_RAISED, ARM_DOWN, (1,), np.int64),
+        robot_food_distance=spaces.Box(0, diagonal, (1,), np.int64),
+    )
+
+
+def raw_data_space() -> spaces.Dict:
+    """The space of raw data (4.2.2)."""
+    place = 2000.0  # pixels: further than any camera sees
+    return spaces.Dict(
+        proximity=spaces.Box(0, 1023, (6,), np.int64),
+        arm=spaces.Box(ARM_RAISED, ARM_DOWN, (1,), np.int64),
+        jaw=spaces.Box(JAW_CLOSED, JAW_OPEN, (1,), np.int64),
+        object_presence=spaces.Discrete(2),
+        pose=spaces.Box(np.array((-place, -place, 0.0)), np.array((place, place, 360.0)), (3,), np.float64),
+        tracked=spaces.Discrete(2),
+        food_seen=spaces.Discrete(2),
+        food=spaces.Box(-place, place, (2,), np.float64),
+        food_type=spaces.Discrete(len(FoodType)),
+        home=spaces.Box(-place, place, (3,), np.float64),
+        wall=spaces.Box(np.array((0.0, -180.0)), np.array((place, 180.0)), (2,), np.float64),
+    )
 
 
 def encoded(vectors: NDArray[Any] | Sequence[Any], diagonal: int) -> NDArray[np.float64]:
@@ -51,11 +85,11 @@ def encoded(vectors: NDArray[Any] | Sequence[Any], diagonal: int) -> NDArray[np.
     )
 
 
-def behaviour_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
-    """Observations of `Corridor-v1` and `Rectangle-v1`, encoded.
+def behaviour_features(shown: Observation) -> NDArray[np.float32]:
+    """State vectors in observations, encoded.
 
     Args:
-        shown: One observation, or those of a vector environment.
+        shown: One observation, see `policies.policy.state_vector_of`, or those of a vector environment.
 
     Returns:
         Of shape (n, 9); see `encoded`.
@@ -63,20 +97,9 @@ def behaviour_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
     Raises:
         ValueError: An attribute is missing.
     """
-    keys = ("object_presence", "robot_home_distance", "food_type", "arms_height", "robot_food_distance")
-    return state_vector_features(np.column_stack([_column(shown, key, 1)[:, 0] for key in keys]))
-
-
-def observation_features(observation: Observation) -> NDArray[np.float32]:
-    """The state vector of one observation, encoded, of shape (1, 9).
-
-    Args:
-        observation: What the robot perceives; see `policies.policy.state_vector_of`.
-
-    Raises:
-        ValueError: The observation holds no state vector.
-    """
-    return state_vector_features(np.array([state_vector_of(observation)]))
+    if not isinstance(shown, Mapping):
+        return state_vector_features(np.array([state_vector_of(shown)]))
+    return state_vector_features(np.hstack([_column(shown, key, 1) for key in StateVector._fields]))
 
 
 def state_vector_features(vectors: NDArray[Any]) -> NDArray[np.float32]:

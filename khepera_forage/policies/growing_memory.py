@@ -5,15 +5,9 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.utils.validation import check_is_fitted, validate_data
 
-from khepera_forage.policies.brute_force import ConfidenceClassifier, checked_classes
-from khepera_forage.policies.distance import (
-    STATE_WIDTH,
-    attribute_distances,
-    checked_diagonal,
-    unit,
-)
+from khepera_forage.policies.distance import STATE_WIDTH, attribute_distances, unit
+from khepera_forage.policies.imitator import ConfidenceClassifier
 
 
 class GrowingMemory(ConfidenceClassifier):
@@ -46,11 +40,8 @@ class GrowingMemory(ConfidenceClassifier):
         votes_: How often each node was perceived with each class, one row a node.
     """
 
-    classes_: NDArray[Any]
-    n_features_in_: int
     nodes_: NDArray[np.float64]
     habituation_: NDArray[np.float64]
-    votes_: NDArray[np.float64]
 
     def __init__(
         self,
@@ -68,20 +59,8 @@ class GrowingMemory(ConfidenceClassifier):
         self.forgetting = forgetting
         self.moving = moving
 
-    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:  # noqa: N803 - scikit-learn's name
-        """Perceive one stimulus after the other, starting with an empty memory.
-
-        Args:
-            X: State vectors, one a row, attributes in the order of `StateVector`.
-            y: The behaviour heard with each.
-
-        Raises:
-            ValueError: Parameters out of range, or data that is no classification problem.
-        """
-        return self._learn(X, y, None, forget=True)
-
     def partial_fit(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None = None) -> Self:  # noqa: N803
-        """Perceive further stimuli.
+        """Perceive further stimuli, in the order of the rows.
 
         Args:
             X: As for `fit`.
@@ -91,34 +70,18 @@ class GrowingMemory(ConfidenceClassifier):
         Raises:
             ValueError: As for `fit`; or a label that is not among `classes`.
         """
-        return self._learn(X, y, classes, forget=not hasattr(self, "classes_"))
-
-    def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:  # noqa: N803
-        """The share of each class of `classes_` in the node nearest to each row of `X`."""
-        check_is_fitted(self)
-        checked_diagonal(self.diagonal)
-        rows = validate_data(self, X, reset=False, dtype=np.float64)
-        votes = np.array([self.votes_[self._distances(row).argmin()] for row in rows])
-        levels: NDArray[np.float64] = votes / votes.sum(axis=1, keepdims=True)
-        return levels
-
-    def _learn(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None, *, forget: bool) -> Self:  # noqa: N803
-        self._check()
-        rows, labels = validate_data(self, X, y, reset=forget, dtype=np.float64)
-        allowed = checked_classes(labels, classes)
-        if forget:
-            self.classes_ = allowed
-            self.nodes_ = np.empty((0, rows.shape[1]))
-            self.habituation_ = np.empty(0)
-            self.votes_ = np.empty((0, len(allowed)))
-        else:
-            known, self.classes_ = self.classes_, np.union1d(self.classes_, allowed)
-            votes = np.zeros((len(self.votes_), len(self.classes_)))
-            votes[:, np.searchsorted(self.classes_, known)] = self.votes_
-            self.votes_ = votes
-        for row, code in zip(rows, np.searchsorted(self.classes_, labels), strict=True):
-            self._perceive_one(row, int(code))
+        self._learn(X, y, classes, forget=not hasattr(self, "classes_"))
         return self
+
+    def _shares(self, query: NDArray[np.float64]) -> NDArray[Any]:
+        shares: NDArray[np.int64] = self.votes_[self._distances(query).argmin()]
+        return shares
+
+    def _add(self, rows: NDArray[np.float64], codes: NDArray[np.intp]) -> None:
+        if not len(self.votes_):
+            self.nodes_, self.habituation_ = np.empty((0, rows.shape[1])), np.empty(0)
+        for row, code in zip(rows, codes.tolist(), strict=True):
+            self._perceive_one(row, code)
 
     def _perceive_one(self, row: NDArray[np.float64], code: int) -> None:
         self.habituation_ += self.recovery * (1 - self.habituation_)
@@ -128,7 +91,7 @@ class GrowingMemory(ConfidenceClassifier):
             node = len(self.nodes_)
             self.nodes_ = np.vstack((self.nodes_, row))
             self.habituation_ = np.append(self.habituation_, 1.0)
-            self.votes_ = np.vstack((self.votes_, np.zeros(len(self.classes_))))
+            self.votes_ = np.vstack((self.votes_, np.zeros(len(self.classes_), np.int64)))
         else:
             self.nodes_[node] += self.moving * self.habituation_[node] * (row - self.nodes_[node])
         self.habituation_[node] *= 1 - self.habituation
@@ -141,14 +104,14 @@ class GrowingMemory(ConfidenceClassifier):
 
     def _distances(self, row: NDArray[np.float64]) -> NDArray[np.float64]:
         """The distance of each node; of rows that are no state vectors, the sum of the differences."""
-        scale = unit(len(row), self.diagonal) if len(row) == STATE_WIDTH else 1
+        scale = unit(len(row), self._diagonal) if len(row) == STATE_WIDTH else 1
         distances: NDArray[np.float64] = (
-            attribute_distances(self.nodes_, row, self.diagonal).sum(axis=1) / scale
+            attribute_distances(self.nodes_, row, self._diagonal).sum(axis=1) / scale
         )
         return distances
 
     def _check(self) -> None:
-        checked_diagonal(self.diagonal)
+        super()._check()
         if not isinstance(self.reach, Real) or not 0 <= self.reach < np.inf:
             raise ValueError(f"reach is {self.reach!r}; allowed: a finite number, at least 0")
         for name in ("habituation", "recovery", "forgetting", "moving"):

@@ -1,40 +1,135 @@
-"""The learner of the recall phase: nearest neighbour with confidence levels (section 4.6)."""
+"""The learner of the recall phase, nearest neighbour with confidence levels (section 4.6), and two variants of it."""
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
-from itertools import compress
-from numbers import Real
-from typing import Any, NamedTuple, Self
+from numbers import Integral, Real
+from typing import Any, Self
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator, ClassifierMixin
+from sklearn.utils import check_random_state
+from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from khepera_forage.policies.brute_force import ConfidenceClassifier, checked_classes
-from khepera_forage.policies.distance import CORRIDOR_DIAGONAL, checked_diagonal
-from khepera_forage.policies.index import NearestNeighbourIndex
-from khepera_forage.policies.policy import Observation, state_vector_of
-from khepera_forage.policies.votes import Neighbours
+from khepera_forage.policies.distance import (
+    CORRIDOR_DIAGONAL,
+    STATE_WIDTH,
+    attribute_distances,
+    checked_diagonal,
+    rounded_distance,
+    unit,
+)
+from khepera_forage.policies.policy import Neighbours, Observation, checked_generator, state_vector_of
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, EXACT, FIELDS
-from khepera_forage.task.states import Behaviour, StateVector
+from khepera_forage.task.states import Behaviour
 
 CACHE_SIZE = 32768
 """State vectors whose neighbours are cached, some 15 MB. A policy sees a few thousand distinct ones in a corridor."""
 
 
-class _Cache(NamedTuple):
-    """The neighbours of state vectors, and the parameters for which they hold."""
+class ConfidenceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
+    """A classifier that counts votes, and whose `predict_proba` gives confidence levels (4.6.2)."""
 
+    classes_: NDArray[Any]
+    n_features_in_: int
+    votes_: NDArray[np.int64]
     diagonal: int | None
-    threshold: float
-    arithmetic: str
-    parameters: tuple[int, Fraction, float]
-    behaviours: list[Behaviour]
-    found: dict[StateVector, Neighbours]
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:  # noqa: N803 - scikit-learn's name
+        """Learn from experience vectors, forgetting earlier ones.
+
+        Args:
+            X: State vectors, one a row, attributes in the order of `StateVector`.
+            y: The behaviour heard with each.
+
+        Raises:
+            ValueError: Parameters out of range, or data that is no classification problem.
+        """
+        self._learn(X, y)
+        return self
+
+    def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:  # noqa: N803
+        """The confidence level of each class of `classes_`, one row for each row of `X`."""
+        check_is_fitted(self)
+        self._check()
+        queries = validate_data(self, X, reset=False, dtype=np.float64)
+        shares = np.array([self._shares(query) for query in queries])
+        levels: NDArray[np.float64] = shares / shares.sum(axis=1, keepdims=True)
+        return levels
+
+    def predict(self, X: ArrayLike) -> NDArray[Any]:  # noqa: N803
+        """The class with the highest confidence level, for each row of `X`; of equals the first."""
+        best = self.predict_proba(X).argmax(axis=1)
+        labels: NDArray[Any] = self.classes_[best]
+        return labels
+
+    def _learn(
+        self,
+        X: ArrayLike,  # noqa: N803
+        y: ArrayLike,
+        classes: ArrayLike | None = None,
+        *,
+        forget: bool = True,
+    ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+        """Check the data and add them; returns the rows, and the code of the class of each."""
+        self._check()
+        rows, labels = validate_data(self, X, y, reset=forget, dtype=np.float64)
+        check_classification_targets(labels)
+        seen = np.unique(labels)
+        allowed = seen if classes is None else np.unique(classes)
+        if not np.isin(seen, allowed).all():
+            raise ValueError(f"labels are {seen.tolist()}; allowed: those among classes, {allowed.tolist()}")
+        if forget:
+            self.classes_ = allowed
+            self.votes_ = np.zeros((0, len(allowed)), np.int64)
+        else:
+            known, self.classes_ = self.classes_, np.union1d(self.classes_, allowed)
+            votes = np.zeros((len(self.votes_), len(self.classes_)), np.int64)
+            votes[:, np.searchsorted(self.classes_, known)] = self.votes_
+            self.votes_ = votes
+        codes = np.searchsorted(self.classes_, labels)
+        self._add(rows, codes)
+        return rows, codes
+
+    def _check(self) -> None:
+        """Check the parameters."""
+        checked_diagonal(self._diagonal)
+
+    @property
+    def _diagonal(self) -> int:
+        return CORRIDOR_DIAGONAL if self.diagonal is None else self.diagonal
+
+    def _add(self, rows: NDArray[np.float64], codes: NDArray[np.intp]) -> None:
+        """Add rows, and the votes for their classes; without `votes_`, to nothing."""
+        raise NotImplementedError
+
+    def _shares(self, query: NDArray[np.float64]) -> NDArray[Any]:
+        """The share of each class in the votes on a query, in any unit."""
+        raise NotImplementedError
 
 
-class NearestNeighbourImitator(ConfidenceClassifier):
+class VectorClassifier(ConfidenceClassifier):
+    """A classifier that compares a query with every distinct vector of its experience."""
+
+    _rows: NDArray[np.float64]
+
+    def _add(self, rows: NDArray[np.float64], codes: NDArray[np.intp]) -> None:
+        if len(self.votes_):
+            rows = np.concatenate((self._rows, rows))
+        votes = np.concatenate((self.votes_, np.eye(len(self.classes_), dtype=np.int64)[codes]))
+        self._rows, places = np.unique(rows, axis=0, return_inverse=True)
+        self.votes_ = np.zeros((len(self._rows), len(self.classes_)), np.int64)
+        np.add.at(self.votes_, places.ravel(), votes)
+
+    def _distances(self, query: Any) -> NDArray[np.float64]:
+        """What each attribute contributes to the distance of each vector from a query."""
+        return attribute_distances(self._rows, query, self._diagonal)
+
+
+class NearestNeighbourImitator(VectorClassifier):
     """Does what the teacher did in the most similar situation on record.
 
     The distance between two state vectors is the sum of five attribute distances (4.6.1): 1 each if ObjectPresence or
@@ -44,13 +139,11 @@ class NearestNeighbourImitator(ConfidenceClassifier):
     equals the first in `classes_`), and `act` draws a behaviour with its confidence level as probability, as the
     thesis's learner did.
 
-    Distances between state vectors (whole numbers from 0; distances up to 8191 pixels) are compared as whole numbers,
-    so that ties are exact. Anything else is compared in floats, vector by vector, which is slower. Rows of other than
-    five columns are no state vectors: each of their columns counts as a distance in pixels. Equal experience vectors
-    are merged into counts.
+    Distances between state vectors are whole numbers times 1 / (55 * diagonal), so that ties are exact. Rows of other
+    than five columns are no state vectors: each of their columns counts as a distance in pixels. Equal experience
+    vectors are merged into counts.
 
-    The neighbours of single state vectors are cached, up to `CACHE_SIZE` of them. They follow from experience,
-    parameters and state vector alone. The cache is emptied when experience or a parameter changes, and never pickled.
+    The neighbours of single state vectors are cached, up to `CACHE_SIZE` of them, and never pickled.
 
     Args:
         diagonal: Of the arena foraged in now, in pixels of 5 mm: an integer above 0; 138 in the corridor, 177
@@ -69,9 +162,6 @@ class NearestNeighbourImitator(ConfidenceClassifier):
         n_features_in_: Number of columns seen.
     """
 
-    _index: NearestNeighbourIndex
-    _cache: _Cache | None = None
-
     def __init__(
         self,
         diagonal: int | None = None,
@@ -82,21 +172,9 @@ class NearestNeighbourImitator(ConfidenceClassifier):
         self.threshold = threshold
         self.arithmetic = arithmetic
 
-    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:  # noqa: N803 - scikit-learn's name
-        """Learn from experience vectors, forgetting earlier ones.
-
-        Args:
-            X: State vectors, one a row, attributes in the order of `StateVector`.
-            y: The behaviour heard with each.
-
-        Raises:
-            ValueError: Parameters out of range, or data that is no classification problem.
-        """
-        return self._learn(X, y, None, forget=True)
-
     def partial_fit(
         self,
-        X: ArrayLike,  # noqa: N803 - scikit-learn's name
+        X: ArrayLike,  # noqa: N803
         y: ArrayLike,
         classes: ArrayLike | None = None,
     ) -> Self:
@@ -111,16 +189,8 @@ class NearestNeighbourImitator(ConfidenceClassifier):
         Raises:
             ValueError: As for `fit`; or a label that is not among `classes`.
         """
-        return self._learn(X, y, classes, forget=not hasattr(self, "classes_"))
-
-    def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:  # noqa: N803
-        """The confidence level of each class of `classes_`, one row for each row of `X`."""
-        check_is_fitted(self)
-        parameters = self._parameters()
-        rows = validate_data(self, X, reset=False).tolist()
-        votes = np.array([self._index.votes(row, *parameters)[2] for row in rows], np.float64)
-        levels: NDArray[np.float64] = votes / votes.sum(axis=1, keepdims=True)
-        return levels
+        self._learn(X, y, classes, forget=not hasattr(self, "classes_"))
+        return self
 
     def act(self, observation: Observation, rng: Generator | None = None) -> Behaviour:
         """A behaviour, drawn with its confidence level as probability.
@@ -133,8 +203,7 @@ class NearestNeighbourImitator(ConfidenceClassifier):
             TypeError: `rng` is not a NumPy generator.
             ValueError: The observation holds no state vector, or what was learned are not behaviours.
         """
-        if not isinstance(rng, Generator):
-            raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator to draw from (4.6.2)")
+        rng = checked_generator(rng)
         return self.neighbours(observation).draw(rng)
 
     def confidence_levels(self, observation: Observation) -> dict[Behaviour, float]:
@@ -150,27 +219,20 @@ class NearestNeighbourImitator(ConfidenceClassifier):
         Raises:
             ValueError: As for `act`.
         """
-        cache = self._cache
-        if cache is None or (cache.diagonal, cache.threshold, cache.arithmetic) != (
-            self.diagonal,
-            self.threshold,
-            self.arithmetic,
-        ):
-            cache = self._cache = self._empty_cache()
         vector = state_vector_of(observation)
-        found = cache.found.get(vector)
-        if found is None:
-            distance, total, votes = self._index.votes(vector, *cache.parameters)
-            behaviours, counts = tuple(compress(cache.behaviours, votes)), tuple(filter(None, votes))
-            found = Neighbours(behaviours, counts, total, distance)
-            if len(cache.found) >= CACHE_SIZE:
-                cache.found.clear()
-            cache.found[vector] = found
+        cache = self.__dict__.setdefault("_cache", {})
+        key = vector, self.diagonal, self.threshold, self.arithmetic
+        if key not in cache:
+            if len(cache) >= CACHE_SIZE:
+                cache.clear()
+            cache[key] = self._neighbours(vector)
+        found: Neighbours = cache[key]
         return found
 
-    def _empty_cache(self) -> _Cache:
+    def _neighbours(self, vector: Sequence[int]) -> Neighbours:
         check_is_fitted(self)
-        if self.n_features_in_ != 5:
+        self._check()
+        if self.n_features_in_ != STATE_WIDTH:
             raise ValueError(f"learned from rows of {self.n_features_in_} columns; allowed: 5, state vectors")
         try:
             behaviours = [Behaviour(label) for label in self.classes_.tolist()]
@@ -178,36 +240,208 @@ class NearestNeighbourImitator(ConfidenceClassifier):
             raise ValueError(
                 f"labels learned are {self.classes_.tolist()}; allowed: behaviours, 0 to {max(Behaviour):d}"
             ) from None
-        return _Cache(self.diagonal, self.threshold, self.arithmetic, self._parameters(), behaviours, {})
+        nearest, shares = self._nearest(vector)
+        counts = shares.tolist()
+        voted = tuple(behaviour for behaviour, count in zip(behaviours, counts, strict=True) if count)
+        return Neighbours(voted, tuple(filter(None, counts)), sum(counts), nearest)
 
-    def _learn(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None, *, forget: bool) -> Self:  # noqa: N803
-        self._parameters()
-        rows, labels = validate_data(self, X, y, reset=forget)
-        allowed = checked_classes(labels, classes)
-        self._cache = None
-        if not forget:
-            rows = np.concatenate((self._index.rows, rows))
-            labels = np.concatenate((self.classes_[self._index.labels], labels))
-            allowed = np.union1d(self.classes_, allowed)
-        self.classes_ = allowed
-        self._index = NearestNeighbourIndex(rows, np.searchsorted(allowed, labels), len(allowed))
-        return self
+    def _shares(self, query: NDArray[np.float64]) -> NDArray[Any]:
+        return self._nearest(query)[1]
 
-    def _parameters(self) -> tuple[int, Fraction, float]:
-        """The diagonal, the exact threshold and the arithmetic as a number, once they are found to be in range."""
-        diagonal = checked_diagonal(CORRIDOR_DIAGONAL if self.diagonal is None else self.diagonal)
-        threshold = self.threshold
-        if not isinstance(threshold, Real) or not 0 <= threshold < math.inf:
-            raise ValueError(f"threshold is {threshold!r}; allowed: a finite number, at least 0")
+    def _nearest(self, query: Any) -> tuple[float, NDArray[np.int64]]:
+        """The minimum distance from a query, and the votes for each class of all vectors at it (4.6.1)."""
+        distances = self._distances(query).sum(axis=1)
+        nearest, scale = distances.min(), unit(self.n_features_in_, self._diagonal)
+        chosen = distances == nearest
+        if self.threshold:
+            reach = Fraction(str(self.threshold)) * scale
+            chosen = np.array([further <= reach for further in (distances - nearest).tolist()])
+        elif self.arithmetic != "exact" and self.n_features_in_ == STATE_WIDTH:
+            (chosen,) = np.nonzero(chosen)
+            presence, home, food_type, arm, food = np.abs(self._rows[chosen] - query).T
+            differing = np.sign(presence) + np.sign(food_type)
+            arithmetic = FIELDS["distance_arithmetic"].as_number(self.arithmetic)
+            sums = rounded_distance(differing, arm, home, food, self._diagonal, arithmetic)
+            chosen = chosen[sums == sums.min()]
+        votes: NDArray[np.int64] = self.votes_[chosen].sum(axis=0)
+        return float(nearest / scale), votes
+
+    def _add(self, rows: NDArray[np.float64], codes: NDArray[np.intp]) -> None:
+        super()._add(rows, codes)
+        self._cache: dict[Any, Neighbours] = {}
+
+    def _check(self) -> None:
+        super()._check()
+        if not isinstance(self.threshold, Real) or not 0 <= self.threshold < math.inf:
+            raise ValueError(f"threshold is {self.threshold!r}; allowed: a finite number, at least 0")
         decision = FIELDS["distance_arithmetic"]
         if self.arithmetic not in decision.choices:
             raise ValueError(f"arithmetic is {self.arithmetic!r}; allowed: {decision.allowed}")
-        arithmetic = decision.as_number(self.arithmetic)
-        if threshold and arithmetic != EXACT:
+        if self.threshold and decision.as_number(self.arithmetic) != EXACT:
             raise ValueError(
-                f"threshold is {threshold!r} with {self.arithmetic}; allowed: 0, or exact arithmetic"
+                f"threshold is {self.threshold!r} with {self.arithmetic}; allowed: 0, or exact arithmetic"
             )
-        return diagonal, Fraction(str(threshold)), arithmetic
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**super().__getstate__(), "_cache": None}
+        return {**super().__getstate__(), "_cache": {}}
+
+
+WEIGHTINGS = ("uniform", "distance")
+
+
+class KNearestImitator(VectorClassifier):
+    """The `k` nearest experience vectors vote, by the distance of section 4.6.1.
+
+    Vectors at the same distance as the `k`-th also vote, so that the result does not depend on the order of the
+    experience. With `k` 1 this is the thesis's imitator.
+
+    Args:
+        k: Vectors that vote, at least 1; if there are fewer, all vote.
+        weighting: `uniform`, one vote each, or `distance`: votes count by the inverse of the distance, and if some
+            vectors equal the query, only these vote.
+        diagonal: Of the arena foraged in now, in pixels.
+
+    Attributes:
+        classes_: The labels seen, sorted.
+        n_features_in_: Number of columns seen.
+    """
+
+    def __init__(self, k: int = 5, weighting: str = "uniform", diagonal: int = 138) -> None:
+        self.k = k
+        self.weighting = weighting
+        self.diagonal = diagonal
+
+    def _shares(self, query: NDArray[np.float64]) -> NDArray[Any]:
+        away = self._distances(query).sum(axis=1)
+        order = away.argsort(kind="stable")
+        reached = self.votes_.sum(axis=1)[order].cumsum()
+        last = min(int(reached.searchsorted(self.k)), len(order) - 1)
+        chosen = away <= away[order[last]]
+        near = away[chosen]
+        weights = np.ones(len(near))
+        if self.weighting == "distance":
+            weights = (near == 0) * 1.0 if near.min() == 0 else near.min() / near
+        shares: NDArray[np.float64] = (self.votes_[chosen] * weights[:, None]).sum(axis=0)
+        return shares
+
+    def _check(self) -> None:
+        super()._check()
+        if not isinstance(self.k, Integral) or isinstance(self.k, bool) or self.k < 1:
+            raise ValueError(f"k is {self.k!r}; allowed: an integer, at least 1")
+        if self.weighting not in WEIGHTINGS:
+            raise ValueError(f"weighting is {self.weighting!r}; allowed: {', '.join(WEIGHTINGS)}")
+
+
+CHOICES = (0, 1, 2, 3, 4, 6, 8, 12, 16)
+SWEEPS = 20
+"""Most passes over all attributes; the search ends when a pass changes nothing, mostly after three."""
+
+
+class WeightedImitator(VectorClassifier):
+    """The nearest vectors vote, by a distance whose attributes count with different weights.
+
+    "The more significant attributes should be weighted more" (5.5). The weights learned are those with the least
+    leave-one-out error of the imitator: each vector in turn is the query, the others vote, and the error is the share
+    of the votes for other behaviours than the one heard. This is the probability with which a learner that draws
+    behaviours (4.6.2) is wrong. The search changes one attribute at a time, from equal weights: the error is a step
+    function without a gradient, and there are only five attributes. Weights are whole numbers, which keeps ties exact.
+    Vectors of one episode are alike; with `groups`, all vectors of the query's episode are left out.
+
+    Args:
+        diagonal: Of the arena foraged in now, in pixels.
+        weights: One whole number for each column, at least 0 and not all 0; learned by default.
+        choices: The weights that the search tries.
+        search_size: Most vectors that the search compares; with more, this many are drawn.
+        random_state: Of that draw.
+
+    Attributes:
+        classes_: The labels seen, sorted.
+        n_features_in_: Number of columns seen.
+        weights_: The weight of each column.
+        error_: Leave-one-out error with these weights, 0..1; missing if `weights` are given.
+        plain_error_: The same with equal weights.
+    """
+
+    weights_: tuple[int, ...]
+    error_: float
+    plain_error_: float
+
+    def __init__(
+        self,
+        diagonal: int = 138,
+        weights: Sequence[int] | None = None,
+        choices: Sequence[int] = CHOICES,
+        search_size: int = 600,
+        random_state: Any = None,
+    ) -> None:
+        self.diagonal = diagonal
+        self.weights = weights
+        self.choices = choices
+        self.search_size = search_size
+        self.random_state = random_state
+
+    def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:  # noqa: N803
+        """Learn from experience vectors, forgetting earlier ones.
+
+        Args:
+            X: State vectors, one a row, attributes in the order of `StateVector`.
+            y: The behaviour heard with each.
+            groups: The training episode of each vector; by default each vector is its own group.
+
+        Raises:
+            ValueError: Parameters out of range, data that is no classification problem, or groups of another length.
+        """
+        rows, codes = self._learn(X, y)
+        if self.weights is not None:
+            self.weights_ = self._whole("weights", self.weights)
+            if len(self.weights_) != rows.shape[1] or not any(self.weights_):
+                raise ValueError(
+                    f"weights are {self.weights_}; allowed: {rows.shape[1]} whole numbers, not all 0"
+                )
+            return self
+        own = np.arange(len(rows)) if groups is None else np.asarray(groups)
+        if own.shape != codes.shape:
+            raise ValueError(f"groups have shape {own.shape}; allowed: {codes.shape}, one for each vector")
+        if len(rows) > self.search_size:
+            chosen = check_random_state(self.random_state).choice(len(rows), self.search_size, replace=False)
+            rows, codes, own = rows[chosen], codes[chosen], own[chosen]
+        self._search(rows, codes, own)
+        return self
+
+    def _shares(self, query: NDArray[np.float64]) -> NDArray[Any]:
+        weighted = self._distances(query) @ np.array(self.weights_, np.float64)
+        shares: NDArray[np.int64] = self.votes_[weighted == weighted.min()].sum(axis=0)
+        return shares
+
+    def _search(self, rows: NDArray[np.float64], codes: NDArray[np.intp], own: NDArray[Any]) -> None:
+        choices = self._whole("choices", self.choices)
+        pairs = np.stack([attribute_distances(rows, row, self._diagonal) for row in rows])
+        same, out = codes[:, None] == codes, own[:, None] == own
+        queries = ~out.all(axis=1)  # those that have vectors to vote on them
+
+        def error(weights: list[int]) -> float:
+            distances = pairs @ np.array(weights, np.float64)
+            distances[out] = np.inf
+            voters = (distances == distances.min(axis=1, keepdims=True))[queries] & ~out[queries]
+            right = (voters & same[queries]).sum(axis=1) / voters.sum(axis=1)
+            return float(1 - right.mean()) if queries.any() else 0.0
+
+        weights = [1] * rows.shape[1]
+        self.plain_error_ = best = error(weights)
+        for _ in range(SWEEPS):
+            before = list(weights)
+            for column in range(len(weights)):
+                for choice in choices:
+                    tried = [*weights[:column], choice, *weights[column + 1 :]]
+                    if any(tried) and (found := error(tried)) < best - 1e-12:  # rounding is no improvement
+                        best, weights = found, tried
+            if weights == before:
+                break
+        self.weights_, self.error_ = tuple(weights), best
+
+    @staticmethod
+    def _whole(name: str, values: Sequence[int]) -> tuple[int, ...]:
+        whole = tuple(int(value) for value in values)
+        if any(value < 0 or value != given for value, given in zip(whole, values, strict=True)):
+            raise ValueError(f"{name} are {tuple(values)}; allowed: whole numbers, at least 0")
+        return whole

@@ -11,11 +11,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.policies.adapters import ClassifierPolicy, check_classifier
-from khepera_forage.policies.brute_force import KNearestImitator, WeightedImitator
-from khepera_forage.policies.classifiers import boosting, cloning, tree
+from khepera_forage.policies.classifiers import ClassifierPolicy, boosting, check_classifier, cloning, tree
 from khepera_forage.policies.growing_memory import GrowingMemory
-from khepera_forage.policies.imitator import NearestNeighbourImitator
+from khepera_forage.policies.imitator import KNearestImitator, NearestNeighbourImitator, WeightedImitator
 from khepera_forage.policies.policy import Policy
 
 

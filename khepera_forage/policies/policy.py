@@ -1,9 +1,9 @@
-"""The `Policy` contract, the state vector of section 4.3 in an observation, and two policies without experience."""
+"""The `Policy` contract, the state vector in an observation (4.3), draws, and two policies without experience."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from operator import index
-from typing import Any, Protocol, TypeAlias, TypeGuard
+from typing import Any, NamedTuple, Protocol, TypeAlias, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,15 +48,9 @@ def state_vector_of(observation: Observation) -> StateVector:
     Raises:
         ValueError: A key is missing, the sequence is too short, or a value is not one integer.
     """
-    if type(observation) is dict or isinstance(observation, Mapping):  # the first check is the faster one
+    if isinstance(observation, Mapping):
         try:
-            values: Sequence[Any] = (
-                observation["object_presence"],
-                observation["robot_home_distance"],
-                observation["food_type"],
-                observation["arms_height"],
-                observation["robot_food_distance"],
-            )
+            values: Sequence[Any] = [observation[name] for name in StateVector._fields]
         except KeyError as error:
             needed = ", ".join(StateVector._fields)
             raise ValueError(
@@ -73,14 +67,26 @@ def state_vector_of(observation: Observation) -> StateVector:
     if len(values) != 5:
         raise ValueError(f"observation has {len(values)} values; allowed: at least 5, {StateVector._fields}")
     try:
-        numbers = [
-            number if type(number := v.item() if type(v) is np.ndarray else v) is int else index(number)
-            for v in values
-        ]
-        # The constructor of tuples: a named tuple's own takes twice as long.
-        return tuple.__new__(StateVector, numbers)
+        return StateVector(*[index(v.item() if isinstance(v, np.ndarray) else v) for v in values])
     except (TypeError, ValueError):
         raise ValueError(f"observation has the values {tuple(values)!r}; allowed: one integer each") from None
+
+
+def checked_generator(rng: Any) -> np.random.Generator:
+    """A generator that a policy draws its actions from.
+
+    Raises:
+        TypeError: `rng` is not a NumPy generator.
+    """
+    if not isinstance(rng, np.random.Generator):
+        raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator, to draw actions from")
+    return rng
+
+
+def draw(probabilities: NDArray[np.float64], rng: np.random.Generator) -> int:
+    """The place of a number, drawn with its share of the sum as probability; draws one number from `rng`."""
+    steps = probabilities.cumsum()
+    return int(steps.searchsorted(rng.random() * steps[-1], side="right"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,9 +103,7 @@ class UniformPolicy:
         Raises:
             TypeError: `rng` is not a NumPy generator.
         """
-        if not isinstance(rng, np.random.Generator):
-            raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator to draw behaviours from")
-        return Behaviour(int(rng.integers(Behaviour.WAIT)))
+        return Behaviour(int(checked_generator(rng).integers(Behaviour.WAIT)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,3 +125,61 @@ class Listener:
                 f"observation is {observation!r}; allowed: seven integers of a training environment"
             )
         return Behaviour(int(observation[HEARD]))
+
+
+def draw_label(votes: Sequence[int] | NDArray[Any], total: int, chance: float) -> int:
+    """A label, drawn with its share of the votes as probability (4.6.2).
+
+    Args:
+        votes: Of each label.
+        total: Their sum, above 0.
+        chance: A uniform number in 0..1, 1 excluded.
+    """
+    left = chance * total
+    drawn = 0
+    for label, count in enumerate(votes):
+        if count > 0:
+            drawn = label
+            left -= count
+            if left < 0.0:
+                break
+    return drawn
+
+
+class Neighbours(NamedTuple):
+    """The experience vectors at the minimum distance from a state vector (with a threshold: near it).
+
+    Attributes:
+        behaviours: The behaviours heard with them, in increasing order.
+        counts: How many of the vectors vote for each of these behaviours, above 0.
+        tied: How many vectors vote; equal vectors count one by one.
+        distance: The minimum distance of section 4.6.1.
+    """
+
+    behaviours: tuple[Behaviour, ...]
+    counts: tuple[int, ...]
+    tied: int
+    distance: float
+
+    @property
+    def votes(self) -> tuple[tuple[Behaviour, int], ...]:
+        """Each behaviour with the number of its votes."""
+        return tuple(zip(self.behaviours, self.counts, strict=True))
+
+    @property
+    def tie(self) -> bool:
+        """Whether more than one experience vector votes."""
+        return self.tied > 1
+
+    @property
+    def conflict(self) -> bool:
+        """Whether they vote for more than one behaviour."""
+        return len(self.behaviours) > 1
+
+    def confidence_levels(self) -> dict[Behaviour, float]:
+        """The share of each behaviour in the votes; the shares sum to 1."""
+        return {behaviour: count / self.tied for behaviour, count in self.votes}
+
+    def draw(self, rng: np.random.Generator) -> Behaviour:
+        """A behaviour, with its confidence level as probability. Draws exactly one number from `rng`."""
+        return self.behaviours[draw_label(self.counts, self.tied, rng.random())]

@@ -22,7 +22,7 @@ from khepera_forage.task.states import (
 )
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True)
 class Teacher:
     """Decides by the tree of figure 4.2 and the IF-THEN rules of 4.4.1; never by chance.
 
@@ -43,21 +43,18 @@ class Teacher:
         ValueError: A radius that is not above 0.
     """
 
-    home_radius: int | None
-    decisions: Decisions | None
-    _known: tuple[int, DecisionValues] | None = field(repr=False, compare=False)
+    home_radius: int | None = None
+    decisions: Decisions | None = None
+    _known: tuple[int, DecisionValues] | None = field(default=None, init=False, repr=False, compare=False)
 
-    def __init__(self, home_radius: int | None = None, decisions: Decisions | None = None) -> None:
-        known = None
-        if home_radius is not None or decisions is not None:
-            used = decisions or DEFAULT_DECISIONS
-            known = whole_pixels(used.home_radius) if home_radius is None else home_radius, used.values()
-            if not known[0] > 0:
-                raise ValueError(f"home_radius is {home_radius!r} pixels; allowed: above 0")
-        # A frozen dataclass allows no plain assignment.
-        object.__setattr__(self, "home_radius", home_radius)
-        object.__setattr__(self, "decisions", decisions)
-        object.__setattr__(self, "_known", known)
+    def __post_init__(self) -> None:
+        if self.home_radius is None and self.decisions is None:
+            return
+        used = self.decisions or DEFAULT_DECISIONS
+        radius = whole_pixels(used.home_radius) if self.home_radius is None else self.home_radius
+        if not radius > 0:
+            raise ValueError(f"home_radius is {radius!r} pixels; allowed: above 0")
+        object.__setattr__(self, "_known", (radius, used.values()))  # a frozen dataclass allows no assignment
 
     @classmethod
     def of(cls, env: Any) -> "Teacher":

@@ -10,7 +10,7 @@ from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv, raw_data_of
 from khepera_forage.experience import Experience
 from khepera_forage.policies import Observation, Teacher
-from khepera_forage.policies.model_observations import raw_data_space
+from khepera_forage.policies.features import raw_data_space
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, MAX_SPEED, Motors, applicable
 from khepera_forage.task.episode import Episode
 from khepera_forage.task.states import Behaviour

@@ -1,9 +1,9 @@
-"""The recall phase (4.6, 5.4): one episode, which gives one row."""
+"""The recall phase (4.6, 5.4): one episode of a policy that chooses behaviours, or motors (4.8)."""
 
 import math
 import warnings
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import gymnasium as gym
 import numpy as np
@@ -12,10 +12,10 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
 from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
-from khepera_forage.policies import Policy
+from khepera_forage.policies import Neighbours, Policy
 from khepera_forage.policies.teacher import completed
-from khepera_forage.policies.votes import HasNeighbours
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import decisions_text
@@ -135,13 +135,13 @@ def recall(
     rng = np.random.default_rng((seed, 1))
     observation, info = own.reset(seed=seed)
     policy = completed(policy, own)
-    imitator = policy if isinstance(policy, HasNeighbours) else None
+    find_neighbours = getattr(policy, "neighbours", None)
     decisions, counts = own.decisions.values(), DecisionCounts()
     ties = conflicts = 0
     done = False
     while not done:
-        if imitator is not None:
-            neighbours = imitator.neighbours(observation)
+        if find_neighbours is not None:
+            neighbours: Neighbours = find_neighbours(observation)
             ties += neighbours.tie
             conflicts += neighbours.conflict
             action = neighbours.draw(rng)
@@ -201,4 +201,79 @@ def _in_arena(arena: Arena, x: float, y: float, heading: float = 0.0) -> tuple[f
         round((x - arena.home.x) / MM_PER_PIXEL, 2),
         round((y - arena.home.y) / MM_PER_PIXEL, 2),
         round(math.degrees(heading), 1),
+    )
+
+
+class WheelsRecall(NamedTuple):
+    """The result of one recall.
+
+    Attributes:
+        score: Equation 5.1, percent. A step is correct if the applied motor commands are those of the teacher's
+            behaviour. A policy that forages in another way has a score near 0 or near -penalty.
+        steps: Number of steps.
+        delivered: Food brought home that is not poisonous.
+        foods: Food objects in the arena.
+        poison_home: Poisonous food brought home.
+        correct: Steps that were correct.
+    """
+
+    score: float
+    steps: int
+    delivered: int
+    foods: int
+    poison_home: int
+    correct: int
+
+
+def recall_wheels_env(
+    arena: str, noise: Noise | str | None = "laboratory", limit: int | None = None, **kwargs: Any
+) -> WheelsEnv:
+    """The recall environment of a named arena whose actions are motor commands.
+
+    Args:
+        arena: One of `ARENAS`.
+        noise: The laboratory's noise by default.
+        limit: Time limit in steps; that of the environment by default.
+        **kwargs: Further arguments of the environment.
+    """
+    return unwrapped_env(WheelsEnv, f"{environment_name(arena)}Wheels-v1", noise, limit, **kwargs)
+
+
+def recall_wheels(
+    env: gym.Env[Any, Any], policy: Any, seed: int, *, callback: Callback | None = None
+) -> WheelsRecall:
+    """Forage alone until all food is at home or the time limit is reached.
+
+    Args:
+        env: From `recall_wheels_env`, or another environment of motors as `gym.make` returns it, with its wrappers.
+        policy: Its `act(observation, rng)` gives motors for raw data: left wheel, right wheel, arm and jaw, each -1..1,
+            as `CorridorWheels-v1` takes them. A `ModelPolicy` can be one.
+        seed: Of the episode: places, noise, and random choices of the policy.
+        callback: Called before every step and at the end.
+
+    Raises:
+        RecallInterruptedError: A real robot or the camera was lost; the robot was stopped.
+        TypeError: An environment of another kind.
+    """
+    own, rng = env.unwrapped, np.random.default_rng((seed, 1))
+    if not isinstance(own, WheelsEnv):
+        raise TypeError(f"env is {env}; allowed: CorridorWheels-v1, RectangleWheels-v1, or another WheelsEnv")
+    observation, _ = env.reset(seed=seed)
+    done = False
+    while not done:
+        if callback is not None:
+            callback()
+        observation, _, terminated, truncated, info = env.step(policy.act(observation, rng))
+        done = terminated or truncated
+    if callback is not None:
+        callback()
+    if "robot_lost" in info:
+        raise RecallInterruptedError(f"after {info['steps']} steps: {info['robot_lost']}")
+    return WheelsRecall(
+        score=info["score"],
+        steps=info["steps"],
+        delivered=info["delivered"],
+        foods=own.foods,
+        poison_home=info["poison_home"],
+        correct=info["correct"],
     )

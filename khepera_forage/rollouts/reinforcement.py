@@ -18,9 +18,9 @@ from gymnasium.vector import AutoresetMode
 import khepera_forage  # noqa: F401 - registers the environments
 from khepera_forage.envs.arena_settings import environment_name
 from khepera_forage.envs.backends import COMPILED, check_backend
-from khepera_forage.policies.features import behaviour_features, observation_features, wheels_features
+from khepera_forage.policies.features import behaviour_features, wheels_features
 from khepera_forage.policies.learners import FromSteps
-from khepera_forage.policies.model_policy import ModelPolicy, algorithm_named
+from khepera_forage.policies.models import ModelPolicy, algorithm_named
 from khepera_forage.sim.arenas.named import ARENAS
 
 MakeEnv = Callable[[int], gym.vector.VectorEnv[Any, Any, Any]]
@@ -54,16 +54,19 @@ def recall_envs(arena: str = "corridor", wheels: bool = False, mode: str = "sync
         wheels: Whether actions are motors, and not behaviours.
         mode: Gymnasium's `vectorization_mode`: `sync` or `async` on pymunk, `vector_entry_point` compiled.
         **kwargs: Other arguments of the environment.
+
+    Raises:
+        ValueError: Another arena.
     """
+    if arena not in ARENAS:
+        raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ARENAS)}")
+    name = f"{environment_name(arena)}{'Wheels' if wheels else ''}-v1"
     same_step = {"autoreset_mode": AutoresetMode.SAME_STEP}
-    if mode == COMPILED_MODE:
-        kwargs |= same_step
-    else:
-        kwargs["vector_kwargs"] = same_step
+    kwargs |= same_step if mode == COMPILED_MODE else {"vector_kwargs": same_step}
 
     def make(count: int) -> gym.vector.VectorEnv[Any, Any, Any]:
-        name = f"khepera_forage:{_name(arena, wheels)}"
-        return gym.make_vec(name, num_envs=count, vectorization_mode=mode, **kwargs)
+        name_and_module = f"khepera_forage:khepera_forage/{name}"
+        return gym.make_vec(name_and_module, num_envs=count, vectorization_mode=mode, **kwargs)
 
     return make
 
@@ -98,8 +101,8 @@ def reinforce(
         One for each amount, in increasing order.
 
     Raises:
-        ValueError: No amount, or one that is not above 0; another arena.
-        ImportError: stable-baselines3 is not installed.
+        ValueError: No amount, or one that is not above 0; another arena or backend.
+        ImportError: stable-baselines3, or numba for the backend `compiled`, is not installed.
     """
     wanted = sorted(set(amounts))
     if not wanted or wanted[0] < 1:
@@ -108,7 +111,15 @@ def reinforce(
     from stable_baselines3.common.callbacks import BaseCallback
     from stable_baselines3.common.logger import Logger
 
-    env = vec_env(learner, make_env, envs, arena, backend)
+    from khepera_forage.rollouts.sb3_vector_env import VecEnvAdapter
+
+    if make_env is None:
+        compiled = check_backend(backend) == COMPILED
+        make_env = recall_envs(arena, learner.wheels, COMPILED_MODE if compiled else "sync")
+        envs = envs or (learner.worlds if compiled else PYMUNK_ENVS)
+        _log.info("%s trains in %d environments on the backend %s", learner.title, envs, backend)
+    features = wheels_features if learner.wheels else behaviour_features
+    env = VecEnvAdapter(make_env(envs or PYMUNK_ENVS), features, learner.hold)
     # A deep copy, because stable-baselines3 writes into the `policy_kwargs` that it is given.
     settings = copy.deepcopy(dict(learner.settings))
     if "n_steps" in settings:
@@ -130,7 +141,6 @@ def reinforce(
 
         def keep(self, reached: Sequence[int]) -> None:
             """Keep a copy for each of these amounts that is reached and not kept yet."""
-            features = wheels_features if learner.wheels else observation_features
             policy = ModelPolicy(self.model, features, learner.hold, learner.sample)
             for amount in reached[len(kept) :]:
                 if self.steps >= amount:
@@ -150,43 +160,6 @@ def reinforce(
         model.learn(-(-wanted[-1] // learner.hold), callback=keeper)
         keeper.keep(wanted)
     return kept
-
-
-def vec_env(
-    learner: FromSteps,
-    make_env: MakeEnv | None = None,
-    envs: int | None = None,
-    arena: str = "corridor",
-    backend: str = COMPILED,
-) -> Any:
-    """The environments that a learner trains in, for stable-baselines3.
-
-    Args:
-        learner: Its actions, how long they hold, and in how many environments it trains.
-        make_env: As for `reinforce`; so are the others.
-        envs: How many.
-        arena: One of `ARENAS`.
-        backend: `compiled` or `pymunk`.
-
-    Raises:
-        ValueError: Another arena or backend.
-        ImportError: The backend `compiled` without numba.
-    """
-    from khepera_forage.rollouts.sb3_vector_env import VecEnvAdapter
-
-    compiled = make_env is None and check_backend(backend) == COMPILED
-    count = envs if envs is not None else learner.worlds if compiled else PYMUNK_ENVS
-    if make_env is None:
-        make_env = recall_envs(arena, learner.wheels, COMPILED_MODE if compiled else "sync")
-        _log.info("%s trains in %d environments on the backend %s", learner.title, count, backend)
-    features = wheels_features if learner.wheels else behaviour_features
-    return VecEnvAdapter(make_env(count), features, learner.hold)
-
-
-def _name(arena: str, wheels: bool) -> str:
-    if arena not in ARENAS:
-        raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ARENAS)}")
-    return f"khepera_forage/{environment_name(arena)}{'Wheels' if wheels else ''}-v1"
 
 
 @contextmanager

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Protocol
+from typing import Any
 
 from khepera_forage.task.decisions import (
     DEFAULT_DECISIONS,
@@ -214,16 +214,7 @@ def _require(valid: bool, row: object, name: str, allowed: str) -> None:
         raise ValueError(f"{name} is {getattr(row, name)!r}; allowed: {allowed}")
 
 
-class _Row(Protocol):
-    """A row with a column `decisions`."""
-
-    @property
-    def decisions(self) -> str:
-        """Text of the decisions."""
-        ...
-
-
-def common_decisions(*tables: Iterable[_Row]) -> Decisions:
+def common_decisions(*tables: Iterable[Any]) -> Decisions:
     """The decisions of all rows of some tables; the defaults without rows.
 
     Raises:

@@ -22,7 +22,7 @@ from khepera_forage.policies.teacher import completed
 from khepera_forage.rollouts.recall import Callback
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.sim.world import LOST
-from khepera_forage.task.decisions import Decisions, decisions_text
+from khepera_forage.task.decisions import decisions_text
 from khepera_forage.task.states import Behaviour, StateVector
 
 
@@ -50,76 +50,25 @@ def delayed_interrupts() -> Iterator[None]:
 _log = logging.getLogger(__name__)
 
 
-class ExperienceRecorder:
-    """The experience of one attempt, in memory and, with a path, in a file that grows with every vector.
+class _Recorder:
+    """The experience of one attempt, in memory and, with a writer, in a file that grows with every vector."""
 
-    Args:
-        path: The experience file; None records in memory only.
-
-    Attributes:
-        vectors: The state vectors so far.
-        behaviours: The behaviours so far.
-    """
-
-    def __init__(self, path: Path | None) -> None:
+    def __init__(self) -> None:
         self.vectors: list[StateVector] = []
         self.behaviours: list[Behaviour] = []
-        self._path = path
-        self._writer: ExperienceWriter | None = None
+        self.writer: ExperienceWriter | None = None
 
-    def open(self, arena: str, seed: int, decisions: Decisions) -> None:
-        """Create the file.
-
-        Raises:
-            FileExistsError: There is a file at the path.
-        """
-        if self._path is not None:
-            with delayed_interrupts():
-                self._writer = ExperienceWriter(self._path, arena, seed, decisions=decisions)
-
-    def record(self, vector: StateVector, behaviour: Behaviour) -> None:
-        """Append an experience vector."""
+    def __call__(self, vector: StateVector, behaviour: Behaviour) -> None:
         self.vectors.append(vector)
         self.behaviours.append(behaviour)
-        if self._writer is not None:
-            self._writer.append(vector, behaviour)
+        if self.writer is not None:
+            self.writer.append(vector, behaviour)
 
-    def close(self, complete: bool) -> None:
-        """Close the file, with the closing line of a complete file or without it."""
-        if self._writer is not None:
-            self._writer.close(complete)
 
-    def abort(self) -> None:
-        """Close the file without a closing line after an exception; delete it if it has no vector.
-
-        An operator may stop before anything happens; an empty file would prevent the next training at this path.
-        """
-        if self._writer is not None:
-            self._writer.close(complete=False)
-            if not self.vectors:
-                self._writer.path.unlink()
-
-    def discard(self) -> None:
-        """Delete the closed file of an incomplete attempt (5.2)."""
-        if self._path is not None:
-            self._path.unlink()
-
-    def keep(self, number: int, lost: str) -> None:
-        """Rename the closed file of an attempt in which a robot was lost, and log the new name.
-
-        Args:
-            number: Of the attempt; part of the new name, `g1.lost-2.csv` for the second attempt at `g1.csv`.
-            lost: What was lost, for the log.
-        """
-        where = "not kept: training has no experience file"
-        if self._path is not None:
-            path = self._path
-            names = (path.with_name(f"{path.stem}.lost-{n}{path.suffix}") for n in count(number))
-            kept = next(name for name in names if not name.exists())
-            path.rename(kept)
-            where = f"kept in {kept}"
-        vectors = len(self.vectors)
-        _log.warning("attempt %d ended: %s; its %d experience vectors are %s", number, lost, vectors, where)
+def _keep(path: Path, number: int) -> Path:
+    """Rename the file of an attempt in which a robot was lost: `g1.lost-2.csv` for the second attempt at `g1.csv`."""
+    names = (path.with_name(f"{path.stem}.lost-{n}{path.suffix}") for n in count(number))
+    return path.rename(next(name for name in names if not name.exists()))
 
 
 ROBOT_LOST = "robot lost"
@@ -225,18 +174,6 @@ def _result(env: TrainingEnv, resumed: int) -> Attempt:
     return Attempt(complete, rounds, separations, resumed, reason, lost)
 
 
-def training_env(env: AECEnv[str, Any, Any]) -> TrainingEnv:
-    """The paired corridors without their wrappers.
-
-    Raises:
-        TypeError: Another environment.
-    """
-    own = getattr(env, "unwrapped", env)
-    if not isinstance(own, TrainingEnv):
-        raise TypeError(f"env is {env}; allowed: a TrainingEnv, such as paired_corridors_v1.env()")
-    return own
-
-
 def train(
     env: AECEnv[str, Any, Any],
     seed: int | np.random.SeedSequence,
@@ -279,18 +216,20 @@ def train(
         IncompleteTrainingError: None of the attempts was complete.
         FileExistsError: There is a file at `path`.
     """
-    env = training_env(env)
-    rows = []
+    own = getattr(env, "unwrapped", env)
+    if not isinstance(own, TrainingEnv):
+        raise TypeError(f"env is {env}; allowed: a TrainingEnv, such as paired_corridors_v1.env()")
+    env, rows = own, []
     attempts = env.decisions.most_attempts if attempts is None else attempts
     if not isinstance(seed, np.random.SeedSequence):
         seed = np.random.SeedSequence(whole_number("seed", seed, 0))
     for number, attempt_seed in enumerate(seed.generate_state(attempts).tolist(), 1):
-        recorder, arena = ExperienceRecorder(path), env.arena_of(attempt_seed).name
+        recorder, arena = _Recorder(), env.arena_of(attempt_seed).name
         try:
-            recorder.open(arena, attempt_seed, env.decisions)
-            result = attempt(
-                env, attempt_seed, recorder.record, resume, callback, teacher=teacher, options=options
-            )
+            if path is not None:
+                with delayed_interrupts():
+                    recorder.writer = ExperienceWriter(path, arena, attempt_seed, decisions=env.decisions)
+            result = attempt(env, attempt_seed, recorder, resume, callback, teacher=teacher, options=options)
             rows.append(
                 TrainingRow(
                     replication=replication,
@@ -310,10 +249,14 @@ def train(
             if on_attempt is not None:
                 on_attempt(rows[-1])
             # Without the closing line unless complete: discarding the file may fail, or the process be killed before.
-            recorder.close(complete=result.complete)
+            if recorder.writer is not None:
+                recorder.writer.close(complete=result.complete)
         except BaseException:
             env.world.stop()
-            recorder.abort()
+            if recorder.writer is not None:
+                recorder.writer.close(complete=False)
+                if not recorder.vectors:  # an empty file would prevent the next training at this path
+                    recorder.writer.path.unlink()
             raise
         if result.complete:
             experience = Experience(
@@ -321,9 +264,13 @@ def train(
             )
             return experience, rows
         if result.lost:
-            recorder.keep(number, result.lost)
-        else:
-            recorder.discard()
+            where = f"kept in {_keep(path, number)}" if path else "not kept: training has no experience file"
+            vectors = len(recorder.vectors)
+            _log.warning(
+                "attempt %d ended: %s; its %d experience vectors are %s", number, result.lost, vectors, where
+            )
+        elif path is not None:
+            path.unlink()
     raise IncompleteTrainingError(f"none of {attempts} attempts at a training episode was complete")
 
 

@@ -36,6 +36,7 @@ hidden. A decision, because the thesis has no such robot:
 """
 
 import math
+from typing import Any
 
 from khepera_forage.geometry.plane import arcsine, bearing_of, cosine_sine, turn_to
 from khepera_forage.robots.khepera import (
@@ -52,7 +53,7 @@ from khepera_forage.robots.khepera import (
     Motors,
     applicable,
 )
-from khepera_forage.task.arena_map import EVERY_SIDE
+from khepera_forage.task.arena_map import EVERY_SIDE, ArenaMap
 from khepera_forage.task.decisions import (
     AS_IT_IS,
     BACK_OFF,
@@ -61,7 +62,7 @@ from khepera_forage.task.decisions import (
     WANDER,
     DecisionValues,
 )
-from khepera_forage.task.perception import RawData
+from khepera_forage.task.perception import RawData, perceives_paths, ways_home_can_bend
 from khepera_forage.task.states import Behaviour
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
@@ -136,8 +137,20 @@ def command(behaviour: int, raw: RawData, decisions: DecisionValues) -> Motors:
     return wait(raw)
 
 
-def uses_way_home(behaviour: int, raw: RawData) -> bool:
-    """Whether motors of a behaviour depend on the way home around walls; arguments as for `command`."""
+def uses_way_home(
+    behaviour: int, raw: RawData, foods: Any, arena: ArenaMap, decisions: DecisionValues
+) -> bool:
+    """Whether motors of a behaviour depend on the way home around walls, and raw data have the straight one.
+
+    Args:
+        behaviour: As for `command`.
+        raw: Likewise.
+        foods: `FoodObject` records of the arena.
+        arena: The arena.
+        decisions: Likewise.
+    """
+    if perceives_paths(decisions) or not ways_home_can_bend(foods, arena):
+        return False
     if behaviour in (_SEARCH_FOR_FOOD, _MOVE_SLOWLY):
         return is_home_across(raw)
     return behaviour in (_PUSH_FOOD, _GO_HOME, _AVOID_HOME, _RELEASE_FOOD)

@@ -1,13 +1,13 @@
 """Scene and Senses to raw data (4.2.2), and raw data to the state vector (4.3)."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from khepera_forage.geometry.plane import bearing_of, length, to_nearest_wall, turn_to
-from khepera_forage.robots.khepera import Senses
+from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.task.arena_map import ArenaMap, Way, is_within, way_home
 from khepera_forage.task.decisions import ALONG_PATH, LAST_DISTANCE, DecisionValues
-from khepera_forage.task.food_tracking import FoodTracker
+from khepera_forage.task.food_tracking import FoodTracker, explored, update_food
 from khepera_forage.task.states import FoodType, StateVector
 from khepera_forage.vision.scene import Region, Scene
 
@@ -81,33 +81,77 @@ def own_region(scene: Scene, arena: ArenaMap, holes: int) -> Region | None:
     return None
 
 
-def perceive(senses: Senses, own: Region, tracker: FoodTracker, arena: ArenaMap) -> RawData:
-    """Raw data of one robot, after the food tracker has accounted for the round.
+def perceive(
+    tracker: Any,
+    foods: Any,
+    chosen: Any,
+    links: Any,
+    regions: Any,
+    before: Senses,
+    senses: Senses,
+    applied: Motors,
+    x: float,
+    y: float,
+    orientation: int,
+    tracked: bool,
+    arena: ArenaMap,
+    decisions: DecisionValues,
+) -> tuple[RawData, StateVector]:
+    """What one robot perceives at the end of a round, after which its food is accounted for.
+
+    The way home counts as straight as long as it is not asked for, see `look_up_way_home`.
 
     Args:
-        senses: What the robot reports of itself.
-        own: Its marker's region.
-        tracker: The food tracker of its arena.
+        tracker: The `FoodTracker` record of its arena; so are the next three arguments.
+        foods: `FoodObject` records.
+        chosen: `ChosenWaypoint` records.
+        links: `Link` records.
+        regions: Tracked regions of food.
+        before: What the robot reported of itself a round ago.
+        senses: What it reports now.
+        applied: The motors in between, as applied.
+        x: Of its marker's region.
+        y: Of its marker's region.
+        orientation: Of its marker's region.
+        tracked: Whether that region is tracked now.
         arena: Its arena.
+        decisions: `DecisionValues`.
     """
-    x, y = own.x, own.y
-    wall_x, wall_y = to_nearest_wall(x, y, arena.walls)
-    return raw_data(
-        senses,
+    present = senses.object_presence != 0
+    update_food(
+        tracker,
+        foods,
+        chosen,
+        links,
+        regions,
+        arena,
         x,
         y,
-        own.orientation,
-        own.found,
-        tracker.food_seen,
-        tracker.food_x,
-        tracker.food_y,
-        tracker.type_in_gripper,
-        wall_x,
-        wall_y,
-        way_home(x, y, tracker, tracker.foods, tracker.chosen, arena),
-        (tracker.food_way_x, tracker.food_way_y, tracker.food_path),
-        arena,
+        orientation,
+        present,
+        present and explored(before, senses, applied),
+        senses.arm,
+        decisions,
     )
+    way = arena.home_x, arena.home_y, 0.0
+    if perceives_paths(decisions) and ways_home_can_bend(foods, arena):
+        way = way_home(x, y, tracker, foods, chosen, arena)
+    raw = raw_data(senses, x, y, orientation, tracked, tracker, way, arena)
+    return raw, state_vector(raw, without_food(tracker, arena, decisions), decisions)
+
+
+def ways_home_can_bend(foods: Any, arena: ArenaMap) -> bool:
+    """Whether a way home may lead around walls or past poison."""
+    return len(arena.ways.corners) > 0 or bool(foods[0].may_be_poisonous)
+
+
+def look_up_way_home(
+    raw: RawData, tracker: Any, foods: Any, chosen: Any, arena: ArenaMap
+) -> tuple[float, float]:
+    """Bearing and length of the way home around walls and past poison: `home_bearing` and `home_path` of raw data."""
+    x, y, path = way_home(raw.x, raw.y, tracker, foods, chosen, arena)
+    bearing = turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation)
+    return bearing, path if path > raw.home_distance else raw.home_distance
 
 
 def raw_data(
@@ -116,40 +160,29 @@ def raw_data(
     y: float,
     orientation: int,
     tracked: bool,
-    food_seen: bool,
-    food_x: float,
-    food_y: float,
-    food_type: int,
-    wall_x: float,
-    wall_y: float,
+    tracker: Any,
     to_home: Way,
-    to_food: Way,
     arena: ArenaMap,
 ) -> RawData:
-    """Raw data of one robot, once its regions have been picked from the scene.
+    """Raw data of one robot, after the food tracker has accounted for the round.
 
     Args:
-        senses: What the robot reports of itself.
-        x: Of its marker's region.
-        y: Of its marker's region.
-        orientation: Of its marker's region.
-        tracked: Whether that region is tracked now.
-        food_seen: Whether there is a candidate food.
-        food_x: Of the nearest one; 0 without one.
-        food_y: Of the nearest one; 0 without one.
-        food_type: Of the object in the gripper, as far as it is known.
-        wall_x: From the robot to the nearest point of a wall.
-        wall_y: From the robot to the nearest point of a wall.
+        senses: As for `perceive`; so are the other arguments without a description.
+        x: Likewise.
+        y: Likewise.
+        orientation: Likewise.
+        tracked: Likewise.
+        tracker: Likewise.
         to_home: The way home.
-        to_food: The way to the nearest food.
-        arena: Its arena.
+        arena: Likewise.
     """
     a, b, c, d, e, f, _, _ = senses.proximity
     home_way_x, home_way_y, home_path = to_home
-    food_way_x, food_way_y, food_path = to_food
+    wall_x, wall_y = to_nearest_wall(x, y, arena.walls)
     home_distance = length(arena.home_x - x, arena.home_y - y)
-    food_distance = length(food_x - x, food_y - y)
-    food_bearing = turn_to(bearing_of(food_way_x - x, food_way_y - y), orientation)
+    food_distance = length(tracker.food_x - x, tracker.food_y - y)
+    food_bearing = turn_to(bearing_of(tracker.food_way_x - x, tracker.food_way_y - y), orientation)
+    food_path = tracker.food_path if tracker.food_path > food_distance else food_distance
     return RawData(
         (a, b, c, d, e, f),
         senses.arm,
@@ -159,10 +192,10 @@ def raw_data(
         y,
         orientation,
         tracked,
-        food_seen,
-        food_x,
-        food_y,
-        food_type if senses.object_presence else FoodType.UNKNOWN,
+        tracker.food_seen,
+        tracker.food_x,
+        tracker.food_y,
+        tracker.type_in_gripper if senses.object_presence else FoodType.UNKNOWN,
         arena.home_x,
         arena.home_y,
         arena.home_radius,
@@ -172,11 +205,11 @@ def raw_data(
         home_distance,
         turn_to(bearing_of(home_way_x - x, home_way_y - y), orientation),
         home_path if home_path > home_distance else home_distance,
-        food_distance if food_seen else 0.0,
-        food_bearing if food_seen else 0.0,
-        (food_path if food_path > food_distance else food_distance) if food_seen else 0.0,
-        food_way_x,
-        food_way_y,
+        food_distance if tracker.food_seen else 0.0,
+        food_bearing if tracker.food_seen else 0.0,
+        food_path if tracker.food_seen else 0.0,
+        tracker.food_way_x,
+        tracker.food_way_y,
     )
 
 

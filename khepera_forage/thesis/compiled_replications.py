@@ -3,8 +3,7 @@
 The design, files, subsets and rows are those of `replication`; only the backend differs. Needs numba (extra `fast`).
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,6 @@ from khepera_forage.thesis.design import (
     LABORATORY_NOISE,
     THESIS,
     Cell,
-    Subset,
     files_needed,
     noise_conditions,
 )
@@ -37,11 +35,18 @@ GROUP_SIZE = 100
 """Replications that run together: enough to use all lanes of the kernels."""
 
 
-@dataclass(frozen=True, slots=True)
-class CompiledReplications:
+def replicate_together(
+    seed: int,
+    first: int,
+    count: int,
+    noise: str = LABORATORY,
+    cells: Sequence[Cell] = THESIS,
+    decisions: Decisions = DEFAULT_DECISIONS,
+    laboratory: Noise = LABORATORY_NOISE,
+) -> list[Row]:
     """Replications `first` to `first + count - 1`, each with ten new training files and the recalls of some cells.
 
-    Attributes:
+    Args:
         seed: Of the whole reproduction.
         first: A multiple of `GROUP_SIZE`, so that a replication does not depend on the total number.
         count: At most `GROUP_SIZE`.
@@ -50,174 +55,104 @@ class CompiledReplications:
         decisions: Of training and recall.
         laboratory: The laboratory's noise, from which the noise condition is derived.
     """
-
-    seed: int
-    first: int
-    count: int
-    noise: str = LABORATORY
-    cells: tuple[Cell, ...] = THESIS
-    decisions: Decisions = DEFAULT_DECISIONS
-    laboratory: Noise = LABORATORY_NOISE
-
-    @property
-    def key(self) -> str:
-        """Noise and numbers."""
-        return f"{self.noise} {self.first} to {self.first + self.count - 1}"
-
-    def run(self) -> list[Row]:
-        """Train, recall, and return the rows."""
-        noise = noise_conditions(self.laboratory)[self.noise]
-        seeds = [replication_seeds(self.seed, number, self.noise).spawn(2) for number in self._numbers]
-        first_training, _ = seeds[0]
-        training_seed = int(first_training.generate_state(1)[0])
-        trained = train_learners(
-            self.count,
-            seed=training_seed,
-            noise=noise,
-            episodes=files_needed(self.cells),
-            decisions=self.decisions,
-        )
-        recalling = [parts.spawn(len(self.cells)) for _, parts in seeds]
-        recalls: list[RecallRow] = []
-        for i, cell in enumerate(self.cells):
-            states = [cells[i].generate_state(cell.size) for cells in recalling]
-            recalls += self._recalls(cell, noise, trained, np.concatenate(states).astype(np.int64))
-        orient = self._orient_rows(trained) if self.noise == LABORATORY else ()
-        return [*recalls, *self._trainings(trained), *orient]
-
-    @property
-    def _numbers(self) -> range:
-        return range(self.first, self.first + self.count)
-
-    def _trainings(self, trained: Trained) -> Iterator[TrainingRow]:
-        attempts, decisions = trained.attempts, decisions_text(self.decisions)
-        for learner, episode, attempt, complete, rounds, vectors, separations, reason in zip(
-            *(column.tolist() for column in attempts), strict=True
-        ):
-            yield TrainingRow(
-                replication=self.first + learner,
-                file=episode + 1,
-                attempt=attempt,
-                seed=trained.seed,
-                noise=self.noise,
-                complete=complete,
-                rounds=rounds,
-                vectors=vectors,
-                separations=separations,
-                reason=reason,
-                decisions=decisions,
-            )
-
-    def _recalls(
-        self, cell: Cell, noise: Noise, trained: Trained, seeds: NDArray[np.int64]
-    ) -> list[RecallRow]:
-        played = recalls_of(cell, trained, self.count, seeds, noise, self.decisions)
-        sizes = [len(y) for _, y in _experience_of_cell(cell, trained, self.count)]
-        own = {
-            "replication": np.repeat(self._numbers, cell.size).tolist(),
-            "file_id": [s.name for s in cell.subsets for _ in range(cell.recalls)] * self.count,
+    sources = noise_conditions(laboratory)[noise]
+    seeds = [replication_seeds(seed, number, noise).spawn(2) for number in range(first, first + count)]
+    trained = train_learners(
+        count,
+        seed=int(seeds[0][0].generate_state(1)[0]),
+        noise=sources,
+        episodes=files_needed(cells),
+        decisions=decisions,
+    )
+    recalling = [parts.spawn(len(cells)) for _, parts in seeds]
+    recalls: list[RecallRow] = []
+    orient: list[OrientRow] = []
+    for i, cell in enumerate(cells):
+        states = np.concatenate([own[i].generate_state(cell.size) for own in recalling]).astype(np.int64)
+        experience = _experience(cell, trained, count)
+        sizes = [len(heard) for _, heard in experience]
+        about = {
+            "replication": np.repeat(range(first, first + count), cell.size).tolist(),
+            "file_id": [s.name for s in cell.subsets for _ in range(cell.recalls)] * count,
             "recall": list(range(cell.recalls)) * len(sizes),
-            "seed": seeds.tolist(),
+            "seed": states.tolist(),
             "experience_size": np.repeat(sizes, cell.recalls).tolist(),
         }
-        return recall_rows(
-            played,
-            checked_arena(cell.arena, self.decisions),
-            own,
-            self.decisions,
+        recalls += recall_rows(
+            recalls_of(cell, trained, count, states, sources, decisions),
+            checked_arena(cell.arena, decisions),
+            about,
+            decisions,
             episodes=cell.episodes,
             learner=IMITATOR,
-            noise=self.noise,
+            noise=noise,
             limit=cell.limit,
         )
+        if noise == LABORATORY and cell.arena == CORRIDOR:
+            diagonal = arena_map_of(checked_arena(CORRIDOR, decisions)).diagonal
+            vectors: Any = arrival_vectors(decisions)
+            arithmetic: Any = decisions.values().distance_arithmetic
+            levels = iter(confidence_levels(memories_of(experience), vectors, diagonal, arithmetic))
+            for number in range(first, first + count):
+                for subset in cell.subsets:
+                    orient += orient_rows(next(levels), number, cell.episodes, subset.name, decisions)
+    text = decisions_text(decisions)
+    attempts = zip(*(column.tolist() for column in trained.attempts), strict=True)
+    trainings = [
+        TrainingRow(first + learner, file + 1, attempt, trained.seed, noise, *(*values, text))
+        for learner, file, attempt, *values in attempts
+    ]
+    return [*recalls, *trainings, *orient]
 
-    def _orient_rows(self, trained: Trained) -> Iterator[OrientRow]:
-        for cell in self.cells:
-            if cell.arena == CORRIDOR:
-                imitators = [(i, subset) for i in range(self.count) for subset in cell.subsets]
-                memories = memories_of([_experience(trained, i, subset) for i, subset in imitators])
-                diagonal = arena_map_of(checked_arena(CORRIDOR, self.decisions)).diagonal
-                vectors: Any = arrival_vectors(self.decisions)
-                arithmetic: Any = self.decisions.values().distance_arithmetic
-                all_levels = confidence_levels(memories, vectors, diagonal, arithmetic)
-                for (i, subset), levels in zip(imitators, all_levels, strict=True):
-                    yield from orient_rows(levels, self.first + i, cell.episodes, subset.name, self.decisions)
 
-
-@dataclass(frozen=True, slots=True)
-class CompiledBaseline:
+def baselines(
+    seed: int,
+    blocks: int,
+    learner: str,
+    arena: str,
+    forages: int,
+    decisions: Decisions = DEFAULT_DECISIONS,
+    laboratory: Noise = LABORATORY_NOISE,
+) -> list[Row]:
     """Blocks of forages of the teacher, or of a random policy; each block counts as a replication."""
-
-    seed: int
-    blocks: int
-    learner: str
-    arena: str
-    forages: int
-    decisions: Decisions = DEFAULT_DECISIONS
-    laboratory: Noise = LABORATORY_NOISE
-
-    @property
-    def key(self) -> str:
-        """Policy, arena and number of forages."""
-        return f"{self.learner} {self.arena} {self.blocks} times {self.forages}"
-
-    def run(self) -> list[Row]:
-        """Forage, and return the rows."""
-        arena = checked_arena(self.arena, self.decisions)
-        limit = baseline_limit(self.learner, self.arena)
-        seeds = np.concatenate(
-            [
-                baseline_seeds(self.seed, block, self.learner, self.arena, self.forages)
-                for block in range(self.blocks)
-            ]
-        )
-        policy = TEACHES if self.learner == TEACHER else UNIFORM
-        foods = next(cell.foods for cell in THESIS if cell.arena == self.arena)
-        policies = np.full(len(seeds), policy)
-        played = run_recalls(
-            arena,
-            None,
-            policies,
-            seeds,
-            foods=foods,
+    place, limit = checked_arena(arena, decisions), baseline_limit(learner, arena)
+    seeds = np.concatenate([baseline_seeds(seed, i, learner, arena, forages) for i in range(blocks)])
+    played = run_recalls(
+        place,
+        None,
+        np.full(len(seeds), TEACHES if learner == TEACHER else UNIFORM),
+        seeds,
+        foods=next(cell.foods for cell in THESIS if cell.arena == arena),
+        limit=limit,
+        noise=laboratory,
+        decisions=decisions,
+    )
+    about = {
+        "replication": np.repeat(range(blocks), forages).tolist(),
+        "recall": list(range(forages)) * blocks,
+        "seed": seeds.tolist(),
+    }
+    return list(
+        recall_rows(
+            played,
+            place,
+            about,
+            decisions,
+            episodes=0,
+            file_id="-",
+            learner=learner,
+            noise=LABORATORY,
             limit=limit,
-            noise=self.laboratory,
-            decisions=self.decisions,
+            experience_size=0,
         )
-        own = {
-            "replication": np.repeat(range(self.blocks), self.forages).tolist(),
-            "recall": list(range(self.forages)) * self.blocks,
-            "seed": seeds.tolist(),
-        }
-        return list(
-            recall_rows(
-                played,
-                arena,
-                own,
-                self.decisions,
-                episodes=0,
-                file_id="-",
-                learner=self.learner,
-                noise=LABORATORY,
-                limit=limit,
-                experience_size=0,
-            )
-        )
-
-
-def _experience(
-    trained: Trained, learner: int, subset: Subset
-) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
-    """State vectors and behaviours of the training files that a learner uses together."""
-    rows = np.concatenate([trained.vectors_of(learner, file - 1) for file in subset.files])
-    return rows[:, :5], rows[:, 5]
+    )
 
 
 def recalls_of(
     cell: Cell, trained: Trained, count: int, seeds: NDArray[np.int64], noise: Noise, decisions: Decisions
 ) -> Episodes:
     """The recalls of one cell in some replications, each with a trained learner: by set of files and recall."""
-    experience = _experience_of_cell(cell, trained, count)
+    experience = _experience(cell, trained, count)
     return run_recalls(
         checked_arena(cell.arena, decisions),
         memories_of(experience),
@@ -230,7 +165,13 @@ def recalls_of(
     )
 
 
-def _experience_of_cell(
+def _experience(
     cell: Cell, trained: Trained, count: int
 ) -> list[tuple[NDArray[np.int16], NDArray[np.int16]]]:
-    return [_experience(trained, i, subset) for i in range(count) for subset in cell.subsets]
+    """State vectors and behaviours of every learner and set of files."""
+    together = [
+        np.concatenate([trained.vectors_of(learner, file - 1) for file in subset.files])
+        for learner in range(count)
+        for subset in cell.subsets
+    ]
+    return [(rows[:, :5], rows[:, 5]) for rows in together]

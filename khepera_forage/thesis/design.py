@@ -41,12 +41,9 @@ class Cell:
     """One table of appendix A: an arena and an amount of training.
 
     Attributes:
-        arena: `corridor` or `rectangle`.
         episodes: Training episodes of each learner.
         subsets: The training files of each learner.
         recalls: Recall episodes of each learner.
-        foods: Food objects in the arena.
-        limit: Time limit in steps.
     """
 
     arena: str

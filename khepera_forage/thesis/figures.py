@@ -1,7 +1,8 @@
 """The figures of the report: figures 5.2 to 5.6 with the thesis's values and ours, and the effect of noise."""
 
 import math
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,8 @@ from khepera_forage.figures import (
     SMALL,
     THESIS,
     WIDTH,
+    grid,
+    levels,
     mark,
     new_figure,
     padded,
@@ -21,8 +24,8 @@ from khepera_forage.figures import (
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow, common_decisions
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR
-from khepera_forage.thesis.cells import CellResult
 from khepera_forage.thesis.design import NO_NOISE, training_distance
+from khepera_forage.thesis.tables import CellResult
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 if TYPE_CHECKING:
@@ -30,10 +33,8 @@ if TYPE_CHECKING:
     from matplotlib.collections import QuadMesh
     from matplotlib.figure import Figure
 
-_OF_TWO, _OF_THREE = (-0.2, 0.2), (0.0, 0.4)
-"""Horizontal offsets in episodes of our marks and the thesis's, without and with marks of version 0.1."""
-_V0_1 = -0.4
-"""Horizontal offset of the marks of version 0.1."""
+_BESIDE = 0.4
+"""Horizontal distance, in episodes, between the marks of the thesis, ours, and those of version 0.1."""
 _WIDTH = 0.36
 """Of a bar, in episodes."""
 _SCORE_STEP = 1.0
@@ -47,15 +48,16 @@ def score_figure(
 ) -> "Figure":
     """Average scores against the number of training episodes: figures 5.2 and 5.5."""
     figure, axes = _episode_axes(f"Figure {number}: recall score in the {arena}")
-    ours, thesis = _OF_THREE if v0_1_results else _OF_TWO
-    for result in _in_arena(v0_1_results, arena):
-        mark(axes, result.cell.episodes + _V0_1, result.score.value, result.score, GREY)
-    for result in _in_arena(results, arena):
-        x = result.cell.episodes
-        _experiments(axes, x + ours, result.scores, _SCORE_STEP)
-        mark(axes, x + ours, result.score.value, result.score, OURS)
-        axes.plot(x + thesis, result.thesis_score, "D", color=THESIS, ms=8, mec="white", zorder=4)
-    lowest = _lowest_score(_in_arena(results, arena), _in_arena(v0_1_results, arena))
+    own, old = ([r for r in some if r.cell.arena == arena] for some in (results, v0_1_results))
+    for result, x, ours in _placed(own, old):
+        mark(axes, x, result.score.value, result.score, OURS if ours else GREY)
+        if ours:
+            _experiments(axes, x, result.scores, _SCORE_STEP)
+            axes.plot(x + _BESIDE, result.thesis_score, "D", color=THESIS, ms=8, mec="white", zorder=4)
+    # The multiple of ten, at most 0, below which no score is shown; penalties make scores negative (5.4).
+    shown = [score for r in own for score in (*r.scores, r.thesis_score)]
+    shown += [score for r in (*own, *old) for score in r.score]
+    lowest = 10 * math.floor(min([0.0, *filter(math.isfinite, shown)]) / 10)
     axes.set_ylim(*padded(lowest, 100))
     axes.set_yticks(range(lowest, 101, 10))
     axes.set_ylabel("average score of recall episodes (%)")
@@ -69,20 +71,20 @@ def food_figure(
     """Food carried home against the number of training episodes: figures 5.3, of 20 objects, and 5.6, of 24."""
     figure, axes = _episode_axes(f"Figure {number}: food carried home in the {arena}")
     maximum = 20 if arena == CORRIDOR else 24
-    ours, thesis = _OF_THREE if v0_1_results else _OF_TWO
-    for result in _in_arena(v0_1_results, arena):
-        _food_mark(axes, result.cell.episodes + _V0_1, result, maximum, GREY)
-    for result in _in_arena(results, arena):
-        x = result.cell.episodes
-        scale = maximum / result.cell.available
-        _food_mark(axes, x + ours, result, maximum, OURS)
-        _experiments(axes, x + ours, [scale * count for count in result.foods], scale)
-        food = scale * result.thesis_food
-        axes.bar(x + thesis, food, _WIDTH, color=THESIS, alpha=_PALE, zorder=1)
-        axes.plot(x + thesis, food, "D", color=THESIS, ms=8, mec="white", zorder=4)
-        if scale != 1:
-            note = f"of {result.cell.available},\ntimes {scale:g}"
-            axes.text(x + thesis + 0.35, 0.2, note, va="bottom", fontsize=SMALL, color=GREY)
+    own, old = ([r for r in some if r.cell.arena == arena] for some in (results, v0_1_results))
+    for result, x, ours in _placed(own, old):
+        scale, colour = maximum / result.cell.available, OURS if ours else GREY
+        food = Estimate(*(scale * value for value in result.food))
+        axes.bar(x, food.value, _WIDTH, color=colour, alpha=_PALE, zorder=1)
+        mark(axes, x, food.value, food, colour)
+        if ours:
+            _experiments(axes, x, [scale * count for count in result.foods], scale)
+            printed = scale * result.thesis_food
+            axes.bar(x + _BESIDE, printed, _WIDTH, color=THESIS, alpha=_PALE, zorder=1)
+            axes.plot(x + _BESIDE, printed, "D", color=THESIS, ms=8, mec="white", zorder=4)
+            if scale != 1:
+                note, place = f"of {result.cell.available},\ntimes {scale:g}", x + _BESIDE + 0.35
+                axes.text(place, 0.2, note, va="bottom", fontsize=SMALL, color=GREY)
     axes.set_ylim(*padded(0, maximum))
     axes.set_yticks(range(0, maximum + 1, 4))
     axes.set_ylabel(f"food objects carried home (of {maximum})")
@@ -90,22 +92,12 @@ def food_figure(
     return figure
 
 
-def _lowest_score(results: Sequence[CellResult], v0_1_results: Sequence[CellResult]) -> int:
-    """The multiple of ten, at most 0, below which no score is shown; penalties make scores negative (5.4)."""
-    shown = [score for r in results for score in (*r.scores, r.thesis_score, *r.score)]
-    shown += [score for r in v0_1_results for score in r.score]
-    return 10 * math.floor(min([0.0, *filter(math.isfinite, shown)]) / 10)
-
-
-def _in_arena(results: Sequence[CellResult], arena: str) -> list[CellResult]:
-    return [result for result in results if result.cell.arena == arena]
-
-
-def _food_mark(axes: "Axes", x: float, result: CellResult, maximum: int, colour: str) -> None:
-    """Draw the food of a cell, scaled to `maximum` available objects, as a bar with its interval."""
-    food = Estimate(*(maximum / result.cell.available * value for value in result.food))
-    axes.bar(x, food.value, _WIDTH, color=colour, alpha=_PALE, zorder=1)
-    mark(axes, x, food.value, food, colour)
+def _placed(own: Sequence[CellResult], old: Sequence[CellResult]) -> Iterator[tuple[CellResult, float, bool]]:
+    """Each result with its place along the axis, and whether it is ours; those of version 0.1 come first."""
+    for result in old:
+        yield result, result.cell.episodes - _BESIDE, False
+    for result in own:
+        yield result, result.cell.episodes - (0.0 if old else _BESIDE / 2), True
 
 
 def _episode_axes(title: str) -> tuple["Figure", "Axes"]:
@@ -115,17 +107,14 @@ def _episode_axes(title: str) -> tuple["Figure", "Axes"]:
     axes.set_xlabel("number of training episodes")
     axes.set_xlim(0, 12)
     axes.set_xticks((1, 3, 5, 10))
-    axes.grid(axis="y", color="0.9")
-    axes.set_axisbelow(True)
+    grid(axes)
     return figure, axes
 
 
 def _experiments(axes: "Axes", x: float, values: Sequence[float], step: float) -> None:
     """Draw single experiments as dots: the more have values in the same multiple of a step, the wider they spread."""
-    if not values:
-        return
     classes = np.floor(np.asarray(values) / step + 1e-9).astype(int)
-    counts = {int(number): int((classes == number).sum()) for number in np.unique(classes)}
+    counts = Counter(classes.tolist())
     places = np.empty(len(values))
     for number, count in counts.items():
         # From -1 to 1, symmetric: one dot stands in the middle.
@@ -139,19 +128,22 @@ def _legend(axes: "Axes", v0_1: bool, bars: bool) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    kinds = [("thesis", THESIS, "D", 8.0, ""), ("ours, mean and 95 % interval", OURS, "o", 7.0, "-")]
+    def shown(colour: str, marker: str, size: float, line: str) -> "Line2D | tuple[Patch, Line2D]":
+        drawn = Line2D([], [], marker=marker, color=colour, ls=line, ms=size, mec="white")
+        return (Patch(color=colour, alpha=_PALE), drawn) if bars else drawn
+
+    entries = {
+        "thesis": shown(THESIS, "D", 8.0, ""),
+        "ours, mean and 95 % interval": shown(OURS, "o", 7.0, "-"),
+        "ours, single experiments (wider: more)": Line2D(
+            [], [], marker="o", color=OURS, ls="", ms=3, alpha=0.5
+        ),
+    }
     if v0_1:
-        kinds.append(("version 0.1, mean and 95 % interval", GREY, "o", 7.0, "-"))
-    handles: list[Line2D | tuple[Patch, Line2D]] = []
-    for _, colour, marker, size, line in kinds:
-        shown = Line2D([], [], marker=marker, color=colour, ls=line, ms=size, mec="white")
-        handles.append((Patch(color=colour, alpha=_PALE), shown) if bars else shown)
-    handles.insert(2, Line2D([], [], marker="o", color=OURS, ls="", ms=3, alpha=0.5))
-    labels = [label for label, *_ in kinds]
-    labels.insert(2, "ours, single experiments (wider: more)")
+        entries["version 0.1, mean and 95 % interval"] = shown(GREY, "o", 7.0, "-")
     axes.legend(
-        handles,
-        labels,
+        list(entries.values()),
+        list(entries),
         handler_map={tuple: HandlerTuple(ndivide=1)},
         loc="upper center",
         bbox_to_anchor=(0.5, -0.14),
@@ -281,8 +273,7 @@ def _curve(axes: "Axes", foods: Floats, corridor: Arena, training: float) -> Non
     axes.set_ylim(*padded(0, 100))
     axes.set_xlabel("distance of the food from the centre of the home (mm)")
     axes.set_ylabel("food brought home (%)")
-    axes.grid(axis="y", color="0.9")
-    axes.set_axisbelow(True)
+    grid(axes)
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.01), ncols=3, frameon=False, fontsize=SMALL)
 
 
@@ -290,30 +281,24 @@ def noise_figure(table: Table) -> "Figure":
     """Draw the table of `noise_table`: a panel for each cell, and one for the attempts."""
     from matplotlib.lines import Line2D
 
-    names = list(dict.fromkeys(str(row[0]) for row in table.rows))
-    cells = list(dict.fromkeys(str(row[1]) for row in table.rows))
-    panels = [
-        (f"score (%)\n{cell} episodes", {str(r[0]): r[2] for r in table.rows if r[1] == cell})
+    names = dict.fromkeys(str(row[0]) for row in table.rows)
+    cells = dict.fromkeys(str(row[1]) for row in table.rows)
+    panels = {
+        f"score (%)\n{cell} episodes": {str(row[0]): row[2] for row in table.rows if row[1] == cell}
         for cell in cells
-    ]
-    panels.append(("attempts per complete\ntraining episode", {str(row[0]): row[5] for row in table.rows}))
+    }
+    panels["attempts per complete\ntraining episode"] = {str(row[0]): row[5] for row in table.rows}
     figure = new_figure(WIDTH, 1.6 + 0.3 * len(names))
     columns = figure.subplots(1, len(panels), sharey=True)
-    for axes, (label, estimates) in zip(columns, panels, strict=True):
-        for place, name in enumerate(reversed(names)):
-            estimate = estimates.get(name, UNKNOWN)
-            assert isinstance(estimate, Estimate)
-            mark(axes, estimate.value, place, estimate, OURS, level=True)
-            if name == NO_NOISE and math.isfinite(estimate.value):
-                axes.axvline(estimate.value, color=GREY, lw=1, ls=":", zorder=1)
-        axes.set_xlabel(label, fontsize=9)
-        axes.grid(axis="x", color="0.9")
-        axes.set_axisbelow(True)
+    for axes, (label, values) in zip(columns, panels.items(), strict=True):
+        estimates = {name: value for name, value in values.items() if isinstance(value, Estimate)}
+        levels(axes, {name: [estimates.get(name, UNKNOWN)] for name in names}, label)
+        noiseless = estimates.get(NO_NOISE, UNKNOWN).value
+        if math.isfinite(noiseless):
+            axes.axvline(noiseless, color=GREY, lw=1, ls=":", zorder=1)
         axes.margins(x=0.08)
         axes.tick_params(labelsize=SMALL)
         axes.tick_params(axis="y", length=0)
-    columns[0].set_yticks(range(len(names)), names[::-1])
-    columns[0].set_ylim(-0.6, len(names) - 0.4)
     figure.suptitle("Effect of each source of noise")
     handles = [
         Line2D([], [], marker="o", color=OURS, ms=7, mec="white", label="mean and 95 % interval"),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.estimates import Column, Table, Value, bootstrap, ratio, replications, sums_by_replication
+from khepera_forage.estimates import Sample, Table, Value, combined, table_of
 from khepera_forage.robots.khepera import ARM_RAISED
 from khepera_forage.rollouts.rows import STATES
 from khepera_forage.task.decisions import Decisions, decisions_text
@@ -33,14 +33,8 @@ class OrientRow:
     """Mean confidence levels of one imitator on arriving next to food at one place.
 
     Attributes:
-        replication: Number of the repetition of the whole design.
-        episodes: Training episodes of the imitator.
-        file_id: The thesis's name of its training files.
         beyond: Pixels by which the food lies further from home than in training.
         orient: Confidence level of ORIENT WITH FOOD, which is correct.
-        move_slowly: Confidence level of MOVE SLOWLY.
-        search: Confidence level of SEARCH FOR FOOD.
-        decisions: As in `RecallRow`.
     """
 
     replication: int
@@ -97,18 +91,14 @@ def orient_rows(
 def orient_table(rows: Sequence[OrientRow], rng: np.random.Generator) -> Table:
     """Mean confidence level of ORIENT WITH FOOD by place of the food and number of training episodes."""
     episodes = sorted({row.episodes for row in rows})
-    lines: list[tuple[Value, ...]] = []
-    for beyond in PIXELS_BEYOND:
-        levels: list[Value] = []
+    lines: list[dict[str, Value]] = []
+    for beyond in PIXELS_BEYOND if episodes else ():
+        line: dict[str, Value] = {"pixels beyond": f"{beyond:+d}" if beyond else "0"}
         for count in episodes:
             cell = [row for row in rows if (row.beyond, row.episodes) == (beyond, count)]
-            sums = sums_by_replication(
-                cell, replications(cell), lambda row: 100 * row.orient, lambda row: 1.0
-            )
-            levels.append(bootstrap(sums, ratio, rng))
-        if levels:
-            lines.append((f"{beyond:+d}" if beyond else "0", *levels))
-    return Table(
+            line[f"{count} episodes"] = combined([(1.0, Sample(cell, lambda row: 100 * row.orient))], rng)
+        lines.append(line)
+    return table_of(
         "orient",
         "Why 'orient with food' is missed",
         "Confidence level (%) of 'orient with food' when a robot arrives next to food with its arm still raised, by "
@@ -116,6 +106,5 @@ def orient_table(rows: Sequence[OrientRow], rng: np.random.Generator) -> Table:
         "the robot orients, so that an episode records only a few such vectors, against many of 'move slowly' and "
         "'search for food'. Start, food and home lie on one line in training. If the food lies further "
         "from home, many of these vectors are therefore equally near, and the behaviour is drawn among them.",
-        (Column("pixels beyond"), *(Column(f"{count} episodes", 1, estimate=True) for count in episodes)),
         lines,
     )

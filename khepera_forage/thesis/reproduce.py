@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,8 +12,6 @@ from khepera_forage.envs.arguments import checked_decisions
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.estimates import MIN_REPLICATIONS, RESAMPLES, Table, replications
 from khepera_forage.extras import require
-from khepera_forage.figures import save
-from khepera_forage.files import NamingFile
 from khepera_forage.rollouts.rows import (
     TEACHER,
     RecallRow,
@@ -20,12 +19,21 @@ from khepera_forage.rollouts.rows import (
     common_decisions,
     refuse_other_decisions,
 )
-from khepera_forage.study import Arguments, Rows, Tables, collect, done, in_processes
+from khepera_forage.study import (
+    Arguments,
+    Page,
+    Picture,
+    Rows,
+    Tables,
+    collect,
+    done,
+    in_processes,
+    rendered,
+    write_text,
+)
 from khepera_forage.task.decisions import Decisions, decisions_text, differences
 from khepera_forage.thesis import figures, tables
-from khepera_forage.thesis.cells import cell_results
-from khepera_forage.thesis.claims import claims
-from khepera_forage.thesis.claims.evidence import Evidence, gather
+from khepera_forage.thesis.claims import Evidence, claims, gather
 from khepera_forage.thesis.design import LABORATORY
 from khepera_forage.thesis.orient_analysis import OrientRow, orient_table
 from khepera_forage.thesis.replication import (
@@ -35,6 +43,9 @@ from khepera_forage.thesis.replication import (
     job_counts,
     pymunk_jobs,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PAGE = "thesis.md"
 SUMMARY = "summary.txt"
@@ -145,8 +156,8 @@ def write_report(
     orient_rows: Sequence[OrientRow] = (),
     backend: str = "pymunk",
     v0_1_recalls: Sequence[RecallRow] = (),
-) -> list[Path]:
-    """Write the page, the summary and the tables, then the figures.
+) -> None:
+    """Write the page, the summary, the tables and the figures.
 
     Args:
         folder: Created if it does not exist.
@@ -161,13 +172,9 @@ def write_report(
         v0_1_recalls: Recalls of the imitator in the same cells under the decisions of version 0.1, to show beside the
             others; may be empty.
 
-    Returns:
-        The files written.
-
     Raises:
         ValueError: The recalls of the imitator have several noise conditions, or the rows several decisions, or
             `v0_1_recalls` have others than version 0.1.
-        ImportError: matplotlib, which draws the figures, is not installed; the tables are written.
     """
     common_decisions(recalls, trainings, teachers, noise_rows, orient_rows)
     v0_1_decisions = common_decisions(v0_1_recalls)
@@ -178,16 +185,23 @@ def write_report(
         )
     for_cells, for_claims, for_tables, for_orient, for_v0_1 = rng.spawn(5)
     evidence = gather(recalls, trainings, teachers, for_tables, resamples)
-    results = cell_results(recalls, for_cells, resamples)
-    v0_1_results = cell_results(v0_1_recalls, for_v0_1, resamples) if v0_1_recalls else []
+    results = tables.cell_results(recalls, for_cells, resamples)
+    old = tables.cell_results(v0_1_recalls, for_v0_1, resamples) if v0_1_recalls else []
     noise = tables.noise_table(noise_rows, evidence)
     measured = claims(recalls, trainings, teachers, for_claims, resamples)
-    shown = [
-        tables.cell_table(results, v0_1_results),
+    parts: list[str | Table | Picture] = [
+        _introduction(evidence, backend, v0_1_recalls),
+        tables.cell_table(results, old),
+        _picture("figure_5_2", figures.score_figure("5.2", "corridor", results, old)),
+        _picture("figure_5_3", figures.food_figure("5.3", "corridor", results, old)),
+        _picture("figure_5_5", figures.score_figure("5.5", "rectangle", results, old)),
+        _picture("figure_5_6", figures.food_figure("5.6", "rectangle", results, old)),
         tables.joint_table(results, recalls),
         tables.claim_table(measured),
         tables.rule_table(measured),
+        _picture("figure_5_4", figures.fig_5_4(recalls)),
         noise,
+        *([_picture("noise", figures.noise_figure(noise))] if noise.rows else []),
         tables.training_table(evidence),
         tables.teacher_table(evidence),
         tables.ties_table(evidence),
@@ -195,62 +209,32 @@ def write_report(
         orient_table(orient_rows, for_orient),
         tables.errata_table(),
     ]
-    written = [_write(folder / PAGE, _page(shown, evidence, backend, v0_1_recalls))]
-    summary = tables.summary_table(results, v0_1_results)
-    written.append(_write(folder / SUMMARY, summary.text()))
-    written += [_write(folder / f"table_{table.stem}.csv", table.csv()) for table in shown]
-    drawn = {
-        "figure_5_2": figures.score_figure("5.2", "corridor", results, v0_1_results),
-        "figure_5_3": figures.food_figure("5.3", "corridor", results, v0_1_results),
-        "figure_5_4": figures.fig_5_4(recalls),
-        "figure_5_5": figures.score_figure("5.5", "rectangle", results, v0_1_results),
-        "figure_5_6": figures.food_figure("5.6", "rectangle", results, v0_1_results),
-        **({"noise": figures.noise_figure(noise)} if noise.rows else {}),
-    }
-    for stem, figure in drawn.items():
-        written.append(folder / f"{stem}.png")
-        save(figure, written[-1])
-    return written
+    empty = [part for part in parts if isinstance(part, Table) and not part.rows]
+    shown = [part for part in parts if part not in empty]
+    paragraphs = rendered(folder, Page("The thesis's experiments, repeated", shown, empty))
+    write_text(folder / PAGE, "\n\n".join(paragraphs) + "\n")
+    write_text(folder / SUMMARY, tables.summary_table(results, old).text())
 
 
-def _page(
-    tables: Sequence[Table], evidence: Evidence, backend: str, v0_1_recalls: Sequence[RecallRow]
-) -> str:
-    """The Markdown page; each figure follows the table with its numbers."""
-    pictures = {
-        "cells": ("figure_5_2", "figure_5_3", "figure_5_5", "figure_5_6"),
-        "rules": ("figure_5_4",),
-        "noise": ("noise",),
-    }
+def _picture(name: str, figure: "Figure") -> Picture:
+    return Picture(name, name, figure)
+
+
+def _introduction(evidence: Evidence, backend: str, v0_1_recalls: Sequence[RecallRow]) -> str:
     noise = ", ".join(sorted({row.noise for row in evidence.recalls})) or "none"
     decisions = decisions_text(evidence.decisions).replace(";", ", ")
-    comparison = ""
-    files = "`recalls.csv`, `trainings.csv` and `orient.csv`"
+    comparison, files = "", "`recalls.csv`, `trainings.csv` and `orient.csv`"
     if v0_1_recalls:
         comparison = f"For comparison: {_size(v0_1_recalls)}, decisions: {decisions_text(Decisions.v0_1())}. "
         files = f"`recalls.csv`, `{V0_1_RECALLS}`, `trainings.csv` and `orient.csv`"
-    parts = [
-        "# The thesis's experiments, repeated\n\n"
+    return (
         f"{_size(evidence.recalls)}, noise: {noise}, decisions: {decisions}, backend: {backend}. {comparison}"
         "A replication repeats the whole design with new training files. "
         f"Intervals are bootstrapped over replications; fewer than {MIN_REPLICATIONS} replications give none. "
-        f"{files} hold one row for each episode or measurement, and "
-        "`table_*.csv` hold the tables of this page.\n"
-    ]
-    for table in tables:
-        if table.rows:
-            parts.append(table.markdown())
-            parts += [f"![{name}]({name}.png)\n" for name in pictures.get(table.stem, ())]
-    return "\n".join(parts)
+        f"{files} hold one row for each episode or measurement, and `table_*.csv` hold the tables of this page."
+    )
 
 
 def _size(recalls: Sequence[RecallRow]) -> str:
     count = len(replications(recalls))
     return f"{count} replication{'s' * (count != 1)}, {len(recalls)} recall episodes of the imitator"
-
-
-def _write(path: Path, text: str) -> Path:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with NamingFile(path):
-        path.write_text(text, encoding="utf-8")
-    return path

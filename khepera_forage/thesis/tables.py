@@ -2,18 +2,23 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.estimates import (
+    RESAMPLES,
     UNKNOWN,
     Column,
     Estimate,
+    PercentileRank,
+    Sample,
     Table,
     Value,
+    combined,
     percentile_rank,
     replications,
     table_of,
@@ -21,47 +26,112 @@ from khepera_forage.estimates import (
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.task.states import State
-from khepera_forage.thesis.cells import CellResult, in_cell
-from khepera_forage.thesis.claims import Claim
-from khepera_forage.thesis.claims.evidence import Evidence, Measure, Sample, of_arena
-from khepera_forage.thesis.claims.measured import attempts_per_episode, steps_needed
+from khepera_forage.thesis import appendix_a
+from khepera_forage.thesis.claims import Claim, Evidence, attempts_per_episode, of_arena, steps_needed
 from khepera_forage.thesis.design import NO_NOISE, THESIS, Cell, noise_conditions
-from khepera_forage.thesis.errata import errata
 from khepera_forage.thesis.inference.summary import usable_lines
+
+
+@dataclass(frozen=True, slots=True)
+class CellResult:
+    """One table of appendix A and our replications of it.
+
+    Attributes:
+        thesis_printed: The thesis's printed mean score, in percent.
+        thesis_score: The mean of the scores in the thesis's lines; it differs where the printed mean is wrong.
+        thesis_food: Food objects carried home in the thesis, of `cell.available`.
+        food: Our mean number of food objects carried home, per experiment of the thesis's size.
+        scores: Our mean score in each complete replication, an experiment of the thesis's size.
+        foods: Food objects carried home in each complete replication.
+    """
+
+    cell: Cell
+    thesis_printed: float
+    thesis_score: float
+    thesis_food: int
+    score: Estimate
+    food: Estimate
+    scores: tuple[float, ...]
+    foods: tuple[int, ...]
+    recalls: int
+
+    @property
+    def score_rank(self) -> PercentileRank:
+        """The rank of the thesis's mean score among our experiments."""
+        return percentile_rank(self.thesis_score, self.scores)
+
+    @property
+    def food_rank(self) -> PercentileRank:
+        """The rank of the thesis's food count among our experiments."""
+        return percentile_rank(self.thesis_food, self.foods)
+
+
+def in_cell(rows: Iterable[RecallRow], cell: Cell) -> list[RecallRow]:
+    """The recall episodes of the imitator in one cell."""
+    return [r for r in rows if (r.learner, r.arena, r.episodes) == (IMITATOR, cell.arena, cell.episodes)]
+
+
+def cell_results(
+    recalls: Sequence[RecallRow], rng: np.random.Generator, resamples: int = RESAMPLES
+) -> list[CellResult]:
+    """The result of every cell; rows of other policies than the imitator are ignored."""
+    results = []
+    for cell in THESIS:
+        rows = in_cell(recalls, cell)
+        score = combined([(1.0, _score(rows))], rng, resamples)
+        food = combined([(cell.size, Sample(rows, lambda row: row.delivered))], rng, resamples)
+        experiments: dict[int, list[RecallRow]] = {number: [] for number in replications(rows)}
+        for row in rows:
+            experiments[row.replication].append(row)
+        whole = [group for group in experiments.values() if len(group) == cell.size]
+        table = appendix_a.table_of(cell.arena, cell.episodes)
+        results.append(
+            CellResult(
+                cell=cell,
+                thesis_printed=float(table.average),
+                thesis_score=appendix_a.mean_score(appendix_a.rows_of(table)),
+                thesis_food=table.collected,
+                score=score,
+                food=food,
+                scores=tuple(sum(row.score for row in group) / cell.size for group in whole),
+                foods=tuple(sum(row.delivered for row in group) for group in whole),
+                recalls=len(rows),
+            )
+        )
+    return results
+
+
+def _pairs(
+    results: Sequence[CellResult], v0_1_results: Sequence[CellResult]
+) -> Iterator[tuple[CellResult, CellResult | None]]:
+    """Each cell's result, and that of version 0.1 if there is any."""
+    return zip(results, v0_1_results or repeat(None, len(results)), strict=True)
 
 
 def cell_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> Table:
     """Mean score and food count of each cell in the thesis, in our replications, and in those of version 0.1 if any."""
     rows: list[dict[str, Value]] = []
     for r, old in _pairs(results, v0_1_results):
-        score, food = r.score_rank, r.food_rank
-        old_score: dict[str, Value] = {}
-        old_food: dict[str, Value] = {}
+        row: dict[str, Value] = {
+            "arena": r.cell.arena,
+            "episodes": r.cell.episodes,
+            "thesis: score (%)": r.thesis_printed,
+            "from its lines (%)": r.thesis_score,
+            "ours: score (%)": r.score,
+            "score percentile": r.score_rank.percentile,
+            "score tail": r.score_rank.tail,
+        }
         if old:
-            old_score = {
-                "v0.1: score (%)": old.score,
-                "v0.1: score percentile": old.score_rank.percentile,
-            }
-            old_food = {"v0.1: food": old.food, "v0.1: food percentile": old.food_rank.percentile}
-        rows.append(
-            {
-                "arena": r.cell.arena,
-                "episodes": r.cell.episodes,
-                "thesis: score (%)": r.thesis_printed,
-                "from its lines (%)": r.thesis_score,
-                "ours: score (%)": r.score,
-                "score percentile": score.percentile,
-                "score tail": score.tail,
-                **old_score,
-                "thesis: food": f"{r.thesis_food} of {r.cell.available}",
-                "ours: food": r.food,
-                "food percentile": food.percentile,
-                "food tail": food.tail,
-                **old_food,
-                "experiments": score.experiments,
-                "recalls": r.recalls,
-            }
-        )
+            row |= {"v0.1: score (%)": old.score, "v0.1: score percentile": old.score_rank.percentile}
+        row |= {
+            "thesis: food": f"{r.thesis_food} of {r.cell.available}",
+            "ours: food": r.food,
+            "food percentile": r.food_rank.percentile,
+            "food tail": r.food_rank.tail,
+        }
+        if old:
+            row |= {"v0.1: food": old.food, "v0.1: food percentile": old.food_rank.percentile}
+        rows.append(row | {"experiments": len(r.scores), "recalls": r.recalls})
     digits = dict.fromkeys(("thesis: score (%)", "from its lines (%)", "score tail", "food tail"), 2)
     percentiles = ("score percentile", "food percentile", "v0.1: score percentile", "v0.1: food percentile")
     return table_of(
@@ -88,85 +158,50 @@ def joint_table(results: Sequence[CellResult], recalls: Sequence[RecallRow]) -> 
     rows: list[tuple[Value, ...]] = []
     counts = {len(r.scores) for r in results}
     if len(results) == len(THESIS) and len(counts) == 1 and counts.pop() > 3 * len(THESIS):
-        ours = np.array(
-            [r.scores for r in results] + [np.divide(r.foods, r.cell.available) for r in results]
-        ).T
-        thesis = np.array(
-            [r.thesis_score for r in results] + [r.thesis_food / r.cell.available for r in results]
-        )
-        cells = len(results)
+        foods = [np.divide((r.thesis_food, *r.foods), r.cell.available) for r in results]
+        # One line for each experiment, the thesis's first; scores of all cells, then shares of the food.
+        means = np.array([(r.thesis_score, *r.scores) for r in results] + foods).T
+        scores, shares = np.hsplit(means, 2)
         for arena in THESIS_ARENAS:
-            own = [k for k, r in enumerate(results) if r.cell.arena == arena]
-            rows.append(_joint(f"mean score, {arena} (%)", thesis[own].mean(), ours[:, own].mean(axis=1)))
-        rows.append(_joint("sum of all scores (%)", thesis[:cells].sum(), ours[:, :cells].sum(axis=1)))
-        rows.append(
-            _joint("mean share of the food (%)", *(100 * x[..., cells:].mean(-1) for x in (thesis, ours)))
-        )
+            own = scores[:, [r.cell.arena == arena for r in results]]
+            rows.append(_joint(f"mean score, {arena} (%)", own.mean(axis=1)))
+        rows.append(_joint("sum of all scores (%)", scores.sum(axis=1)))
+        rows.append(_joint("mean share of the food (%)", 100 * shares.mean(axis=1)))
         rows += [_steps(arena, recalls) for arena in THESIS_ARENAS]
-        off, spread = np.vstack([thesis, ours]) - ours.mean(axis=0), np.linalg.pinv(np.cov(ours.T))
+        off, spread = means - means[1:].mean(axis=0), np.linalg.pinv(np.cov(means[1:].T))
         distances = np.sqrt(((off @ spread) * off).sum(axis=1))
         farther = (1 + int((distances[1:] >= distances[0]).sum())) / len(distances)
-        rows.append((*_joint("Mahalanobis distance of all means", distances[0], distances[1:])[:-1], farther))
+        rows.append((*_joint("Mahalanobis distance of all means", distances)[:-1], farther))
     return Table(
         "joint",
         "Results taken together",
         "Several means of the thesis at once, among our experiments of its size. *Percentile* and *tail* as above; of "
         "the distance, the tail is the probability that one more experiment is at least as far from our mean. Medians "
         "of steps are those of recalls that left no food; of the thesis, in lines that do not contradict themselves.",
-        (
-            Column("measure"),
-            Column("thesis"),
-            Column("ours"),
-            Column("percentile", 1),
-            Column("tail", 3),
-        ),
+        (*map(Column, ("measure", "thesis", "ours", "percentile")), Column("tail", 3)),
         rows,
     )
 
 
-def _joint(name: str, thesis: float, ours: Sequence[float] | NDArray[np.float64]) -> tuple[Value, ...]:
-    rank = percentile_rank(float(thesis), [float(value) for value in ours])
-    mean = float(np.mean(ours)) if len(ours) else math.nan
-    return name, float(thesis), mean, rank.percentile, rank.tail
+def _joint(name: str, values: Sequence[float] | NDArray[np.float64]) -> tuple[Value, ...]:
+    """A line of the joint table, from the thesis's value and ours."""
+    thesis, *ours = map(float, values)
+    rank = percentile_rank(thesis, ours)
+    return name, thesis, float(np.mean(ours)) if ours else math.nan, rank.percentile, rank.tail
 
 
 def _steps(arena: str, recalls: Sequence[RecallRow]) -> tuple[Value, ...]:
     """The median number of steps of the successful recalls in an arena."""
-    cells = [cell for cell in THESIS if cell.arena == arena]
-    printed = [line.total for cell in cells for line in usable_lines(cell) if not line.points]
-    own: dict[int, list[int]] = {}
+    lines = [line for cell in THESIS if cell.arena == arena for line in usable_lines(cell)]
+    own: dict[int, list[int]] = {-1: [line.total for line in lines if not line.points]}
     for row in of_arena(recalls, arena):
         if row.learner == IMITATOR and not row.failed:
             own.setdefault(row.replication, []).append(row.steps)
-    return _joint(
-        f"median steps of successful recalls, {arena}",
-        float(np.median(printed)),
-        [*map(np.median, own.values())],
-    )
-
-
-def _pairs(
-    results: Sequence[CellResult], v0_1_results: Sequence[CellResult]
-) -> Iterator[tuple[CellResult, CellResult | None]]:
-    """Each cell's result, and that of version 0.1 if there is any."""
-    return zip(results, v0_1_results or repeat(None, len(results)), strict=True)
+    return _joint(f"median steps of successful recalls, {arena}", [*map(np.median, own.values())])
 
 
 def summary_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> Table:
     """The means of each cell in the thesis, in our replications, and in those of version 0.1 if there are any."""
-    rows: list[tuple[Value, ...]] = [
-        (
-            r.cell.arena,
-            r.cell.episodes,
-            r.thesis_score,
-            r.score.value,
-            *((old.score.value,) if old else ()),
-            f"{r.thesis_food} of {r.cell.available}",
-            r.food.value,
-            *((old.food.value,) if old else ()),
-        )
-        for r, old in _pairs(results, v0_1_results)
-    ]
     ours = (Column("ours"), *((Column("v0.1"),) if v0_1_results else ()))
     return Table(
         "summary",
@@ -178,40 +213,40 @@ def summary_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResu
             *(Column("score (%): thesis", 2), *ours),
             *(Column("food: thesis"), *ours),
         ),
-        rows,
+        [
+            (
+                *(r.cell.arena, r.cell.episodes, r.thesis_score, r.score.value),
+                *((old.score.value,) if old else ()),
+                *(f"{r.thesis_food} of {r.cell.available}", r.food.value),
+                *((old.food.value,) if old else ()),
+            )
+            for r, old in _pairs(results, v0_1_results)
+        ],
     )
 
 
 def claim_table(claims: Sequence[Claim]) -> Table:
     """The thesis's claims with effect and verdict."""
-    return Table(
+    return table_of(
         "claims",
         "Claims of the thesis",
         "Each claim with its effect, a 95 % interval over replications, and a verdict, by the rules of the next table. "
         "All rules were fixed before any data existed, but for that of claim 8, which counted a difference in either "
         "direction until version 0.2. A claim is undecided if its interval contains the rule's threshold, or without "
         "an interval.",
-        (
-            Column("no."),
-            Column("claim"),
-            Column("section"),
-            Column("effect [95 %]"),
-            Column("value", estimate=True, page=False),
-            Column("in the thesis"),
-            Column("verdict"),
-        ),
         [
-            (
-                i,
-                c.name,
-                c.thesis_section,
-                c.effect,
-                Estimate(c.value, c.low, c.high),
-                c.thesis,
-                c.verdict.value,
-            )
+            {
+                "no.": i,
+                "claim": c.name,
+                "section": c.thesis_section,
+                "effect [95 %]": c.effect,
+                "value": c.estimate,
+                "in the thesis": c.thesis,
+                "verdict": c.verdict.value,
+            }
             for i, c in enumerate(claims, 1)
         ],
+        hidden=("value",),
     )
 
 
@@ -221,7 +256,10 @@ def rule_table(claims: Sequence[Claim]) -> Table:
         "rules",
         "Measurements and rules of the verdicts",
         "Ordered by the number of the claim.",
-        [{"no.": i, "rule": c.rule, "what was measured": c.sentence} for i, c in enumerate(claims, 1)],
+        [
+            {"no.": i, "rule": c.rule.words(c.unit), "what was measured": c.sentence}
+            for i, c in enumerate(claims, 1)
+        ],
     )
 
 
@@ -232,7 +270,7 @@ def errata_table() -> Table:
         "Errata of the thesis",
         "Values in tables A.1 to A.7 that do not follow from the values printed beside them. A *series* is a run of "
         "lines that count up by one, as a spreadsheet's fill-down produces them.",
-        [erratum._asdict() for erratum in errata()],
+        [erratum._asdict() for erratum in appendix_a.errata()],
     )
 
 
@@ -240,20 +278,18 @@ def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:
     """The score under each source of noise alone, and under all together."""
     lines: list[tuple[Value, ...]] = []
     for cell in _cells_of(rows):
-        noiseless = _score(_of_noise(rows, cell, NO_NOISE))
-        for noise in _ordered({row.noise for row in in_cell(rows, cell)}):
-            score = _score(_of_noise(rows, cell, noise))
+        own = in_cell(rows, cell)
+        noiseless = _score([row for row in own if row.noise == NO_NOISE])
+        for noise in _ordered({row.noise for row in own}):
+            score = _score([row for row in own if row.noise == noise])
             food = Sample(score.rows, lambda row: 100 * row.delivered, lambda row: row.foods)
             cost = UNKNOWN if noise == NO_NOISE else evidence.difference(noiseless, score)
             attempts = evidence.mean(attempts_per_episode(evidence, noise))
-            numbers: tuple[Estimate, ...] = (evidence.mean(score), cost, evidence.mean(food), attempts)
             lines.append(
                 (
-                    noise,
-                    f"{cell.arena}, {cell.episodes}",
-                    *numbers,
-                    len(replications(score.rows)),
-                    len(score.rows),
+                    *(noise, f"{cell.arena}, {cell.episodes}"),
+                    *(evidence.mean(score), cost, evidence.mean(food), attempts),
+                    *(len(replications(score.rows)), len(score.rows)),
                 )
             )
     return Table(
@@ -263,14 +299,9 @@ def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:
         "in recall. The cost is the score without noise minus the score with it. Attempts are counted per complete "
         "training episode. Intervals: 95 % over replications.",
         (
-            Column("noise"),
-            Column("arena, episodes"),
-            Column("score (%)", 1, estimate=True),
-            Column("cost (points)", 1, estimate=True),
-            Column("food (%)", 0, estimate=True),
-            Column("attempts per episode", 2, estimate=True),
-            Column("replications"),
-            Column("recalls"),
+            *(Column("noise"), Column("arena, episodes"), Column("score (%)", 1, estimate=True)),
+            *(Column("cost (points)", 1, estimate=True), Column("food (%)", 0, estimate=True)),
+            *(Column("attempts per episode", 2, estimate=True), Column("replications"), Column("recalls")),
         ),
         lines,
     )
@@ -307,12 +338,12 @@ def training_table(evidence: Evidence) -> Table:
 
 def teacher_table(evidence: Evidence) -> Table:
     """The distribution of the teacher's steps."""
+    shares = {"5 %": 0.05, "median": 0.5, "95 %": 0.95, "longest": 1.0}
     lines: list[dict[str, Value]] = []
     for arena in THESIS_ARENAS:
         rows = of_arena(evidence.teachers, arena)
         limit = next(cell.limit for cell in THESIS if cell.arena == arena)
         steps = sorted(map(steps_needed, rows))
-        shares = {"5 %": 0.05, "median": 0.5, "95 %": 0.95, "longest": 1.0}
         lines.append(
             {
                 "arena": arena,
@@ -328,7 +359,7 @@ def teacher_table(evidence: Evidence) -> Table:
         "Quantiles of the steps until all food is at home; ∞ means that some food was not delivered within the time "
         "limit, which is three times the thesis's.",
         lines,
-        dict.fromkeys(("5 %", "median", "95 %", "longest"), 0),
+        dict.fromkeys(shares, 0),
     )
 
 
@@ -363,13 +394,12 @@ def state_table(evidence: Evidence) -> Table:
         rows = of_arena(evidence.recalls, arena)
         modes = Counter(row.failure_mode for row in rows if row.failed)
         for state in list(State)[:STATES]:
-            wrong = Sample(rows, _wrong_in(state), _in_state(state))
             lines.append(
                 {
                     "arena": arena,
                     "state": state.name,
-                    "steps (%)": evidence.mean(_per_step(rows, _in_state(state))),
-                    "wrong (%)": evidence.mean(wrong),
+                    "steps (%)": evidence.mean(_per_step(rows, _rounds_in(state))),
+                    "wrong (%)": evidence.mean(Sample(rows, _wrong_in(state), _rounds_in(state))),
                     "failures": modes[state],
                 }
             )
@@ -388,31 +418,27 @@ def _cells_of(rows: Iterable[RecallRow]) -> list[Cell]:
     return [cell for cell in THESIS if (cell.arena, cell.episodes) in seen]
 
 
-def _of_noise(rows: Iterable[RecallRow], cell: Cell, noise: str) -> list[RecallRow]:
-    return [row for row in in_cell(rows, cell) if row.noise == noise]
-
-
 def _score(rows: Sequence[RecallRow]) -> Sample[RecallRow]:
     return Sample(rows, lambda row: row.score)
 
 
-def _per_step(rows: Sequence[RecallRow], count: Measure[RecallRow]) -> Sample[RecallRow]:
+def _per_step(rows: Sequence[RecallRow], count: Callable[[RecallRow], float]) -> Sample[RecallRow]:
     return Sample(rows, lambda row: 100 * count(row), lambda row: row.steps)
+
+
+def _ended_within(rows: Sequence[RecallRow], limit: int) -> Sample[RecallRow]:
+    return Sample(rows, lambda row: 100 * (steps_needed(row) <= limit))
+
+
+def _rounds_in(state: State) -> Callable[[RecallRow], float]:
+    return lambda row: row.rounds_by_state[state]
+
+
+def _wrong_in(state: State) -> Callable[[RecallRow], float]:
+    return lambda row: 100 * row.wrong_by_state[state]
 
 
 def _ordered(names: set[str]) -> list[str]:
     """Names of noise conditions in the order of `noise_conditions`, unknown ones last."""
     known = list(noise_conditions())
     return sorted(names, key=lambda name: (known.index(name) if name in known else len(known), name))
-
-
-def _in_state(state: State) -> Measure[RecallRow]:
-    return lambda row: row.rounds_by_state[state]
-
-
-def _wrong_in(state: State) -> Measure[RecallRow]:
-    return lambda row: 100 * row.wrong_by_state[state]
-
-
-def _ended_within(rows: Sequence[RecallRow], limit: int) -> Sample[RecallRow]:
-    return Sample(rows, lambda row: 100 * (steps_needed(row) <= limit))

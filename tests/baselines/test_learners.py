@@ -2,10 +2,8 @@
 
 import pickle
 import random
-import re
 import sys
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
@@ -13,12 +11,11 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from khepera_forage.policies import ModelPolicy, Policy
+from khepera_forage.policies import Policy
 from khepera_forage.policies.learners import LEARNERS, FromSteps
-from khepera_forage.policies.model_policy import algorithm_named
-from khepera_forage.rollouts.recall import recall, recall_env
-from khepera_forage.rollouts.reinforcement import Trained, reinforce, vec_env
-from khepera_forage.rollouts.wheels_recall import recall_wheels, recall_wheels_env
+from khepera_forage.policies.models import algorithm_named
+from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels, recall_wheels_env
+from khepera_forage.rollouts.reinforcement import COMPILED_MODE, Trained, recall_envs, reinforce
 from tests.contracts.suites import PolicyContract
 
 FROM_STEPS = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, FromSteps)}
@@ -45,9 +42,7 @@ def trained() -> dict[str, list[Trained]]:
 class TestBehaviours(PolicyContract):
     @pytest.fixture(params=[name for name, learner in FROM_STEPS.items() if not learner.wheels])
     def policy(self, request: pytest.FixtureRequest, trained: dict[str, list[Trained]]) -> Policy:
-        policy = trained[request.param][-1].policy
-        assert isinstance(policy, ModelPolicy)
-        return policy
+        return trained[request.param][-1].policy
 
 
 @pytest.mark.parametrize("name", FROM_STEPS)
@@ -64,7 +59,10 @@ def test_policies_are_kept_after_each_amount(name: str, trained: dict[str, list[
 @pytest.mark.parametrize("name", FROM_STEPS)
 def test_same_seed_gives_the_same_policy(name: str, trained: dict[str, list[Trained]]) -> None:
     assert parameters(short(name, AMOUNTS)[-1]) == parameters(trained[name][-1])
-    assert parameters(short(name, AMOUNTS, seed=1)[-1]) != parameters(trained[name][-1])
+
+
+def test_another_seed_gives_another_policy(trained: dict[str, list[Trained]]) -> None:
+    assert parameters(short("ppo", AMOUNTS, seed=1)[-1]) != parameters(trained["ppo"][-1])
 
 
 @pytest.mark.parametrize("name", FROM_STEPS)
@@ -82,23 +80,19 @@ def test_pickled_policy_acts_the_same(name: str, trained: dict[str, list[Trained
     env.close()
 
 
-def test_policy_forages_in_the_recall_environment(trained: dict[str, list[Trained]]) -> None:
-    policy = trained["ppo"][-1].policy
-    assert isinstance(policy, ModelPolicy)
-    env = recall_env("rectangle", limit=58)
-    rows = [recall(env, policy, 3, learner="ppo") for _ in range(2)]
-    assert rows[0] == rows[1], "also if the last action of the first recall still held"
-    assert rows[0].steps == 58
-
-
-@pytest.mark.parametrize("name", ["ppo_wheels", "sac_wheels"])
-def test_policy_forages_with_wheels(name: str, trained: dict[str, list[Trained]]) -> None:
-    policy = trained[name][-1].policy
-    assert isinstance(policy, ModelPolicy)
-    env = recall_wheels_env("corridor", limit=58)
-    rows = [recall_wheels(env, policy, 3) for _ in range(2)]
+@pytest.mark.parametrize("name", ["ppo", "ppo_wheels", "sac_wheels"])
+def test_policy_forages_the_same_again(name: str, trained: dict[str, list[Trained]]) -> None:
+    """Also if the last action of the first recall still held."""
+    if FROM_STEPS[name].wheels:
+        rows: list[Any] = [
+            recall_wheels(recall_wheels_env("corridor", limit=58), trained[name][-1].policy, 3)
+            for _ in range(2)
+        ]
+    else:
+        env = recall_env("rectangle", limit=58)
+        rows = [recall(env, trained[name][-1].policy, 3, learner=name) for _ in range(2)]
     assert rows[0] == rows[1]
-    assert (rows[0].steps, rows[0].foods) == (58, 1)
+    assert rows[0].steps == 58
 
 
 def test_short_training_learns_one_right_behaviour() -> None:
@@ -131,7 +125,6 @@ def test_short_training_learns_one_right_behaviour() -> None:
         FROM_STEPS["ppo"], settings={**FROM_STEPS["ppo"].settings, **SMALL["PPO"]}, sample=False
     )
     (out,) = reinforce(learner, [3_000], 0, make_env=make, envs=4)
-    assert isinstance(out.policy, ModelPolicy)
     space, policy = recall_env("corridor").observation_space, replace(out.policy, hold=1)
     assert [int(policy.act(space.sample())) for _ in range(20)].count(7) >= 18
 
@@ -153,9 +146,9 @@ def test_log_names_the_backend(caplog: pytest.LogCaptureFixture) -> None:
 
 
 def test_arena_decides_the_environment() -> None:
-    env = vec_env(FROM_STEPS["ppo_wheels"], envs=1, arena="rectangle")
-    (spec,) = env.get_attr("spec")
-    assert (spec.kwargs["limit"], spec.kwargs["foods"], env.action_space.shape) == (700, 2, (4,))
+    env: Any = recall_envs("rectangle", wheels=True, mode=COMPILED_MODE)(1)
+    given = env.spec.kwargs
+    assert (given["limit"], given["foods"], env.single_action_space.shape) == (700, 2, (4,))
     with pytest.raises(ValueError, match="arena is 'ring'; allowed: corridor, rectangle"):
         reinforce(FROM_STEPS["ppo"], [1], 0, arena="ring")
 
@@ -179,11 +172,3 @@ def test_algorithm_unknown_or_not_installed_is_refused(monkeypatch: pytest.Monke
 def parameters(trained: Trained) -> bytes:
     model: Any = trained.policy.model
     return b"".join(value.numpy().tobytes() for value in model.policy.state_dict().values())
-
-
-def test_code_on_the_page_about_learners_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "plug_in_a_learner.md").read_text(encoding="utf-8")
-    (block,) = re.findall(r"```python\n(# needs the extra: baselines\n.*?)```", page, flags=re.DOTALL)
-    corridor = recall_env("corridor", limit=50)
-    exec(block, {"LEARNERS": LEARNERS, "recall": recall, "corridor": corridor})
-    assert re.findall(r"after (\d+) steps", capsys.readouterr().out) == ["2560", "5120"]

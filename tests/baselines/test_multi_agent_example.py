@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from khepera_forage.task.states import Behaviour
-from tests.examples.running import module_of, refused, run_example
+from tests.examples.running import module_of, run_example
 
 
 def test_pairs_finish_sooner_after_a_short_training(tmp_path: Path) -> None:
@@ -43,9 +43,3 @@ def test_decision_holds_and_rewards_add_up(example: Any) -> None:
     assert cut, "a pair that stands still is cut short by the time limit"
     assert not env.agents
     env.close()
-
-
-def test_wrong_number_is_refused_in_one_line(tmp_path: Path) -> None:
-    assert "--rounds: '0'; allowed: a whole number of at least 1" in refused(
-        "multi_agent", tmp_path, "--rounds", "0"
-    )

@@ -16,15 +16,15 @@ pytest.importorskip("matplotlib")
 
 def test_ppo_forages_better_than_chance_after_a_short_training(tmp_path: Path) -> None:
     """Chance, held for five rounds, delivers in 13 % of the episodes."""
-    small = ("--rounds", "200000", "--num-envs", "16", "--minibatch-size", "256")
+    small = ("--rounds", "140000", "--num-envs", "16", "--minibatch-size", "256")
     printed = run_example("ppo", tmp_path, *small, "--evaluations", "30", "--out", "out")
     found = re.findall(r"^(compiled|pymunk) +30 episodes: (\d+) of 30", printed, flags=re.MULTILINE)
     assert [backend for backend, _ in found] == ["compiled", "pymunk"]
-    assert all(int(delivered) >= 24 for _, delivered in found)
+    assert all(int(delivered) >= 18 for _, delivered in found)
     curve = read(tmp_path / "out" / "learning_curve.csv")
-    assert int(curve[-1]["rounds"]) >= 200_000
+    assert int(curve[-1]["rounds"]) >= 140_000
     shares = [float(point["food_delivered"]) for point in curve if point["food_delivered"] != "nan"]
-    assert shares[-1] > shares[0] + 0.3
+    assert shares[-1] > shares[0] + 0.15
     assert is_picture(tmp_path / "out" / "learning_curve.png")
     ppo = module_of("ppo")
     agent = ppo.load(tmp_path / "out" / "ppo.pt")
@@ -54,7 +54,7 @@ def test_time_limit_adds_the_value_of_the_last_observation() -> None:
     assert not ppo.final_values(agent, {}, np.array([False, False])).any()
 
 
-def test_wrong_number_is_refused_in_one_line(tmp_path: Path) -> None:
-    assert "--num-envs: '0'; allowed: a whole number of at least 1" in refused(
-        "ppo", tmp_path, "--num-envs", "0"
-    )
+@pytest.mark.parametrize(("example", "option"), [("ppo", "--num-envs"), ("multi_agent", "--rounds")])
+def test_wrong_number_is_refused_in_one_line(example: str, option: str, tmp_path: Path) -> None:
+    message = f"{option}: '0'; allowed: a whole number of at least 1"
+    assert message in refused(example, tmp_path, option, "0")

@@ -1,4 +1,4 @@
-"""Models of stable-baselines3 forage as they were trained: what they are shown, and how long their actions hold."""
+"""stable-baselines3 in environments as they are, and its models: what they are shown, how long their actions hold."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,6 +17,7 @@ from gymnasium.wrappers import (
 )
 from gymnasium.wrappers.vector import RecordEpisodeStatistics
 from stable_baselines3 import PPO
+from stable_baselines3.common.env_checker import check_env
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import (
     DummyVecEnv,
@@ -151,3 +152,10 @@ def test_evaluation_counts_rounds_as_training_does() -> None:
     env = VecEnvAdapter(worlds(), behaviour_features, hold=5)
     _, lengths = evaluate_policy(model, env, n_eval_episodes=2, return_episode_rewards=True)
     assert lengths == [60, 60]
+
+
+@pytest.mark.parametrize("name", ["Corridor", "Rectangle", "CorridorWheels", "RectangleWheels"])
+def test_environments_pass_check_env(name: str) -> None:
+    env = gym.make(f"khepera_forage/{name}-v1", render_mode="rgb_array")
+    check_env(env.unwrapped, warn=True)
+    env.close()

@@ -5,7 +5,6 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import pytest
-from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
 from stable_baselines3.common.monitor import Monitor
@@ -170,29 +169,6 @@ def test_attributes_are_those_of_the_vector_environment(mode: str) -> None:
     assert env.has_attr("action_masks")
     assert env.env_is_wrapped(VecNormalize) == [False] * 3
     env.close()
-
-
-@pytest.mark.parametrize(
-    ("wheels", "actions"),
-    [
-        (False, [0, 10]),
-        (False, [-1, 0]),
-        (False, [[1, 2]]),
-        (True, [[0, 0, 0, 1.5]] * 2),
-        (True, [[np.nan] * 4] * 2),
-    ],
-)
-def test_actions_outside_the_action_space_are_refused(wheels: bool, actions: Any) -> None:
-    env = adapter(COMPILED_MODE, wheels, worlds=2)
-    env.reset()
-    with pytest.raises(ValueError, match=r"actions are array(.|\n)*; allowed: "):
-        env.step(np.array(actions))
-
-
-def test_step_before_the_first_reset_is_refused() -> None:
-    env = adapter(COMPILED_MODE, worlds=2)
-    with pytest.raises(ResetNeeded, match="not reset yet"):
-        env.step(np.array([0, 0]))
 
 
 def test_environments_that_begin_again_a_step_later_are_refused() -> None:

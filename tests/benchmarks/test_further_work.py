@@ -5,26 +5,27 @@ from typing import Any
 
 import numpy as np
 import pytest
-from further_experiments import alternatives
-from further_experiments import state_vectors as new
-from further_experiments.action_level import CopiedMotorsEnv, LearnedBehavioursEnv, hand_coded
-from further_experiments.alternatives import PATIENCE, StateLabels, UntilGoal, goal_reached
-from further_experiments.episodes import ObservingTeacher
-from further_experiments.state_vectors import FIXED
+from further_experiments import memory
+from further_experiments import perception as new
+from further_experiments.memory import FIXED, PATIENCE, StateLabels, UntilGoal, goal_reached
+from further_experiments.perception import (
+    CopiedMotorsEnv,
+    LearnedBehavioursEnv,
+    ObservingTeacher,
+    hand_coded,
+)
 from further_experiments.teachers import SimulatedPerson
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
-from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
-from khepera_forage.policies import Teacher
-from khepera_forage.policies.brute_force import WeightedImitator
+from khepera_forage.policies import Teacher, WeightedImitator
 from khepera_forage.policies.distance import distance
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import attempt, train
 from khepera_forage.task.decisions import DEFAULT_VALUES
 from khepera_forage.task.perception import RawData, state_vector
-from khepera_forage.task.states import Behaviour, StateVector
+from khepera_forage.task.states import BEHAVIOURS, Behaviour, StateVector
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import is_picture, read
 from tests.benchmarks.test_scripts import EXPERIMENTS, SCRIPTS
@@ -208,7 +209,7 @@ DONE = (
 
 
 def test_each_goal_is_where_the_next_behaviour_begins(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(alternatives, "DECISIONS", VALUES)
+    monkeypatch.setattr(memory, "DECISIONS", VALUES)
     for behaviour, here, there in zip(DONE, ROUTE[:-1], ROUTE[1:], strict=True):
         assert not goal_reached(behaviour, here, 20)
         assert goal_reached(behaviour, there, 20)
@@ -237,7 +238,7 @@ def test_a_behaviour_runs_until_its_goal_or_for_a_limited_time() -> None:
 
 
 def test_state_labels_draw_any_behaviour_in_a_state_without_record() -> None:
-    learner = StateLabels.heard([Experience([FAR, CLOSE], [0, 1])], 20)
+    learner = StateLabels(20, frozenset(BEHAVIOURS[:2]))
     rng = np.random.default_rng(0)
     assert {learner.act(FAR, rng) for _ in range(20)} == {Behaviour.SEARCH_FOR_FOOD}
     assert len({learner.act(HOME, rng) for _ in range(100)}) == 10
@@ -309,8 +310,8 @@ def test_recorded_moments_are_those_of_the_experience_file() -> None:
     env = TrainingEnv(decisions=V0_1)  # whose vectors follow from the raw data alone
     teacher = ObservingTeacher(env)
     for seed in (1, 2):
-        experience, rows = train(env, np.random.SeedSequence(seed), teacher=teacher)
-        moments = teacher.moments()
+        experience, rows = train(env, np.random.SeedSequence(seed), teacher=teacher, callback=teacher)
+        moments = teacher.moments
         assert rows[-1].complete
         assert [state_vector(moment.raw, DIAGONAL, DEFAULT_VALUES) for moment in moments] == list(
             experience.vectors
@@ -323,8 +324,8 @@ def test_moments_of_a_failed_attempt_are_dropped() -> None:
     env = TrainingEnv(max_cycles=20)
     teacher = ObservingTeacher(env)
     for seed in (1, 2):
-        assert not attempt(env, seed, lambda *_: None, teacher=teacher).complete
-        assert 0 < len(teacher.moments()) <= 20
+        assert not attempt(env, seed, lambda *_: None, teacher=teacher, callback=teacher).complete
+        assert 0 < len(teacher.moments) <= 20
     env.close()
 
 
@@ -335,14 +336,14 @@ def test_without_noise_copied_motors_are_the_teachers() -> None:
     told = []
 
     def watch() -> None:
-        teacher, learner = env.foragers
-        told.append((teacher.applied, learner.applied))
+        teacher()
+        told.append(tuple(robot.applied for robot in env.foragers))
 
     assert attempt(env, 3, lambda *_: None, teacher=teacher, callback=watch).complete
     env.close()
     assert len(told) > 50
     assert [learner for _, learner in told] == [teacher for teacher, _ in told]
-    assert [moment.motors for moment in teacher.moments()] == [learner for _, learner in told]
+    assert [moment.motors for moment in teacher.moments] == [learner for _, learner in told]
 
 
 def test_recall_with_the_given_behaviours_is_recall() -> None:

@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from sklearn.ensemble import RandomForestClassifier
 
-from khepera_forage.comparison.learning import ARENAS, Compared, RecallBatch, all_learners
+from khepera_forage.comparison.learning import ARENAS, RecallBatch, all_learners
 from khepera_forage.comparison.page import STYLES, figure
-from khepera_forage.comparison.results import Curve, beside, curves, read_results
+from khepera_forage.comparison.results import Curve, ReadLearner, beside, curves, described, read_results
 from khepera_forage.policies.learners import FromVectors, Needs
 from tests.figure_checks import (
     check_points_are_shown,
@@ -28,17 +28,14 @@ AMOUNTS = {
 """Steps of the learning, as published."""
 
 
-def own_learner(title: str) -> FromVectors:
-    return FromVectors(title, RandomForestClassifier)
-
-
 @pytest.fixture(scope="module")
-def learners() -> dict[str, Compared]:
+def learners() -> dict[str, ReadLearner]:
     """Those of the registry, and ten that a user adds."""
-    return all_learners() | {f"own_{i}": own_learner(f"own learner {i}") for i in range(10)}
+    own = {f"own_{i}": FromVectors(f"own learner {i}", RandomForestClassifier) for i in range(10)}
+    return described(all_learners() | own)
 
 
-def rows_of(learners: dict[str, Compared]) -> list[RecallBatch]:
+def rows_of(learners: dict[str, ReadLearner]) -> list[RecallBatch]:
     rng = np.random.default_rng(1)
     return [
         RecallBatch(name, number, amount, arena, amount, 0, 10, 50.0, int(rng.integers(0, 21)), 20, 900, 1.0)
@@ -50,12 +47,12 @@ def rows_of(learners: dict[str, Compared]) -> list[RecallBatch]:
 
 
 @pytest.fixture(scope="module")
-def found(learners: dict[str, Compared]) -> list[Curve]:
+def found(learners: dict[str, ReadLearner]) -> list[Curve]:
     return curves(rows_of(learners), 2)
 
 
 @pytest.fixture(scope="module")
-def drawn(found: list[Curve], learners: dict[str, Compared]) -> Figure:
+def drawn(found: list[Curve], learners: dict[str, ReadLearner]) -> Figure:
     return lay_out(figure(found, learners))
 
 
@@ -68,7 +65,7 @@ def coloured(axes: Axes) -> list[Line2D]:
     return [line for line in axes.lines if line.get_marker() not in ("", "None", None)]
 
 
-def test_every_learner_has_a_panel_of_its_own(drawn: Figure, learners: dict[str, Compared]) -> None:
+def test_every_learner_has_a_panel_of_its_own(drawn: Figure, learners: dict[str, ReadLearner]) -> None:
     panels = [axes for axes in drawn.axes if axes.axison]
     titles = [title_of(axes) for axes in panels]
     assert sorted(titles) == sorted(
@@ -82,7 +79,7 @@ def test_every_learner_has_a_panel_of_its_own(drawn: Figure, learners: dict[str,
 
 
 def test_curves_in_a_panel_are_those_of_its_learner(
-    drawn: Figure, found: list[Curve], learners: dict[str, Compared]
+    drawn: Figure, found: list[Curve], learners: dict[str, ReadLearner]
 ) -> None:
     by_title: dict[str, list[list[float]]] = {learners[curve.learner].title: [] for curve in found}
     for curve in found:
@@ -95,7 +92,7 @@ def test_curves_in_a_panel_are_those_of_its_learner(
 
 
 def test_each_kind_has_an_axis_of_steps_for_its_own_range(
-    drawn: Figure, learners: dict[str, Compared]
+    drawn: Figure, learners: dict[str, ReadLearner]
 ) -> None:
     """Imitators learn from 200 to 2,200 steps: on an axis up to 1,000,000 their curves cannot be told apart."""
     kinds = {learner.title: learner.needs for learner in learners.values()}
@@ -115,11 +112,11 @@ def test_picture_is_readable_and_complete_in_its_legend(drawn: Figure) -> None:
         assert {f"the teacher, {arena}", f"random behaviours, {arena}"} <= set(labels)
 
 
-def test_picture_beside_published_results_is_readable(learners: dict[str, Compared]) -> None:
+def test_picture_beside_published_results_is_readable(learners: dict[str, ReadLearner]) -> None:
     few = {name: learners[name] for name in ("teacher", "imitator")}
     check_readable(lay_out(figure(*beside(curves(rows_of(few), 3), few, read_results("published")))))
 
 
-def test_picture_of_references_alone_can_be_drawn(learners: dict[str, Compared]) -> None:
+def test_picture_of_references_alone_can_be_drawn(learners: dict[str, ReadLearner]) -> None:
     few = {"teacher": learners["teacher"]}
     figure(curves(rows_of(few), 3), few).draw_without_rendering()

@@ -1,11 +1,10 @@
-"""`khepera-forage compare` on a Ray and on a Dask cluster: the same rows as on one machine (extras `ray`, `dask`)."""
+"""`khepera-forage compare` on a Dask cluster: the same rows as on one machine (extra `dask`)."""
 
 import os
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -37,12 +36,10 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, str]]:
     return rows(out)
 
 
-@pytest.mark.parametrize("backend", ["ray", "dask"])
-def test_two_workers_make_the_same_rows(backend: str, here: list[dict[str, str]], tmp_path: Path) -> None:
-    if find_spec("distributed" if backend == "dask" else backend) is None:
-        pytest.skip(f"needs the extra {backend}")
-    printed = run(tmp_path / "learners", "--backend", backend, "--jobs", "2")
-    assert f"6 units for 2 workers of {backend.capitalize()}" in printed
+def test_two_workers_make_the_same_rows(here: list[dict[str, str]], tmp_path: Path) -> None:
+    pytest.importorskip("distributed", reason="needs the extra dask")
+    printed = run(tmp_path / "learners", "--backend", "dask", "--jobs", "2")
+    assert "6 units for 2 workers of Dask" in printed
     assert rows(tmp_path / "learners") == here
 
 

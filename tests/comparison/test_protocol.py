@@ -41,8 +41,7 @@ from khepera_forage.policies import Teacher
 from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.raw_episodes import RawEpisode, teacher_alone
-from khepera_forage.rollouts.recall import recall_env
-from khepera_forage.rollouts.wheels_recall import recall_wheels_env
+from khepera_forage.rollouts.recall import recall_env, recall_wheels_env
 from khepera_forage.task.states import NUM_BEHAVIOURS, StateVector
 
 TEN_STEPS = Training(

@@ -9,18 +9,19 @@ from typing import Any
 
 import pytest
 
-from khepera_forage.comparison.learning import RecallBatch, all_learners, settings_of
+from khepera_forage.comparison.learning import RecallBatch, all_learners
 from khepera_forage.comparison.page import page
 from khepera_forage.comparison.results import (
     PUBLISHED,
-    ReadLearner,
     Results,
     as_json,
     beside,
     curves,
+    described,
     read_results,
 )
 from khepera_forage.estimates import Estimate
+from khepera_forage.policies.learners import LEARNERS
 
 TABLE = Path(__file__).parents[2] / "docs" / "published" / "learners_learners.csv.gz"
 
@@ -34,9 +35,7 @@ def batch(amount: int, delivered: int, replication: int) -> RecallBatch:
 @pytest.fixture
 def results() -> Results:
     rows = [batch(amount, amount + number, number) for number in range(3) for amount in (1, 5)]
-    tree = all_learners()["tree"]
-    learner = ReadLearner(tree.title, tree.needs, settings_of(tree))
-    return Results("here", {"tree": learner}, curves(rows, 0))
+    return Results("here", described({"tree": LEARNERS["tree"]}), curves(rows, 0))
 
 
 def test_results_that_are_written_are_read_again(results: Results, tmp_path: Path) -> None:
@@ -68,7 +67,7 @@ def test_published_results_are_those_of_the_documentation() -> None:
 
 
 def test_published_rows_stand_beside_those_of_a_run(results: Results) -> None:
-    tree = all_learners()["tree"]
+    tree = described(all_learners())["tree"]
     found, learners = beside(results.curves, {"tree": tree}, read_results(PUBLISHED))
     assert learners["tree"] is tree
     written = page(found, learners, {}, tuned=False)

@@ -8,7 +8,7 @@ import pytest
 
 from khepera_forage import Decisions, Noise
 from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING, run_recalls
-from khepera_forage.thesis.inference.prior import PRIOR, Laboratory
+from khepera_forage.thesis.inference.prior import Laboratory
 from khepera_forage.thesis.inference.simulate import reason_against, replicate, simulate
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 from tests.version_0_1 import V0_1
@@ -62,6 +62,6 @@ def test_replications_give_the_statistics_of_every_table() -> None:
 
 
 def test_a_set_depends_on_seed_and_number_alone() -> None:
-    one, again, other = (simulate(PRIOR, 0, number, 1) for number in (3, 3, 4))
+    one, again, other = (simulate(0, number, 1) for number in (3, 3, 4))
     assert repr(one) == repr(again)
     assert one.laboratory != other.laboratory

@@ -46,68 +46,42 @@ def row(text: str) -> str:
 
 FOOD_TYPES = "UNKNOWN, PICKABLE, PUSHABLE, POISONOUS"
 BEHAVIOURS = "SEARCH_FOR_FOOD, MOVE_SLOWLY, "
-BAD: dict[str, tuple[str | bytes, int, str]] = {
-    "empty": ("", 1, "not an experience file, it is empty"),
-    "binary": (
-        b"\x89PNG\r\n\x1a\n\0",
-        1,
-        "not an experience file, its first line is '\ufffdPNG'; allowed: '# khe",
-    ),
-    "other text": (
-        "a,b\n1,2\n",
-        1,
-        "not an experience file, its first line is 'a,b'; allowed: '# khepera_forage ex",
-    ),
-    "later version": (
+BAD: list[tuple[str | bytes, int, str]] = [
+    ("", 1, "not an experience file, it is empty"),
+    (b"\x89PNG\r\n\x1a\n\0", 1, "not an experience file, its first line is '\ufffdPNG'; allowed: '# khe"),
+    ("a,b\n1,2\n", 1, "not an experience file, its first line is 'a,b'; allowed: '# khepera_forage ex"),
+    (
         WHOLE.replace("version 1", "version 2"),
         1,
-        "the format version is '2', written by a later version of this package; allowed: '# khepera_forage ex",
+        "version is '2', written by a later version of this package",
     ),
-    "seed": (WHOLE.replace("seed: 7", "seed: 7.5"), 4, "seed is '7.5'; allowed: an integer"),
-    "units": (WHOLE.replace("5 mm", "4 mm"), 6, "units are 'distances in pixels of 4 mm"),
-    "columns": (
-        WHOLE.replace("arms_height,", "arms,"),
-        7,
-        "columns are 'object_presence,robot_home_distance,foo",
-    ),
-    "header cut": (HEADER[:100], 6, "ends in the header; allowed: 7 lines before the rows"),
-    "five columns": (
-        row("0,52,UNKNOWN,215,28"),
-        9,
-        "'0,52,UNKNOWN,215,28' has 5 columns; allowed: 6, object_p",
-    ),
-    "blank line": (row(""), 9, "'' has 1 columns; allowed: 6, "),
-    "food type": (row("1,48,EDIBLE,215,14,GO_HOME"), 9, f"food_type is 'EDIBLE'; allowed: {FOOD_TYPES}"),
-    "behaviour": (row("1,48,PICKABLE,215,14,GO_AWAY"), 9, f"behaviour is 'GO_AWAY'; allowed: {BEHAVIOURS}"),
-    "silence": (row("0,48,UNKNOWN,215,14,WAIT"), 9, f"behaviour is 'WAIT'; allowed: {BEHAVIOURS}"),
-    "fraction": (row("0,4.5,UNKNOWN,215,14,GO_HOME"), 9, "robot_home_distance is '4.5'; allowed: an integer"),
-    "endless number": (row("0," + "9" * 5000 + ",UNKNOWN,215,14,GO_HOME"), 9, "robot_home_distance is '999"),
-    "not UTF-8": (
-        row("0,48,UNKNOWN,215,14,GO_HOME").encode() + b"\xff\n",
-        11,
-        "b'\\xff' is not text; allowed: UTF-8",
-    ),
-    "count": (
-        WHOLE.replace("2 vectors", "3 vectors"),
-        10,
-        "'# complete: 3 vectors' after 2 rows; allowed: the nu",
-    ),
-    "comment": (
-        row("# odd one"),
-        9,
-        "'# odd one'; allowed: a row, or the closing line '# complete: 1 vectors'",
-    ),
-    "row after the end": (
-        WHOLE + ROW,
-        11,
-        "'0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD' follows the closing line",
-    ),
-}
+    (WHOLE.replace("seed: 7", "seed: 7.5"), 4, "seed is '7.5'; allowed: an integer"),
+    (WHOLE.replace("episodes: 1", "episodes: 0"), 5, "episodes is 0; allowed: at least 1"),
+    (WHOLE.replace("corridor", " corridor"), 3, "arena is ' corridor'; allowed: a printable name"),
+    (WHOLE.replace("seed: ", "sead: "), 4, "'# sead: 7'; allowed: '# seed: ' and a value"),
+    (WHOLE.replace("5 mm", "4 mm"), 6, "units are 'distances in pixels of 4 mm"),
+    (WHOLE.replace("arms_height,", "arms,"), 7, "columns are 'object_presence,robot_home_distance,foo"),
+    (HEADER[:100], 6, "ends in the header; allowed: 7 lines before the rows"),
+    (row("0,52,UNKNOWN,215,28"), 9, "'0,52,UNKNOWN,215,28' has 5 columns; allowed: 6, object_p"),
+    (row(""), 9, "'' has 1 columns; allowed: 6, "),
+    (row("1,48,EDIBLE,215,14,GO_HOME"), 9, f"food_type is 'EDIBLE'; allowed: {FOOD_TYPES}"),
+    (row("1,48,PICKABLE,215,14,GO_AWAY"), 9, f"behaviour is 'GO_AWAY'; allowed: {BEHAVIOURS}"),
+    (row("0,48,UNKNOWN,215,14,WAIT"), 9, f"behaviour is 'WAIT'; allowed: {BEHAVIOURS}"),
+    (row("0,4.5,UNKNOWN,215,14,GO_HOME"), 9, "robot_home_distance is '4.5'; allowed: an integer"),
+    (row("0,48,PICKABLE,215,14,GO_HOME"), 9, "food_type is PICKABLE without an object; allowed: UNKNOWN"),
+    (row("0," + "9" * 5000 + ",UNKNOWN,215,14,GO_HOME"), 9, "robot_home_distance is '999"),
+    (row("0,48,UNKNOWN,215,14,GO_HOME").encode() + b"\xff\n", 11, "b'\\xff' is not text; allowed: UTF-8"),
+    (WHOLE.replace("2 vectors", "3 vectors"), 10, "'# complete: 3 vectors' after 2 rows; allowed: the nu"),
+    (row("# odd"), 9, "'# odd'; allowed: a row, or the closing line '# complete: 1 vectors'"),
+    (WHOLE + ROW, 11, "'0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD' follows the closing line"),
+    (WHOLE + "0,5", 11, "'0,5' follows the closing line"),
+]
 
 
-@pytest.mark.parametrize("kind", BAD)
-def test_invalid_file_is_an_error_with_line_and_reason(kind: str, tmp_path: Path) -> None:
-    content, line, message = BAD[kind]
+@pytest.mark.parametrize(("content", "line", "message"), BAD, ids=[message for *_, message in BAD])
+def test_invalid_file_is_an_error_with_line_and_reason(
+    content: str | bytes, line: int, message: str, tmp_path: Path
+) -> None:
     path = write(tmp_path, content)
     for recover in (False, True):
         with pytest.raises(ExperienceError, match=re.escape(f"{path}, line {line}: ")) as caught:
@@ -116,25 +90,20 @@ def test_invalid_file_is_an_error_with_line_and_reason(kind: str, tmp_path: Path
         assert len(str(caught.value)) < len(str(path)) + 400
 
 
-INCOMPLETE = {
-    "rows": (HEADER + ROW + GRASPED, 9, 2, "2 complete rows, no incomplete line"),
-    "no rows": (HEADER, 7, 0, "0 complete rows, no incomplete line"),
-    "cut row": (HEADER + ROW + "1,48,PICK", 9, 1, "1 complete rows, then the incomplete line '1,48,PICK'"),
-    # The row looks complete, but the last word may have lost letters: only a line end shows that it is complete.
-    "row without line end": (
-        HEADER + ROW + GRASPED[:-1],
-        9,
-        1,
-        "then the incomplete line '1,48,PICKABLE,215,14,GO_HOME'",
-    ),
-    "cut closing line": (WHOLE[:-8], 10, 2, "2 complete rows, then the incomplete line '# complete: 2 '"),
-    "closing line without line end": (WHOLE[:-1], 10, 2, "then the incomplete line '# complete: 2 vectors'"),
-}
+INCOMPLETE = [
+    (HEADER + ROW + GRASPED, 9, 2, "2 complete rows, no incomplete line"),
+    (HEADER, 7, 0, "0 complete rows, no incomplete line"),
+    (HEADER + ROW + "1,48,PICK", 9, 1, "1 complete rows, then the incomplete line '1,48,PICK'"),
+    # It looks complete, but the last word may have lost letters: only a line end shows that it is complete.
+    (HEADER + ROW + GRASPED[:-1], 9, 1, "then the incomplete line '1,48,PICKABLE,215,14,GO_HOME'"),
+    (WHOLE[:-1], 10, 2, "2 complete rows, then the incomplete line '# complete: 2 vectors'"),
+]
 
 
-@pytest.mark.parametrize("kind", INCOMPLETE)
-def test_incomplete_file_can_be_recovered(kind: str, tmp_path: Path) -> None:
-    content, line, rows, message = INCOMPLETE[kind]
+@pytest.mark.parametrize(("content", "line", "rows", "message"), INCOMPLETE)
+def test_incomplete_file_can_be_recovered(
+    content: str, line: int, rows: int, message: str, tmp_path: Path
+) -> None:
     path = write(tmp_path, content)
     complaint = f"{path}, line {line}: ends before its closing line: "
     with pytest.raises(ExperienceError, match=re.escape(complaint)) as caught:

@@ -8,7 +8,14 @@ import pytest
 from numpy.typing import NDArray
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
-from khepera_forage.policies import GrowingMemory, KNearestImitator, Policy, WeightedImitator, state_vector_of
+from khepera_forage.policies import (
+    GrowingMemory,
+    KNearestImitator,
+    NearestNeighbourImitator,
+    Policy,
+    WeightedImitator,
+    state_vector_of,
+)
 from khepera_forage.policies.learners import LEARNERS, FromVectors
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import behaviour_for, classify
@@ -64,7 +71,8 @@ def test_learner_agrees_with_the_teacher(name: str) -> None:
 
 @parametrize_with_checks(  # type: ignore[untyped-decorator]
     [
-        KNearestImitator(),
+        NearestNeighbourImitator(),
+        NearestNeighbourImitator(diagonal=177, arithmetic="32-bit floats"),
         KNearestImitator(k=3, weighting="distance"),
         WeightedImitator(random_state=0),
         GrowingMemory(),

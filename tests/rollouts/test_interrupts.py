@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experience import writer
+from khepera_forage.experience import text_format
 from khepera_forage.rollouts.training import delayed_interrupts, train
 
 
@@ -24,7 +24,7 @@ def test_interrupt_while_the_file_is_opened_closes_and_deletes_it(
         signal.raise_signal(signal.SIGINT)
         return file
 
-    monkeypatch.setattr(writer, "open", interrupted_open, raising=False)
+    monkeypatch.setattr(text_format, "open", interrupted_open, raising=False)
     with pytest.raises(KeyboardInterrupt):
         train(TrainingEnv(), np.random.SeedSequence(0), path=tmp_path / "g1.csv")
     assert [file.closed for file in opened] == [True]

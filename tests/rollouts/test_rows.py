@@ -15,58 +15,40 @@ from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.task.states import State
 from tests.thesis.synthetic import attempts, counts, failed, recall, reproduction, training
 
+NEXT, SEARCH = State.NEXT_TO_FOOD, State.SEARCH
+MORE = {"steps": 201, "rounds_by_state": (201,) + (0,) * 9}
+ELSEWHERE = {"wrong_by_state": counts({NEXT: 40}), "rounds_by_state": counts({SEARCH: 200})}
+
 
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("row", "changes", "message"),
     [
-        ({"steps": 501}, r"steps is 501; allowed: 1\.\.limit, which is 500"),
+        (recall, {"steps": 501}, r"steps is 501; allowed: 1\.\.limit, which is 500"),
         (
+            recall,
             {"correct": 201, "wrong_by_state": counts({})},
-            r"correct is 201; allowed: 0\.\.steps, which is 200",
+            r"correct is 201; allowed: 0\.\.steps, which",
         ),
-        ({"score": 79.0}, r"score is 79.0; allowed: 80.000000"),
-        ({"food_x": (1.0, 2.0)}, r"food_x is \(1.0, 2.0\); allowed: one value for each of 1 foods"),
-        ({"delivered": 0, "penalty": 0}, r"delivered is 0; allowed: 1, the sum of food_delivered"),
-        (
-            {
-                "wrong_by_state": counts({State.SEARCH: 39}),
-                "steps": 201,
-                "rounds_by_state": (201,) + (0,) * 9,
-            },
-            "wrong_by_state is .* that add up to 41",
-        ),
-        ({"rounds_by_state": (200,) + (0,) * 8}, "rounds_by_state is .*; allowed: 10 counts"),
-        (
-            {
-                "wrong_by_state": counts({State.NEXT_TO_FOOD: 40}),
-                "rounds_by_state": counts({State.SEARCH: 200}),
-            },
-            r"wrong_by_state\[2\] is 40; allowed: at most 0",
-        ),
-        ({"orient_without_food": 41}, r"orient_without_food is 41; allowed: 0\.\.40 wrong rounds"),
-        ({"conflicts": 51}, r"conflicts is 51; allowed: 0\.\.50 ties"),
-        ({"decisions": "next_to_foot=17"}, "decision 'next_to_foot' is unknown; allowed"),
+        (recall, {"score": 79.0}, r"score is 79.0; allowed: 80.000000"),
+        (recall, {"food_x": (1.0, 2.0)}, r"food_x is \(1.0, 2.0\); allowed: one value for each of 1 foods"),
+        (recall, {"delivered": 0, "penalty": 0}, r"delivered is 0; allowed: 1, the sum of food_delivered"),
+        (recall, {"wrong_by_state": counts({SEARCH: 39}), **MORE}, "wrong_by_state is .* that add up to 41"),
+        (recall, {"rounds_by_state": (200,) + (0,) * 8}, "rounds_by_state is .*; allowed: 10 counts"),
+        (recall, ELSEWHERE, r"wrong_by_state\[2\] is 40; allowed: at most 0"),
+        (recall, {"orient_without_food": 41}, r"orient_without_food is 41; allowed: 0\.\.40 wrong rounds"),
+        (recall, {"conflicts": 51}, r"conflicts is 51; allowed: 0\.\.50 ties"),
+        (recall, {"decisions": "next_to_foot=17"}, "decision 'next_to_foot' is unknown; allowed"),
+        (training, {"complete": False}, "reason is ''; allowed: empty if and only if complete"),
+        (training, {"complete": True, "reason": "separated"}, "reason is 'separated'; allowed"),
+        (training, {"vectors": 121}, r"vectors is 121; allowed: 0\.\.120 rounds"),
+        (training, {"attempt": 0}, "attempt is 0; allowed: 1 or more"),
+        (training, {"decisions": "v2;patience=5"}, "'v2' of the decisions is unknown; allowed: 'v0.1', 'v1'"),
+        (training, {"decisions": "patience=0"}, "decision patience is 0; allowed: a whole number from 1"),
     ],
 )
-def test_inconsistent_recall_row_is_an_error(changes: dict[str, Any], message: str) -> None:
+def test_inconsistent_row_is_an_error(row: Callable[..., Any], changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        recall(**changes)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"complete": False}, "reason is ''; allowed: empty if and only if complete"),
-        ({"complete": True, "reason": "separated"}, "reason is 'separated'; allowed"),
-        ({"vectors": 121}, r"vectors is 121; allowed: 0\.\.120 rounds"),
-        ({"attempt": 0}, "attempt is 0; allowed: 1 or more"),
-        ({"decisions": "v2;patience=5"}, "version 'v2' of the decisions is unknown; allowed: 'v0.1', 'v1'"),
-        ({"decisions": "patience=0"}, "decision patience is 0; allowed: a whole number from 1"),
-    ],
-)
-def test_inconsistent_training_row_is_an_error(changes: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        training(**changes)
+        row(**changes)
 
 
 def test_recall_row_has_derived_properties() -> None:
@@ -126,43 +108,34 @@ def test_resuming_with_other_columns_is_an_error(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("damage", "message"),
+    ("old", "new", "message"),
     [
-        (lambda text: text.replace("replication,", "replica,"), r"rows.csv:1: header is 'replica,"),
-        (lambda text: "", r"rows.csv:1: header is ''"),
-        (
-            lambda text: text.replace("\n0,1,1", "\n0,one,1"),
-            r"rows.csv:2: file is 'one'; allowed: a whole number",
-        ),
-        (
-            lambda text: text.replace("\n0,1,1", "\n0, 1,1"),
-            r"rows.csv:2: file is ' 1'; allowed: a whole number",
-        ),
-        (
-            lambda text: text.replace(",1,120,", ",yes,120,"),
-            r"rows.csv:2: complete is 'yes'; allowed: 0 or 1",
-        ),
-        (lambda text: text.replace(",1,120,", ",120,"), r"rows.csv:2: 10 values; allowed: 11"),
-        (
-            lambda text: text.replace(",120,", ",100,"),
-            r"rows.csv:2: vectors is 110; allowed: 0\.\.100 rounds",
-        ),
-        (lambda text: text + text.split("\n")[1] + "\n", r"rows.csv:3: the row repeats line 2"),
-        (
-            lambda text: text.replace(",,\n", ",,next_to_food=9\n"),
-            r"rows.csv:2: decision next_to_food is 9.0; allowed: a number from 10 to 30 pixels",
-        ),
-        (
-            lambda text: text.replace("laboratory", '"laboratory'),
-            r"rows.csv:2: line is .*laboratory.*; allowed: comma-separated values",
-        ),
+        ("replication,", "replica,", "1: header is 'replica,"),
+        ("\n0,1,1", "\n0,one,1", "2: file is 'one'; allowed: a whole number"),
+        ("\n0,1,1", "\n0, 1,1", "2: file is ' 1'; allowed: a whole number"),
+        (",1,120,", ",yes,120,", "2: complete is 'yes'; allowed: 0 or 1"),
+        (",1,120,", ",120,", "2: 10 values; allowed: 11"),
+        (",120,", ",100,", r"2: vectors is 110; allowed: 0\.\.100 rounds"),
+        (",,\n", ",,next_to_food=9\n", "2: decision next_to_food is 9.0; allowed: a number from 10 to 30"),
+        ("laboratory", '"laboratory', "2: line is .*laboratory.*; allowed: comma-separated values"),
     ],
 )
-def test_damaged_file_is_an_error(tmp_path: Path, damage: Callable[[str], str], message: str) -> None:
+def test_damaged_file_is_an_error(tmp_path: Path, old: str, new: str, message: str) -> None:
     path = tmp_path / "rows.csv"
     write_rows(path, TrainingRow, [training()])
-    path.write_text(damage(path.read_text()))
-    with pytest.raises(ValueError, match=message):
+    text = path.read_text()
+    path.write_text(text.replace(old, new))
+    with pytest.raises(ValueError, match=f"rows.csv:{message}"):
+        read_rows(path, TrainingRow)
+
+
+def test_empty_file_and_repeated_row_are_errors(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    write_rows(path, TrainingRow, [training()] * 2)
+    with pytest.raises(ValueError, match=r"rows.csv:3: the row repeats line 2"):
+        read_rows(path, TrainingRow)
+    path.write_text("")
+    with pytest.raises(ValueError, match=r"rows.csv:1: header is ''"):
         read_rows(path, TrainingRow)
 
 

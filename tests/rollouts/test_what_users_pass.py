@@ -17,9 +17,8 @@ from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Neighbours, Teacher
 from khepera_forage.policies.classifiers import tree
 from khepera_forage.rollouts.dagger import dagger
-from khepera_forage.rollouts.recall import recall, recall_env
+from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels
 from khepera_forage.rollouts.training import train
-from khepera_forage.rollouts.wheels_recall import recall_wheels
 from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.task.decisions import Decisions
 
@@ -147,4 +146,4 @@ def test_recall_names_another_environment() -> None:
         with pytest.raises(TypeError, match=r"env is <.*>; allowed: Corridor-v1, Rectangle-v1"):
             recall(env, Teacher(), seed=0)
     with pytest.raises(TypeError, match=r"env is <.*>; allowed: CorridorWheels-v1"):
-        recall_wheels(gym.make(NAME), Teacher(), 1)  # type: ignore[arg-type]
+        recall_wheels(gym.make(NAME), Teacher(), 1)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.robots.khepera import JAW_OPEN, MAX_SPEED
-from khepera_forage.rollouts.wheels_recall import WheelsRecall, recall_wheels, recall_wheels_env
+from khepera_forage.rollouts.recall import WheelsRecall, recall_wheels, recall_wheels_env
 
 
 class TeachersMotors:

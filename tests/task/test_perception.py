@@ -11,7 +11,7 @@ from khepera_forage.robots.khepera import Senses
 from khepera_forage.sim.arena import copies
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import FoodTracker
-from khepera_forage.task.perception import RawData, own_region, perceive, state_vector
+from khepera_forage.task.perception import RawData, own_region, raw_data, state_vector
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import Region, Scene
 from tests.version_0_1 import CORRIDOR
@@ -31,7 +31,8 @@ def perceived(scene: Scene, tracker: FoodTracker, senses: Senses = SENSES) -> Ra
     """Raw data of the robot with the two-hole marker."""
     own = own_region(scene, ARENA, 2)
     assert own is not None
-    return perceive(senses, own, tracker, ARENA)
+    home = ARENA.home_x, ARENA.home_y, 0.0
+    return raw_data(senses, own.x, own.y, own.orientation, own.found, tracker, home, ARENA)
 
 
 def test_own_region_has_the_markers_holes_in_the_own_arena_in_any_order() -> None:

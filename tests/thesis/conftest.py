@@ -3,15 +3,16 @@
 import numpy as np
 import pytest
 
+from khepera_forage import study
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
 from khepera_forage.thesis import reproduce as reproduction
-from khepera_forage.thesis.cells import CellResult, cell_results
 from khepera_forage.thesis.design import (
     LABORATORY,
     NO_LOSSES,
     THESIS,
     noise_conditions,
 )
+from khepera_forage.thesis.tables import CellResult, cell_results
 from tests.thesis import synthetic
 
 REPLICATIONS = 6
@@ -20,7 +21,7 @@ REPLICATIONS = 6
 @pytest.fixture
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let a report have no pictures, which take most of its time; those of `test_report.py` have them."""
-    monkeypatch.setattr(reproduction, "save", lambda figure, path: None)
+    monkeypatch.setattr(study, "save", lambda figure, path: None)
 
 
 @pytest.fixture

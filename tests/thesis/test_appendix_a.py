@@ -8,7 +8,7 @@ import pytest
 
 from khepera_forage.rollouts.row_files import parse_rows
 from khepera_forage.thesis import appendix_a
-from khepera_forage.thesis.errata import errata
+from khepera_forage.thesis.appendix_a import errata
 
 ERRATA = [
     ("A.1", "line 2, g1", "score", "78% -20: 50", "58"),

@@ -12,12 +12,14 @@ from khepera_forage.estimates import UNKNOWN, Estimate
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
 from khepera_forage.task.states import State
-from khepera_forage.thesis.claims import Claim, Verdict, claims
-from khepera_forage.thesis.claims.claim import (
+from khepera_forage.thesis.claims import (
+    Claim,
     Rule,
+    Verdict,
     above,
     at_most,
     beyond,
+    claims,
     percent,
     percent_change,
     points,
@@ -27,27 +29,13 @@ from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, training_distanc
 from tests.thesis.synthetic import counts, failed, recall, training
 
 REPLICATIONS = 8
-NUMBER = {
-    "improves corridor": 1,
-    "improves rectangle": 2,
-    "shrinks corridor": 3,
-    "shrinks rectangle": 4,
-    "generalises": 5,
-    "comparable": 6,
-    "areas corridor": 7,
-    "areas rectangle": 8,
-    "around corridor": 9,
-    "around rectangle": 10,
-    "orient without food corridor": 11,
-    "orient without food rectangle": 12,
-    "failures": 13,
-    "rest": 14,
-    "losses": 15,
-    "frequent": 16,
-    "limit corridor": 17,
-    "limit rectangle": 18,
-}
-"""Number of each claim in the report."""
+NAMES = (
+    *("improves corridor", "improves rectangle", "shrinks corridor", "shrinks rectangle", "generalises"),
+    *("comparable", "areas corridor", "areas rectangle", "around corridor", "around rectangle"),
+    *("orient without food corridor", "orient without food rectangle", "failures", "rest", "losses"),
+    *("frequent", "limit corridor", "limit rectangle"),
+)
+"""Names of the claims in the order of the report."""
 Level = Callable[[int], float]
 """A number for each replication."""
 SUPPORTED, NOT, UNDECIDED = Verdict.SUPPORTED, Verdict.NOT_SUPPORTED, Verdict.UNDECIDED
@@ -68,7 +56,7 @@ def claim_from(
     trainings: Sequence[TrainingRow] = (),
     teachers: Sequence[RecallRow] = (),
 ) -> Claim:
-    return claims(recalls, trainings, teachers, np.random.default_rng(3), 400)[NUMBER[name] - 1]
+    return claims(recalls, trainings, teachers, np.random.default_rng(3), 400)[NAMES.index(name)]
 
 
 def recalls_with_scores(arena: str, levels: dict[int, Level]) -> list[RecallRow]:
@@ -262,7 +250,7 @@ def test_claims_without_rows_are_undecided() -> None:
     judged = claims([], [], [], np.random.default_rng(1))
     assert {claim.verdict for claim in judged} == {UNDECIDED}
     assert {claim.effect for claim in judged} == {"-"}
-    assert len({claim.name for claim in judged}) == len(judged) == len(NUMBER)
+    assert len({claim.name for claim in judged}) == len(judged) == len(NAMES)
     assert all("nan" not in claim.sentence for claim in judged)
 
 

@@ -1,5 +1,6 @@
-"""Reproductions under other decisions: they reach every environment and every row, and are never mixed."""
+"""Reproductions under other decisions: rows are never mixed, and those of version 0.1 stand beside them."""
 
+import csv
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -7,45 +8,32 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
 from khepera_forage.envs.backends import COMPILED
-from khepera_forage.rollouts.row_files import write_rows
-from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow
-from khepera_forage.study import Rows
+from khepera_forage.figures import GREY, OURS
+from khepera_forage.rollouts.row_files import read_rows, write_rows
+from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow
 from khepera_forage.task import decisions as decisions_module
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis import reproduce as reproduction
-from khepera_forage.thesis.design import Cell, Subset
+from khepera_forage.thesis.design import LABORATORY, THESIS
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
-from khepera_forage.thesis.replication import Baseline, Replication
-from khepera_forage.thesis.reproduce import write_report
-from tests.thesis.synthetic import recall, training
+from khepera_forage.thesis.reproduce import PAGE, SUMMARY, V0_1_RECALLS, write_report
+from khepera_forage.thesis.tables import CellResult, cell_results
+from tests.thesis import synthetic
+from tests.thesis.synthetic import BY_EPISODES, recall, training
 
 V0_1 = Decisions.v0_1()
 OTHER = replace(V0_1, next_to_food=22, food_to_home=200)
 TEXT = "v0.1;food_to_home=200;next_to_food=22"
+NEXT, NEXT_TEXT = replace(V0_1, next_to_food=22), "v0.1;next_to_food=22"
 DIFFERENCES = "food_to_home is 200, not 180; next_to_food is 22, not 20"
-SMALL = (Cell("corridor", 1, (Subset((1,)),), 1, foods=1, limit=500),)
 
 
 def test_arrival_vectors_follow_the_decisions() -> None:
     """The robot arrives 20 to 22 pixels from the food; the first place is 10 pixels nearer to home than in training."""
     assert arrival_vectors(OTHER)[0, :, [1, 4]].T.tolist() == [[50, 20], [51, 21], [52, 22]]
-
-
-def test_rows_of_a_replication_name_its_decisions() -> None:
-    rows = Replication(1, 0, cells=SMALL, decisions=OTHER).run()
-    assert len(Rows(rows).of(OrientRow)) == 6
-    assert {row.decisions for row in rows} == {TEXT}
-    defaults = decisions_text(Decisions())
-    assert {row.decisions for row in Replication(1, 0, cells=SMALL).run()} == {defaults}
-
-
-@pytest.mark.parametrize("learner", [TEACHER, RANDOM])
-def test_rows_of_a_baseline_name_its_decisions(learner: str) -> None:
-    (row,) = Rows(Baseline(0, 0, learner, "corridor", 1, decisions=OTHER).run()).of(RecallRow)
-    assert row.decisions == TEXT
-    assert row.score == 100 or learner == RANDOM, "the teacher classifies states with the same thresholds"
 
 
 @pytest.mark.parametrize("table", ["recalls", "trainings", "teachers", "noise_rows", "orient_rows"])
@@ -134,3 +122,109 @@ def test_reproduction_refuses_a_damaged_row(tmp_path: Path) -> None:
 def test_reproduction_refuses_something_else_than_decisions(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"decisions is 17; allowed: a khepera_forage\.Decisions, or None"):
         reproduction.reproduce(0, 1, tmp_path, decisions=17)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def v0_1_results() -> list[CellResult]:
+    rows = synthetic.reproduction(5, np.random.default_rng(11))
+    return cell_results(rows, np.random.default_rng(12), resamples=200)
+
+
+@pytest.mark.usefixtures("no_pictures")
+def test_reproduction_compares_with_version_0_1(tmp_path: Path) -> None:
+    """The rows are those of a reproduction under version 0.1, which has no comparison itself."""
+    pytest.importorskip("numba")
+    first, second, old = (tmp_path / name for name in ("first", "second", "old"))
+    for out, decisions in ((first, NEXT), (second, NEXT), (old, V0_1)):
+        reproduction.reproduce(3, 1, out, quick=True, backend=COMPILED, decisions=decisions)
+    ours, v0_1 = (read_rows(first / name, RecallRow) for name in ("recalls.csv", V0_1_RECALLS))
+    assert {row.decisions for row in ours} == {NEXT_TEXT}
+    assert v0_1 == [
+        row
+        for row in read_rows(old / "recalls.csv", RecallRow)
+        if row.learner == IMITATOR and row.noise == LABORATORY
+    ]
+    assert len(v0_1) == sum(cell.size for cell in THESIS)
+    assert not (old / V0_1_RECALLS).exists()
+    for name in ("recalls.csv", V0_1_RECALLS, "table_cells.csv", PAGE, SUMMARY):
+        assert (first / name).read_bytes() == (second / name).read_bytes()
+
+
+@pytest.mark.usefixtures("one_job")
+def test_page_table_and_summary_have_both_decisions(tmp_path: Path) -> None:
+    page = reproduce(tmp_path, NEXT).read_text()
+    size = "1 replication, 1 recall episodes of the imitator"
+    assert f"{size}, noise: laboratory, decisions: v0.1, next_to_food=22, backend: compiled. " in page
+    assert f"For comparison: {size}, decisions: v0.1. " in page
+    assert f"`{V0_1_RECALLS}`" in page
+    with open(tmp_path / "table_cells.csv", encoding="utf-8", newline="") as file:
+        fourth = list(csv.DictReader(file))[3]
+    assert float(fourth["ours: score (%)"]) == float(fourth["v0.1: score (%)"]) == 80.0
+    assert {"v0.1: score percentile", "v0.1: food: low", "v0.1: food percentile"} <= fourth.keys()
+    heading = "arena      episodes  score (%): thesis  ours  v0.1  food: thesis  ours  v0.1"
+    assert heading in (tmp_path / SUMMARY).read_text().splitlines()
+
+
+@pytest.mark.usefixtures("one_job")
+@pytest.mark.parametrize(("decisions", "comparison"), [(V0_1, True), (NEXT, False), (V0_1, False)])
+def test_reproduction_without_comparison(decisions: Decisions, comparison: bool, tmp_path: Path) -> None:
+    page = reproduction.reproduce(
+        0, 1, tmp_path, backend=COMPILED, decisions=decisions, comparison=comparison
+    )
+    assert not (tmp_path / V0_1_RECALLS).exists()
+    assert "For comparison" not in page.read_text()
+    assert "v0.1" not in (tmp_path / "table_cells.csv").read_text()
+    assert "v0.1" not in (tmp_path / SUMMARY).read_text()
+
+
+@pytest.mark.usefixtures("one_job")
+def test_reproduction_replaces_only_rows_of_version_0_1(tmp_path: Path) -> None:
+    path = tmp_path / V0_1_RECALLS
+    for _ in range(2):
+        reproduce(tmp_path, NEXT)
+        assert [row.decisions for row in read_rows(path, RecallRow)] == ["v0.1"]
+    write_rows(path, RecallRow, [recall(decisions=NEXT_TEXT)])
+    ours = tmp_path / "recalls.csv"
+    ours.unlink()
+    message = f"{path} has rows of other decisions: next_to_food is 22, not 20; allowed: "
+    with pytest.raises(ValueError, match=re.escape(message)):
+        reproduce(tmp_path, NEXT)
+    assert not ours.exists(), "the command stops before the first experiment"
+    reproduction.reproduce(0, 1, tmp_path, backend=COMPILED, decisions=NEXT, comparison=False)
+    assert [row.decisions for row in read_rows(path, RecallRow)] == [NEXT_TEXT]
+
+
+def test_report_refuses_other_rows_as_those_of_version_0_1(tmp_path: Path) -> None:
+    rows, rng = [recall(decisions=NEXT_TEXT)], np.random.default_rng(0)
+    with pytest.raises(ValueError, match="v0_1_recalls have other decisions: next_to_food is 22, not 20; "):
+        write_report(tmp_path, rows, [], [], [], rng, v0_1_recalls=rows)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.usefixtures("no_pictures")
+def test_comparison_does_not_change_the_other_results(tmp_path: Path, recalls: list[RecallRow]) -> None:
+    rows = synthetic.reproduction(5, np.random.default_rng(11))
+    for name, v0_1_recalls in (("alone", []), ("beside", rows)):
+        rng = np.random.default_rng(9)
+        write_report(tmp_path / name, recalls, [], [], [], rng, resamples=200, v0_1_recalls=v0_1_recalls)
+    claims = [(tmp_path / name / "table_claims.csv").read_bytes() for name in ("alone", "beside")]
+    assert claims[0] == claims[1]
+
+
+def test_figures_show_version_0_1_in_grey_left_of_ours(
+    results: list[CellResult], v0_1_results: list[CellResult]
+) -> None:
+    for draw, arena, maximum in BY_EPISODES:
+        (axes,) = draw(results, v0_1_results).axes
+        marks = [(to_hex(line.get_color()).upper(), line) for line in axes.lines if line.get_marker() == "o"]
+        grey, ours = (
+            np.array([np.hstack(line.get_data()) for colour, line in marks if colour == wanted])
+            for wanted in (GREY, OURS)
+        )
+        mine = [r for r in v0_1_results if r.cell.arena == arena]
+        values = [r.food.value * maximum / r.cell.available if maximum else r.score.value for r in mine]
+        assert grey[:, 1].tolist() == pytest.approx(values)
+        assert (grey[:, 0] < ours[:, 0]).all()
+        legend = axes.get_legend()
+        assert legend is not None
+        assert "version 0.1, mean and 95 % interval" in [text.get_text() for text in legend.get_texts()]

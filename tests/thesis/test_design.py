@@ -29,10 +29,6 @@ def test_cell_equals_its_table(cell: Cell, table: appendix_a.PrintedTable) -> No
     recalls = Counter(row.file_id for row in appendix_a.rows_of(table))
     assert recalls == {subset.name: cell.recalls for subset in cell.subsets}
     assert list(recalls) == [subset.name for subset in cell.subsets]
-
-
-@pytest.mark.parametrize("cell", THESIS, ids=lambda cell: f"{cell.arena}-{cell.episodes}")
-def test_subsets_are_distinct_files_of_the_ten(cell: Cell) -> None:
     for subset in cell.subsets:
         assert len(subset.files) == len(set(subset.files)) == cell.episodes
         assert set(subset.files) <= set(range(1, FILES + 1))

@@ -11,9 +11,9 @@ from khepera_forage import Noise
 from khepera_forage.thesis.inference.posterior import (
     Determined,
     Parameter,
-    SetForest,
     calibrate,
     effective_number,
+    forest_weights,
     infer,
     parameters_of,
     prior_check,
@@ -49,14 +49,15 @@ def simulator() -> tuple[list[Parameter], Any]:
     return parameters, statistics
 
 
-def forest_of(parameters: list[Parameter], statistics: Any, trees: int = 100) -> SetForest:
-    return SetForest(statistics, np.hstack([parameter.targets for parameter in parameters]), 0, trees)
+def weights_of(parameters: list[Parameter], statistics: Any, queries: Any) -> Any:
+    targets = np.hstack([parameter.targets for parameter in parameters])
+    return forest_weights(statistics, targets, queries, 0, 100)
 
 
 def test_posterior_of_a_measured_number_is_the_known_one(simulator: tuple[list[Parameter], Any]) -> None:
     """Prior N(0, 1), error 0.5: the posterior after 1.0 is N(0.8, 0.2)."""
     parameters, statistics = simulator
-    weights = forest_of(parameters, statistics).weights(np.array([[1.0, 0.0, np.nan], [-1.0, 1.5, 0.0]]))
+    weights = weights_of(parameters, statistics, np.array([[1.0, 0.0, np.nan], [-1.0, 1.5, 0.0]]))
     assert weights.sum(axis=1) == pytest.approx([1.0, 1.0])
     number, reading, nothing = (parameter.values for parameter in parameters)
     assert weights[0] @ number == pytest.approx(0.8, abs=0.15)
@@ -78,7 +79,7 @@ def calibrated(simulator: tuple[list[Parameter], Any]) -> tuple[Any, Any, list[P
     parameters, statistics = simulator
     learned, held_out = np.arange(0, SETS - 500), np.arange(SETS - 500, SETS)
     own = [parameter.of(learned) for parameter in parameters]
-    weights = forest_of(own, statistics[learned]).weights(statistics[held_out, 0])
+    weights = weights_of(own, statistics[learned], statistics[held_out, 0])
     true = [parameter.of(held_out) for parameter in parameters]
     return (
         [
@@ -157,7 +158,7 @@ def test_sets_that_resemble_an_experiment_have_the_most_weight_and_all_are_valid
     assert found.weights.argmax() == 7
     assert found.weights.sum() == pytest.approx(1.0)
     assert found.held_out == 40
-    assert [c.name for c in found.calibrations] == list(PRIOR.names)
+    assert [c.name for c in found.calibrations] == list(PRIOR.parts)
     assert "yes" not in {c.determined for c in found.calibrations}, "too few sets to validate"
 
 

@@ -19,26 +19,19 @@ def drawn(prior: Prior = PRIOR, count: int = 300) -> list[tuple[Decisions, Noise
     return [prior.draw(rng) for _ in range(count)]
 
 
-def test_draws_are_within_their_ranges_and_cover_them() -> None:
+def test_draws_cover_their_ranges_and_everything_else_keeps_its_default() -> None:
     sets = drawn()
-    for name, part in (*PRIOR.decisions.items(), *PRIOR.noise.items()):
+    for name, part in PRIOR.parts.items():
         values = [getattr(noise if name in PRIOR.noise else decisions, name) for decisions, noise in sets]
         if isinstance(part, Range):
             assert part.least <= min(values) <= max(values) <= part.most
             assert max(values) - min(values) > 0.7 * (part.most - part.least), name
         else:
             assert set(values) == set(part.of), name
-
-
-def test_everything_else_keeps_its_default() -> None:
-    for decisions, noise in drawn(count=20):
+    for decisions, noise in sets:
         assert set(decisions.changed()) <= set(PRIOR.decisions)
         for name in ("wheel_slip", "reversal_rate", "loss_rate_food"):
             assert getattr(noise, name) == getattr(Noise.laboratory(), name)
-
-
-def test_draws_fit_both_arenas_and_move_slowly_is_no_faster_than_search() -> None:
-    for decisions, _ in drawn():
         for arena in ("corridor", "rectangle"):
             checked_arena(arena, decisions)
         assert decisions.slow_speed <= decisions.search_speed

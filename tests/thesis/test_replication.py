@@ -1,47 +1,110 @@
-"""Replications, baselines and the jobs of a reproduction, on pymunk."""
+"""Replications, baselines and the jobs of a reproduction, on both backends and under any decisions."""
 
-from khepera_forage.envs.backends import PYMUNK
+from dataclasses import replace
+
+import pytest
+
+from khepera_forage.envs.backends import BACKENDS, PYMUNK
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.study import Rows
-from khepera_forage.task.decisions import DEFAULT_DECISIONS
-from khepera_forage.thesis.design import NO_LOSSES, THESIS, Cell, Subset
-from khepera_forage.thesis.replication import Baseline, Replication, job_counts, pymunk_jobs
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
+from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, THESIS, Cell, Subset
+from khepera_forage.thesis.orient_analysis import OrientRow
+from khepera_forage.thesis.replication import (
+    JobCounts,
+    Row,
+    baseline,
+    comparison_counts,
+    compiled_jobs,
+    job_counts,
+    pymunk_jobs,
+    replicate,
+)
 
-SMALL = (Cell("corridor", 2, (Subset((1, 2)),), 2, foods=1, limit=500),)
+V0_1 = Decisions.v0_1()
+OTHER = replace(V0_1, next_to_food=22, food_to_home=200)
+SMALL = (Cell("corridor", 2, (Subset((1,)), Subset((1, 2))), 2, foods=1, limit=500),)
 
 
-def test_replication_depends_only_on_seed_and_number() -> None:
-    first, second = (Replication(5, 2, cells=SMALL).run() for _ in range(2))
-    assert first == second
-    assert first != Replication(5, 3, cells=SMALL).run()
-    rows = Rows(first)
-    assert [row.file_id for row in rows.of(RecallRow)] == ["g12", "g12"]
-    assert len({row.file for row in rows.of(TrainingRow)}) == 2
-    assert {row.experience_size for row in rows.of(RecallRow)} == {
-        sum(row.vectors for row in rows.of(TrainingRow) if row.complete)
-    }
+def two_replications(
+    backend: str, seed: int, decisions: Decisions, noise: str, cells: tuple[Cell, ...]
+) -> Rows:
+    if backend == PYMUNK:
+        return Rows(row for i in range(2) for row in replicate(seed, i, noise, cells, decisions))
+    pytest.importorskip("numba")
+    from khepera_forage.thesis.compiled_replications import replicate_together
+
+    return Rows(replicate_together(seed, 0, 2, noise, cells, decisions))
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("decisions", [DEFAULT_DECISIONS, V0_1, OTHER], ids=["default", "v0.1", "other"])
+def test_replication_leaves_all_rows_of_its_cells(backend: str, decisions: Decisions) -> None:
+    rows = two_replications(backend, 5, decisions, LABORATORY, SMALL)
+    recalls, trainings, orient = rows.of(RecallRow), rows.of(TrainingRow), rows.of(OrientRow)
+    assert [row.file_id for row in recalls] == ["g1", "g1", "g12", "g12"] * 2
+    everything: list[Row] = [*recalls, *trainings, *orient]
+    assert {row.decisions for row in everything} == {decisions_text(decisions)}
+    assert len(orient) == 2 * 2 * 6
+    for number in range(2):
+        complete = [row.vectors for row in trainings if row.complete and row.replication == number]
+        sizes = [row.experience_size for row in recalls if row.replication == number]
+        assert len(complete) == 2
+        assert sizes == [complete[0]] * 2 + [sum(complete)] * 2
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_replication_depends_only_on_seed_and_number(backend: str) -> None:
+    def run(seed: int) -> list[RecallRow]:
+        return two_replications(backend, seed, V0_1, LABORATORY, SMALL).of(RecallRow)
+
+    assert run(5) == run(5)
+    assert run(5)[:4] != run(6)[:4]
+    assert [row.score for row in run(5)[:4]] != [row.score for row in run(5)[4:]]
 
 
 def test_replication_without_cells_trains_all_files() -> None:
-    outcome = Rows(Replication(0, 0, NO_LOSSES, cells=()).run())
-    assert not outcome.of(RecallRow)
-    assert {row.noise for row in outcome.of(TrainingRow)} == {"no losses"}
-    assert {row.file for row in outcome.of(TrainingRow)} == set(range(1, 11))
+    rows = Rows(replicate(0, 0, NO_LOSSES, cells=()))
+    assert not rows.of(RecallRow)
+    assert {row.noise for row in rows.of(TrainingRow)} == {"no losses"}
+    assert {row.file for row in rows.of(TrainingRow)} == set(range(1, 11))
 
 
-def test_baseline_of_the_teacher_has_three_times_the_limit() -> None:
-    rows = Rows(Baseline(0, 0, TEACHER, "corridor", 3).run()).of(RecallRow)
-    assert [row.delivered for row in rows] == [1, 1, 1]
-    assert {row.limit for row in rows} == {1500}
-    chance = Rows(Baseline(0, 0, RANDOM, "corridor", 1).run()).of(RecallRow)
-    assert {row.limit for row in chance} == {500}
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(("learner", "limit"), [(TEACHER, 1500), (RANDOM, 500)])
+def test_baseline_of_the_teacher_has_three_times_the_limit(backend: str, learner: str, limit: int) -> None:
+    made: list[Row] = []
+    if backend == PYMUNK:
+        made = [row for block in range(2) for row in baseline(0, block, learner, "corridor", 3, OTHER)]
+    else:
+        pytest.importorskip("numba")
+        from khepera_forage.thesis.compiled_replications import baselines
+
+        made = baselines(0, 2, learner, "corridor", 3, OTHER)
+    rows = Rows(made).of(RecallRow)
+    assert {(row.limit, row.decisions) for row in rows} == {(limit, decisions_text(OTHER))}
+    assert [row.replication for row in rows] == [0, 0, 0, 1, 1, 1]
+    if learner == TEACHER:
+        assert {(row.score, row.delivered) for row in rows} == {(100.0, 1)}, "under the same decisions"
 
 
 def test_jobs_contain_the_whole_design() -> None:
     jobs = pymunk_jobs(0, job_counts(6, PYMUNK), DEFAULT_DECISIONS)
-    designs = [job for job in jobs if isinstance(job, Replication) and job.noise == "laboratory"]
-    assert len(designs) == 6
-    assert all(job.cells == THESIS for job in designs)
-    conditions = {job.noise for job in jobs if isinstance(job, Replication)}
+    replications = [job.arguments for job in jobs if job.function is replicate]
+    assert [cells for _, _, noise, cells, _ in replications if noise == "laboratory"] == [THESIS] * 6
+    conditions = {noise for _, _, noise, _, _ in replications}
     assert {"none", "only wheels", "only camera jitter", "no losses"} <= conditions
-    assert sum(isinstance(job, Baseline) and job.learner == TEACHER for job in jobs) == 40
+    assert sum(job.function is baseline and job.arguments[2] == TEACHER for job in jobs) == 40
+    assert len({job.key for job in jobs}) == len(jobs)
+
+
+def test_compiled_jobs_are_groups_of_replications() -> None:
+    pytest.importorskip("numba")
+    jobs = compiled_jobs(3, JobCounts(250), V0_1)
+    assert [job.arguments[1:3] for job in jobs] == [(0, 100), (100, 100), (200, 50)]
+
+
+@pytest.mark.parametrize(("replications", "expected"), [(1, 1), (2, 2), (24, 5), (1000, 200)])
+def test_comparison_has_a_share_of_the_replications(replications: int, expected: int) -> None:
+    jobs = pymunk_jobs(0, comparison_counts(replications), V0_1)
+    assert [job.arguments for job in jobs] == [(0, i, LABORATORY, THESIS, V0_1) for i in range(expected)]

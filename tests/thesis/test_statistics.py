@@ -61,17 +61,24 @@ def test_contrast_cancels_differences_between_replications() -> None:
 
 
 @pytest.mark.parametrize("count", [1, MIN_REPLICATIONS - 1])
-def test_bootstrap_of_few_replications_has_no_interval(count: int) -> None:
+def test_few_replications_have_no_interval(count: int) -> None:
     rows = [Row(i, value) for i in range(count) for value in (1.0, 3.0)]
-    estimate = bootstrap(_sums(rows), ratio, np.random.default_rng(1))
-    assert estimate.value == 2.0
-    assert math.isnan(estimate.low)
-    assert math.isnan(estimate.high)
+    rng = np.random.default_rng(1)
+    for estimate, value in (
+        (bootstrap(_sums(rows), ratio, rng), 2.0),
+        (bootstrap_quantile(rows, _value, 0.95, rng), 3.0),
+    ):
+        assert estimate.value == value
+        assert math.isnan(estimate.low)
+        assert math.isnan(estimate.high)
 
 
-@pytest.mark.parametrize("sums", [np.zeros((0, 2)), np.zeros((5, 2))])
-def test_bootstrap_without_data_is_nan(sums: Floats) -> None:
-    assert all(map(math.isnan, bootstrap(sums, ratio, np.random.default_rng(1))))
+def test_estimates_without_data_are_nan() -> None:
+    rng = np.random.default_rng(1)
+    for sums in (np.zeros((0, 2)), np.zeros((5, 2))):
+        assert all(map(math.isnan, bootstrap(sums, ratio, rng)))
+    assert all(map(math.isnan, bootstrap_quantile([], _value, 0.95, rng)))
+    assert all(map(math.isnan, wilson(0, 0)))
 
 
 def test_bootstrap_of_a_mostly_undefined_statistic_has_no_interval() -> None:
@@ -96,13 +103,6 @@ def test_quantile_may_be_infinite() -> None:
     rows = [Row(i % 5, math.inf if i % 10 == 0 else 100.0) for i in range(100)]
     assert bootstrap_quantile(rows, _value, 0.95, np.random.default_rng(1)).value == math.inf
     assert bootstrap_quantile(rows, _value, 0.5, np.random.default_rng(1)) == (100.0, 100.0, 100.0)
-
-
-def test_quantile_of_few_replications_has_no_interval() -> None:
-    alone = bootstrap_quantile([Row(0, 3.0)], _value, 0.95, np.random.default_rng(1))
-    assert alone.value == 3.0
-    assert math.isnan(alone.low)
-    assert all(map(math.isnan, bootstrap_quantile([], _value, 0.95, np.random.default_rng(1))))
 
 
 def test_percentile_rank_counts_experiments_below_the_value() -> None:
@@ -132,4 +132,3 @@ def test_wilson_equals_a_published_example() -> None:
     """Newcombe (1998): 81 of 263."""
     assert wilson(81, 263) == pytest.approx((0.3080, 0.2553, 0.3662), abs=5e-5)
     assert wilson(0, 10) == pytest.approx((0.0, 0.0, 0.2775), abs=5e-5)
-    assert all(map(math.isnan, wilson(0, 0)))

@@ -11,14 +11,15 @@ from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.task.states import State
 from khepera_forage.thesis import appendix_a
-from khepera_forage.thesis.cells import CellResult, cell_results
-from khepera_forage.thesis.claims.evidence import gather
+from khepera_forage.thesis.claims import gather
 from khepera_forage.thesis.design import (
     LABORATORY,
     NO_NOISE,
     noise_conditions,
 )
 from khepera_forage.thesis.tables import (
+    CellResult,
+    cell_results,
     cell_table,
     joint_table,
     noise_table,

@@ -26,7 +26,6 @@ from khepera_forage.envs.compiled.step import (
 from khepera_forage.envs.layouts import arena_map_of, given_places, no_room
 from khepera_forage.envs.recalls import Forager, Shown
 from khepera_forage.geometry.paths import ChosenWaypoint
-from khepera_forage.geometry.plane import bearing_of, turn_to
 from khepera_forage.noise import Noise
 from khepera_forage.records import dtype_of
 from khepera_forage.robots.model import KHEPERA
@@ -35,7 +34,6 @@ from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.sensing import marker_region
 from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import Layout
-from khepera_forage.task.arena_map import way_home
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import penalty, score
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
@@ -379,13 +377,7 @@ def forager_of(world: World, arena: Arena, decisions: Decisions) -> Forager:
     forager = Forager(robot, arena_map, decisions.recall_marker, tracker, values)
     forager.own = marker_region(0, world.robots[0])
     numbers = (tuple(value.tolist()) if hasattr(value, "tolist") else value for value in record["raw"].item())
-    raw = RawData._make(numbers)
-    # Compiled worlds look up the way home when a behaviour uses it.
-    x, y, path = way_home(raw.x, raw.y, tracker, tracker.foods, tracker.chosen, arena_map)
-    forager.raw = raw._replace(
-        home_bearing=turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation),
-        home_path=max(path, raw.home_distance),
-    )
+    forager.raw = RawData._make(numbers)
     forager.vector = StateVector(*record["vector"].item())
     forager.state = State(int(record["state"]))
     return forager

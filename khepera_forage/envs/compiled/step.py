@@ -16,7 +16,6 @@ from khepera_forage.compilation import register, rule
 from khepera_forage.envs.compiled.arenas import ArenaRecords, ground_of, map_of
 from khepera_forage.geometry import paths
 from khepera_forage.geometry.paths import ChosenWaypoint
-from khepera_forage.geometry.plane import bearing_of, to_nearest_wall, turn_to
 from khepera_forage.records import dtype_of
 from khepera_forage.robots import footprint
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, Senses, applicable
@@ -34,11 +33,11 @@ from khepera_forage.task import (
     placement,
     states,
 )
-from khepera_forage.task.arena_map import ArenaMap, Way, way_home
+from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_way_home
 from khepera_forage.task.episode import Episode, begin_episode, end_step
-from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link, explored, update_food
-from khepera_forage.task.perception import RawData, perceives_paths, raw_data, state_vector, without_food
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
+from khepera_forage.task.perception import RawData, look_up_way_home, perceive
 from khepera_forage.task.placement import (
     Place,
     Start,
@@ -47,7 +46,7 @@ from khepera_forage.task.placement import (
     food_type_key,
     layout_key,
 )
-from khepera_forage.task.states import Behaviour, FoodType, StateVector, classify
+from khepera_forage.task.states import Behaviour, StateVector, classify
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 rule(applicable)
@@ -155,8 +154,6 @@ def world_of(worlds: World, i: int) -> World:
 
 
 _WAIT = Behaviour.WAIT.value
-_POISONOUS = FoodType.POISONOUS.value - 1
-"""Index of its odds."""
 
 
 @rule
@@ -243,16 +240,10 @@ def command_action(world: World, arena: ArenaRecords, settings: Any, action: Any
 @rule
 def motors_of(world: World, arena: ArenaMap, settings: Any, behaviour: int) -> Motors:
     """What a behaviour commands now. The way home is looked up only where the behaviour uses it."""
-    raw, decisions = world.foragers[0].raw, settings.decisions
-    if (
-        not perceives_paths(decisions)
-        and _ways_home_can_bend(arena, settings)
-        and not world.robots[0].first_frame  # nothing is perceived yet
-        and uses_way_home(behaviour, raw)
-    ):
-        x, y, path = _way_home(world, arena)
-        raw.home_bearing = turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation)
-        raw.home_path = path if path > raw.home_distance else raw.home_distance
+    raw, tracker, decisions = world.foragers[0].raw, world.foragers[0].tracker, settings.decisions
+    known = not world.robots[0].first_frame  # before, nothing is perceived
+    if known and uses_way_home(behaviour, raw, world.objects, arena, decisions):
+        raw.home_bearing, raw.home_path = look_up_way_home(raw, tracker, world.objects, world.chosen, arena)
     return command(behaviour, raw, decisions)
 
 
@@ -289,47 +280,24 @@ def carry_out(world: World, arena: ArenaRecords, settings: Any) -> None:
 def _perceive(world: World, arena: ArenaMap, settings: Any) -> None:
     """Track the food; then raw data, state vector and state."""
     robot, forager, decisions = world.robots[0], world.foragers[0], settings.decisions
-    tracker = forager.tracker
-    before = _senses(forager.presence_before, forager.arm_before, forager.jaw_before)
-    after = _senses(robot.object_presence, robot.arm_reading, robot.jaw_reading)
-    present, x, y = robot.object_presence != 0, robot.marker_x, robot.marker_y
-    update_food(
-        tracker,
+    raw, vector = perceive(
+        forager.tracker,
         world.objects,
         world.chosen,
         world.links,
         world.tracks,
-        arena,
-        x,
-        y,
-        int(robot.marker_heading),
-        present,
-        present and explored(before, after, Motors(robot.left, robot.right, 0, 0)),
-        after.arm,
-        decisions,
-    )
-    wall_x, wall_y = to_nearest_wall(x, y, arena.walls)
-    way = arena.home_x, arena.home_y, 0.0
-    if perceives_paths(decisions) and _ways_home_can_bend(arena, settings):
-        way = _way_home(world, arena)
-    raw = raw_data(
-        after,
-        x,
-        y,
+        _senses(forager.presence_before, forager.arm_before, forager.jaw_before),
+        _senses(robot.object_presence, robot.arm_reading, robot.jaw_reading),
+        Motors(robot.left, robot.right, 0, 0),
+        robot.marker_x,
+        robot.marker_y,
         int(robot.marker_heading),
         robot.marker_found,
-        tracker.food_seen,
-        tracker.food_x,
-        tracker.food_y,
-        tracker.type_in_gripper,
-        wall_x,
-        wall_y,
-        way,
-        (tracker.food_way_x, tracker.food_way_y, tracker.food_path),
         arena,
+        decisions,
     )
     _write_raw(forager.raw, raw, robot.proximity)
-    vector, written = state_vector(raw, without_food(tracker, arena, decisions), decisions), forager.vector
+    written = forager.vector
     written.object_presence, written.robot_home_distance = vector.object_presence, vector.robot_home_distance
     written.food_type, written.arms_height = vector.food_type, vector.arms_height
     written.robot_food_distance = vector.robot_food_distance
@@ -359,15 +327,3 @@ def _write_raw(record: Any, raw: RawData, proximity: Any) -> None:
     record.food_distance, record.food_bearing = raw.food_distance, raw.food_bearing
     record.food_path = raw.food_path
     record.food_way_x, record.food_way_y = raw.food_way_x, raw.food_way_y
-
-
-@rule
-def _ways_home_can_bend(arena: ArenaMap, settings: Any) -> bool:
-    """Whether a way home may lead around walls or past poison."""
-    return len(arena.ways.corners) > 0 or settings.odds[_POISONOUS] > 0.0
-
-
-@rule
-def _way_home(world: World, arena: ArenaMap) -> Way:
-    robot, tracker = world.robots[0], world.foragers[0].tracker
-    return way_home(robot.marker_x, robot.marker_y, tracker, world.objects, world.chosen, arena)

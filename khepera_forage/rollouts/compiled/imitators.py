@@ -1,4 +1,4 @@
-"""The imitators' search and vote (section 4.6), compiled from the functions of `policies.votes`."""
+"""The imitators' search and vote (section 4.6), compiled from the functions of `policies.memories`."""
 
 from bisect import bisect_left
 from typing import Any
@@ -8,8 +8,15 @@ from numpy.typing import NDArray
 
 from khepera_forage.compilation import entry, overload, rule
 from khepera_forage.policies.distance import rounded_distance, scaled_distance
-from khepera_forage.policies.memories import BEHAVIOURS, Memories, plane_key
-from khepera_forage.policies.votes import clear, draw_label, nearest_votes, search_plane
+from khepera_forage.policies.memories import (
+    BEHAVIOURS,
+    Memories,
+    clear,
+    nearest_votes,
+    plane_key,
+    search_plane,
+)
+from khepera_forage.policies.policy import draw_label
 
 __all__ = ["clear", "confidence_levels", "draw_label", "nearest_votes"]
 

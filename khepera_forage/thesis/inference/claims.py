@@ -1,8 +1,7 @@
 """The claims of the thesis under many laboratories: measured, kept, and in what share of laboratories each holds."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from khepera_forage.envs.backends import COMPILED
 from khepera_forage.estimates import Table, Value, percent, table_of
 from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError
-from khepera_forage.study import Arguments, Rows, collect
+from khepera_forage.study import Arguments, Job, Rows, collect
 from khepera_forage.task.decisions import decisions_text
 from khepera_forage.thesis.claims import Claim, Verdict, claims
 from khepera_forage.thesis.design import NO_LOSSES
@@ -33,8 +32,6 @@ class LaboratoryClaims:
     """The claims under one laboratory.
 
     Attributes:
-        number: Of the laboratory.
-        laboratory: As text.
         reason: Why they could not be measured; empty if they were.
         verdicts: One a claim; empty if not measured.
         effects: One a claim, in its unit; not a number where the rows are not enough.
@@ -45,31 +42,6 @@ class LaboratoryClaims:
     reason: str
     verdicts: tuple[str, ...]
     effects: tuple[float, ...]
-
-
-class LaboratoryUnit(NamedTuple):
-    """The claims of one laboratory are measured."""
-
-    seed: int
-    number: int
-    laboratory: Laboratory
-    replications: int
-
-    @property
-    def key(self) -> str:
-        """Number and laboratory, which depends on the sets that are drawn."""
-        return f"{self.number} {laboratory_text(self.laboratory)}"
-
-    def run(self) -> list[LaboratoryClaims]:
-        """Measure, with a seed of its own."""
-        seed = int(np.random.SeedSequence(self.seed, spawn_key=(self.number,)).generate_state(1)[0])
-        reason, found = "", list[Claim]()
-        try:
-            found = claims_of(self.laboratory, seed, self.replications)
-        except IncompleteTrainingError as error:
-            reason = str(error)
-        verdicts, effects = tuple(one.verdict.value for one in found), tuple(one.value for one in found)
-        return [LaboratoryClaims(self.number, laboratory_text(self.laboratory), reason, verdicts, effects)]
 
 
 def claims_of(laboratory: Laboratory, seed: int, replications: int) -> list[Claim]:
@@ -87,16 +59,10 @@ def claims_of(laboratory: Laboratory, seed: int, replications: int) -> list[Clai
         IncompleteTrainingError: No attempt at some training episode was complete.
         ValueError: A mark where robot or food does not fit.
     """
-    decisions, noise = laboratory
     counts = job_counts(replications, COMPILED)._replace(
         noise_replications=replications, noise_conditions=(NO_LOSSES,), noise_cells=()
     )
-    try:
-        rows = Rows(row for job in compiled_jobs(seed, counts, decisions, noise) for row in job.run())
-    except IncompleteTrainingError as error:
-        raise IncompleteTrainingError(
-            f"{error}; seed {seed}, decisions: {decisions_text(decisions)}"
-        ) from error
+    rows = Rows(row for job in compiled_jobs(seed, counts, *laboratory) for row in job.run())
     recalls = rows.of(RecallRow)
     return claims(
         recalls=[row for row in recalls if row.learner != TEACHER],
@@ -105,6 +71,18 @@ def claims_of(laboratory: Laboratory, seed: int, replications: int) -> list[Clai
         rng=np.random.default_rng(seed),
         resamples=RESAMPLES,
     )
+
+
+def measure(seed: int, number: int, laboratory: Laboratory, replications: int) -> list[LaboratoryClaims]:
+    """The claims of one laboratory, with a seed of its own."""
+    own = int(np.random.SeedSequence(seed, spawn_key=(number,)).generate_state(1)[0])
+    reason, found = "", list[Claim]()
+    try:
+        found = claims_of(laboratory, own, replications)
+    except IncompleteTrainingError as error:
+        reason = f"{error}; seed {own}, decisions: {decisions_text(laboratory.decisions)}"
+    verdicts, effects = tuple(one.verdict.value for one in found), tuple(one.estimate.value for one in found)
+    return [LaboratoryClaims(number, laboratory_text(laboratory), reason, verdicts, effects)]
 
 
 def measured(
@@ -116,13 +94,16 @@ def measured(
     prior = rng.choice(len(laboratories), count, replace=False).tolist()
     inferred = rng.choice(len(laboratories), count, p=weights / weights.sum()).tolist()
     replications = QUICK_REPLICATIONS if given.quick else REPLICATIONS
+    # The key has the laboratory, too, which depends on the sets that are drawn.
     units = [
-        LaboratoryUnit(given.seed, number, laboratories[number], replications)
-        for number in sorted({*prior, *inferred})
+        Job(
+            f"{k} {laboratory_text(laboratories[k])}", measure, (given.seed, k, laboratories[k], replications)
+        )
+        for k in sorted({*prior, *inferred})
     ]
     settings = {"replications": str(replications), "claims": "; ".join(claim.name for claim in CLAIMS)}
     rows = collect(given, units, {LaboratoryClaims: "claims"}, settings=settings, file="claims.jsonl.gz")
-    by_number: Mapping[int, LaboratoryClaims] = {row.number: row for row in rows.of(LaboratoryClaims)}
+    by_number = {row.number: row for row in rows.of(LaboratoryClaims)}
     return [by_number[number] for number in prior], [by_number[number] for number in inferred]
 
 

@@ -11,7 +11,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy import stats
 
-from khepera_forage.estimates import Estimate, Table, Value, table_of
+from khepera_forage.estimates import UNKNOWN, Estimate, Table, Value, table_of
 from khepera_forage.figures import GREY, OURS, SMALL, WIDTH, grid, legend, new_figure
 from khepera_forage.noise import Noise
 from khepera_forage.study import Arguments, Page, Picture
@@ -21,7 +21,6 @@ from khepera_forage.thesis.inference.posterior import (
     CLASSES,
     Determined,
     Floats,
-    Parameter,
     Posterior,
     PriorCheck,
     effective_number,
@@ -60,7 +59,6 @@ class Predictions(NamedTuple):
     """What one or many laboratories predict for experiments of the thesis's size.
 
     Attributes:
-        name: For headings.
         experiments: Statistics, shape (experiments, statistics); they may be missing.
         weights: One an experiment.
     """
@@ -74,17 +72,26 @@ class Predictions(NamedTuple):
         values = self.experiments[:, column]
         known = np.isfinite(values)
         if not self.weights[known].sum() > 0:
-            return Estimate(np.nan, np.nan, np.nan)
+            return UNKNOWN
         return Estimate(*quantiles(values[known], self.weights[known], CENTRAL))
+
+    def rank(self, column: int) -> float:
+        """Percentile of the thesis's value of a statistic."""
+        return rank(self.experiments[:, column], self.weights, float(thesis_statistics()[column]))
 
 
 def page(given: Arguments, drawn: Drawn) -> Page:
     """All tables of a full run, and pictures of the posterior and of its validation."""
     sets = drawn.sets
     posterior = infer(sets.parameters, sets.statistics, thesis_statistics()[fitted_columns()], given.seed)
-    single = [_predicted_under("version 0.1", Decisions.v0_1(), given)]
+    under = {"version 0.1": Decisions.v0_1()}
     if Decisions() != Decisions.v0_1():
-        single.append(_predicted_under("default", Decisions(), given))
+        under["default"] = Decisions()
+    each = QUICK_EXPERIMENTS if given.quick else EXPERIMENTS
+    single = [
+        Predictions(name, replicate(Laboratory(own, Noise.laboratory()), given.seed, each), np.ones(each))
+        for name, own in under.items()
+    ]
     count, experiments, width = drawn.statistics.shape
     inferred = Predictions(
         "posterior",
@@ -100,7 +107,7 @@ def page(given: Arguments, drawn: Drawn) -> Page:
         else f"There are too few sets to say which questions to the author would tell most (needed: {ENOUGH} of equal "
         "weight).",
         _prior(),
-        _reasons([row.reason or "admissible" for row in drawn.rows]),
+        _reasons([reason or "admissible" for reason in drawn.reasons]),
         *posterior_parts(posterior, sets, given.quick),
         _cells([*single, inferred]),
         _test_set(inferred, drawn.statistics, posterior.weights),
@@ -141,17 +148,9 @@ def posterior_parts(posterior: Posterior, sets: Sets, quick: bool = False) -> li
     ]
 
 
-def _predicted_under(name: str, decisions: Decisions, given: Arguments) -> Predictions:
-    """Experiments under one set of decisions and the laboratory's noise."""
-    count = QUICK_EXPERIMENTS if given.quick else EXPERIMENTS
-    return Predictions(
-        name, replicate(Laboratory(decisions, Noise.laboratory()), given.seed, count), np.ones(count)
-    )
-
-
 def _prior() -> Table:
     rows: list[dict[str, Value]] = []
-    for name, part in (*PRIOR.decisions.items(), *PRIOR.noise.items()):
+    for name, part in PRIOR.parts.items():
         if isinstance(part, Range):
             values = f"{part.least:g} to {part.most:g}"
         else:
@@ -351,14 +350,10 @@ def _cells(predictions: Sequence[Predictions]) -> Table:
     thesis = thesis_statistics()
     rows: list[dict[str, Value]] = []
     for k in np.flatnonzero(np.isfinite(thesis)).tolist():
-        row: dict[str, Value] = {
-            "statistic": ALL[k],
-            "use": "fitted" if ALL[k] in FITTED else "test",
-            "thesis": float(thesis[k]),
-        }
+        use = "fitted" if ALL[k] in FITTED else "test"
+        row: dict[str, Value] = {"statistic": ALL[k], "use": use, "thesis": float(thesis[k])}
         for one in predictions:
-            row[one.name] = one.interval(k)
-            row[f"percentile ({one.name})"] = rank(one.experiments[:, k], one.weights, float(thesis[k]))
+            row |= {one.name: one.interval(k), f"percentile ({one.name})": one.rank(k)}
         rows.append(row)
     return table_of(
         "cells",
@@ -409,7 +404,7 @@ def _test_set(inferred: Predictions, statistics: NDArray[np.float32], weights: F
                 "statistic": ALL[k],
                 "thesis": value,
                 "posterior": interval,
-                "percentile": rank(inferred.experiments[:, k], inferred.weights, value),
+                "percentile": inferred.rank(k),
                 "predicted": "yes" if interval.low <= value <= interval.high else "no",
                 "posterior sets (%)": 100 * float(weights @ hits[:, k]),
                 "admissible sets (%)": 100 * float(hits[:, k].mean()),
@@ -431,7 +426,6 @@ class Explained(NamedTuple):
     """Of one decision.
 
     Attributes:
-        name: Of the field.
         share: Of the posterior variance of the fourteen means that knowing it would remove on average; not a number
             with too few sets.
         chance: The largest share of 95 % of decisions without any influence.
@@ -446,36 +440,32 @@ def explained(posterior: Posterior, statistics: NDArray[np.float32], rng: Genera
     """How much of the variance of the fourteen means each decision explains, most first; `rng` permutes classes."""
     if effective_number(posterior.weights) < ENOUGH:
         return [Explained(one.name, np.nan, np.nan) for one in posterior.parameters]
-    means = np.asarray(statistics[:, :, MEANS].mean(axis=1), dtype=np.float64)
-    found = [
-        Explained(one.name, *_explained(one, posterior.weights, means, rng)) for one in posterior.parameters
-    ]
-    return sorted(found, key=lambda one: one.chance - one.share)
-
-
-def _explained(parameter: Parameter, weights: Floats, means: Floats, rng: Generator) -> tuple[float, float]:
-    """The share of the variance of means, shape (sets, outcomes), that a decision explains, and that of chance."""
-    used = weights > 0
-    weights, means = weights[used] / weights.sum(), means[used]
+    used = posterior.weights > 0
+    weights = posterior.weights[used] / posterior.weights.sum()
+    means = np.asarray(statistics[used][:, :, MEANS].mean(axis=1), dtype=np.float64)
     centre = weights @ means
     variance = weights @ (means - centre) ** 2
     varies = variance > 1e-12 * (centre**2 + variance)
-    if not varies.any():
-        return 0.0, 0.0
     means = (means - centre)[:, varies] / np.sqrt(variance[varies])
-    if parameter.readings:
-        classes = parameter.indicators[used]
-    else:
-        values = parameter.values[used]
-        ends = quantiles(values, weights, [k / PARTS for k in range(1, PARTS)])
-        classes = np.asarray(np.searchsorted(ends, values)[:, None] == np.arange(PARTS), dtype=np.float64)
-    # Weights and means stay together, so that chance includes what a few heavy sets can do.
-    by_chance = [_between(rng.permutation(classes), weights, means) for _ in range(PERMUTATIONS)]
-    return _between(classes, weights, means), float(np.quantile(by_chance, 0.95))
+    found = []
+    for one in posterior.parameters:
+        if one.readings:
+            classes = one.indicators[used]
+        else:
+            ends = quantiles(one.values[used], weights, [k / PARTS for k in range(1, PARTS)])
+            places = np.searchsorted(ends, one.values[used])
+            classes = np.asarray(places[:, None] == np.arange(PARTS), dtype=np.float64)
+        # Weights and means stay together, so that chance includes what a few heavy sets can do.
+        by_chance = [_between(rng.permutation(classes), weights, means) for _ in range(PERMUTATIONS)]
+        share = _between(classes, weights, means)
+        found.append(Explained(one.name, share, float(np.quantile(by_chance, 0.95))))
+    return sorted(found, key=lambda one: one.chance - one.share)
 
 
 def _between(classes: Floats, weights: Floats, means: Floats) -> float:
-    """Variance between classes of outcomes that have mean 0 and variance 1, on average over outcomes."""
+    """Variance between classes of outcomes that have mean 0 and variance 1, on average over outcomes; 0 without any."""
+    if not means.size:
+        return 0.0
     within = classes.T @ weights
     sums = (classes * weights[:, None]).T @ means
     return float((sums[within > 0] ** 2 / within[within > 0, None]).sum(axis=0).mean())

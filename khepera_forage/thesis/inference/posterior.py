@@ -54,7 +54,6 @@ class Parameter:
     """A field that the prior draws, and its values in some sets.
 
     Attributes:
-        name: Of the field of `Decisions` or `Noise`.
         readings: Its named readings; empty if it is a number.
         values: One a set; a reading is its place among the readings.
     """
@@ -83,17 +82,14 @@ class Parameter:
 def parameters_of(prior: Prior, laboratories: Sequence[Laboratory]) -> list[Parameter]:
     """What the prior draws, in the order of the prior, with the values in each laboratory."""
     found = []
-    for name, part in (*prior.decisions.items(), *prior.noise.items()):
+    for name, part in prior.parts.items():
         readings = () if isinstance(part, Range) else tuple(part.of)
-        drawn = [_value_of(laboratory, name) for laboratory in laboratories]
+        drawn = [
+            getattr(lab.decisions if name in prior.decisions else lab.noise, name) for lab in laboratories
+        ]
         values = [readings.index(value) for value in drawn] if readings else drawn
         found.append(Parameter(name, readings, np.array(values, dtype=np.float64)))
     return found
-
-
-def _value_of(laboratory: Laboratory, name: str) -> Any:
-    decisions, noise = laboratory
-    return getattr(decisions if hasattr(decisions, name) else noise, name)
 
 
 def quantiles(values: Floats, weights: Floats, shares: Sequence[float]) -> list[float]:
@@ -127,43 +123,40 @@ def effective_number(weights: Floats) -> float:
     return float(weights.sum() ** 2 / (weights**2).sum())
 
 
-class SetForest:
-    """A forest on the experiments of simulated sets.
+def forest_weights(
+    statistics: Floats, targets: Floats, queries: Floats, seed: int, trees: int = TREES
+) -> Floats:
+    """How much each simulated set counts for some experiments, by a forest on the experiments under the sets.
 
     Args:
-        statistics: Of the experiments, shape (sets, experiments, statistics); they may be missing (nan).
+        statistics: Shape (sets, experiments, statistics); they may be missing (nan).
         targets: What the trees predict, shape (sets, columns).
+        queries: Statistics of experiments, shape (queries, statistics).
         seed: Of the forest.
         trees: Number of trees.
+
+    Returns:
+        Shape (queries, sets); each row's sum is 1.
     """
-
-    def __init__(self, statistics: Floats, targets: Floats, seed: int, trees: int = TREES) -> None:
-        self._sets, experiments, _ = statistics.shape
-        self._rows = np.ascontiguousarray(statistics.reshape(self._sets * experiments, -1), dtype=np.float32)
-        self._owners = np.repeat(np.arange(self._sets), experiments)
-        forest = RandomForestRegressor(
-            trees,
-            min_samples_leaf=LEAST_LEAF,
-            max_features=1 / 3,
-            max_samples=self._sets,  # about one experiment of each set, and others in the next tree
-            random_state=seed,
-        )
-        values = targets[self._owners]
-        self._trees = [
-            one.tree_
-            for one in forest.fit(self._rows, values[:, 0] if values.shape[1] == 1 else values).estimators_
-        ]
-
-    def weights(self, observed: Floats) -> Floats:
-        """How much each set counts, shape (queries, sets), given statistics of shape (queries, statistics)."""
-        queries = np.ascontiguousarray(observed, dtype=np.float32)
-        total = np.zeros((len(queries), self._sets))
-        for tree in self._trees:
-            leaves = tree.apply(self._rows)
-            size = np.bincount(leaves, minlength=tree.node_count)
-            shares = csr_array((1.0 / size[leaves], (leaves, self._owners)), (tree.node_count, self._sets))
-            total += shares[tree.apply(queries)].toarray()
-        return total / len(self._trees)
+    sets, experiments, _ = statistics.shape
+    rows = np.ascontiguousarray(statistics.reshape(sets * experiments, -1), dtype=np.float32)
+    owners, asked = np.repeat(np.arange(sets), experiments), np.ascontiguousarray(queries, dtype=np.float32)
+    forest = RandomForestRegressor(
+        trees,
+        min_samples_leaf=LEAST_LEAF,
+        max_features=1 / 3,
+        max_samples=sets,  # about one experiment of each set, and others in the next tree
+        random_state=seed,
+    )
+    values = targets[owners]
+    forest.fit(rows, values[:, 0] if values.shape[1] == 1 else values)
+    total = np.zeros((len(asked), sets))
+    for tree in (one.tree_ for one in forest.estimators_):
+        leaves = tree.apply(rows)
+        size = np.bincount(leaves, minlength=tree.node_count)
+        shares = csr_array((1.0 / size[leaves], (leaves, owners)), (tree.node_count, sets))
+        total += shares[tree.apply(asked)].toarray()
+    return total / trees
 
 
 class Determined(StrEnum):
@@ -180,7 +173,6 @@ class Calibration:
     """Of one decision.
 
     Attributes:
-        name: Of the field.
         ranks: Of the true values in their posteriors, 0 to 1, shape (held-out sets,).
         half: Percent of true values in the 50 % interval: the shortest one of a number, the central one of a reading.
         most: The same for 90 %.
@@ -223,11 +215,12 @@ def calibrate(
         rng: Orders readings with equal ranks at random; draws resamples.
         guesses: The same weights without any tables.
     """
-    ranks = _ranks(learned, weights, true.values, rng)
-    errors = np.stack(
-        [_errors(learned, weights, true), _errors(learned, guesses, true)],
-        axis=1,
-    )
+    # Weight below the true value, and a random share of the weight at it: uniform if the posterior is right.
+    ranks = np.empty(len(true.values))
+    for k, (row, value) in enumerate(zip(weights, true.values, strict=True)):
+        ranks[k] = row[learned.values < value].sum() + rng.random() * row[learned.values == value].sum()
+    ranks = np.clip(ranks, 0.0, 1.0)
+    errors = np.stack([_errors(learned, some, true) for some in (weights, guesses)], axis=1)
     counts, _ = np.histogram(ranks, CLASSES, range=(0.0, 1.0))
     return Calibration(
         learned.name,
@@ -237,14 +230,6 @@ def calibrate(
         bootstrap(errors, ratio, rng),
         float(stats.chisquare(counts).pvalue) if len(ranks) >= 5 * CLASSES else float("nan"),
     )
-
-
-def _ranks(learned: Parameter, weights: Floats, true: Floats, rng: Generator) -> Floats:
-    """Weight below the true value, and a random share of the weight at it: uniform if the posterior is right."""
-    ranks = np.empty(len(true))
-    for k, (row, value) in enumerate(zip(weights, true, strict=True)):
-        ranks[k] = row[learned.values < value].sum() + rng.random() * row[learned.values == value].sum()
-    return np.clip(ranks, 0.0, 1.0)
 
 
 def _coverage(learned: Parameter, weights: Floats, true: Parameter, ranks: Floats, share: float) -> Estimate:
@@ -383,18 +368,17 @@ def infer(
         raise ValueError(f"{count} admissible sets; allowed: at least 3, to learn from and to validate with")
     targets = np.hstack([parameter.targets for parameter in parameters])
     fitted = statistics.astype(np.float64)
-    weights = SetForest(fitted, targets, seed, trees).weights(observed[None])[0]
+    weights = forest_weights(fitted, targets, observed[None], seed, trees)[0]
     folds = [np.arange(fold, count, HELD_OUT) for fold in range(min(HELD_OUT, count))]
     folds = folds[: math.ceil(VALIDATED / len(folds[0]))]
     held_out = np.concatenate(folds)
     posteriors, guesses = np.zeros((2, len(held_out), count))
-    done = 0
     for fold in folds:
-        learned, rows = np.setdiff1d(np.arange(count), fold), np.arange(done, done + len(fold))
-        forest = SetForest(fitted[learned], targets[learned], seed, trees)
-        posteriors[np.ix_(rows, learned)] = forest.weights(fitted[fold, 0])
+        learned, rows = np.setdiff1d(np.arange(count), fold), np.isin(held_out, fold)
+        posteriors[np.ix_(rows, learned)] = forest_weights(
+            fitted[learned], targets[learned], fitted[fold, 0], seed, trees
+        )
         guesses[np.ix_(rows, learned)] = 1 / len(learned)
-        done += len(fold)
     rng = np.random.default_rng(seed)
     found = [calibrate(one, posteriors, one.of(held_out), rng, guesses) for one in parameters]
     corrected = holm([1.0 if np.isnan(one.equal_ranks) else one.equal_ranks for one in found])

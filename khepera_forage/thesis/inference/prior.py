@@ -81,19 +81,18 @@ class Prior:
     noise: Mapping[str, Range]
 
     @property
-    def text(self) -> str:
-        """Everything that draws depend on."""
-        parts = {**self.decisions, **self.noise}
-        values = {
-            name: part[:2] if isinstance(part, Range) else list(part.of.items())
-            for name, part in parts.items()
-        }
-        return json.dumps(values)
+    def parts(self) -> dict[str, Range | Shares]:
+        """What is drawn, by the name of the field, decisions first."""
+        return {**self.decisions, **self.noise}
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """The fields that are drawn, decisions first."""
-        return (*self.decisions, *self.noise)
+    def text(self) -> str:
+        """Everything that draws depend on."""
+        values = {
+            name: part[:2] if isinstance(part, Range) else list(part.of.items())
+            for name, part in self.parts.items()
+        }
+        return json.dumps(values)
 
     def draw(self, rng: Generator) -> Laboratory:
         """A random laboratory; sets that break a rule between decisions, or do not fit an arena, are drawn again.

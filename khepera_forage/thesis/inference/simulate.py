@@ -6,9 +6,7 @@ at, no learner. Under each admissible set the thesis's whole design is replicate
 
 import math
 import zipfile
-from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
 from typing import NamedTuple
@@ -24,20 +22,18 @@ from khepera_forage.option_values import progress
 from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING, Episodes, run_recalls
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.training import IncompleteTrainingError
-from khepera_forage.study import Arguments, RowStore, in_processes
+from khepera_forage.study import Arguments, Job, RowStore, in_processes
 from khepera_forage.thesis.compiled_replications import recalls_of
 from khepera_forage.thesis.design import THESIS, files_needed
 from khepera_forage.thesis.inference.posterior import Parameter, parameters_of
 from khepera_forage.thesis.inference.prior import (
     PRIOR,
     Laboratory,
-    Prior,
     laboratory_from_text,
     laboratory_text,
 )
 from khepera_forage.thesis.inference.summary import (
-    NAMES,
-    SLOPES,
+    ALL,
     CellRecalls,
     fitted_columns,
     of_recalls,
@@ -154,7 +150,6 @@ class SetRow:
     """One set of decisions from the prior.
 
     Attributes:
-        number: Of the set, from 0.
         laboratory: Decisions and noise as text.
         reason: Why it is not admissible; empty if it is.
         statistics: Of the experiments under it, one after the other; empty if it is not admissible.
@@ -166,34 +161,13 @@ class SetRow:
     statistics: tuple[float, ...]
 
 
-class Chunk(NamedTuple):
-    """Some sets, one after the other."""
-
-    seed: int
-    number: int
-    size: int
-    experiments: int
-
-    @property
-    def key(self) -> str:
-        """The number."""
-        return str(self.number)
-
-    def run(self) -> list[SetRow]:
-        """Simulate all sets; they are counted over all chunks."""
-        first = self.number * self.size
-        return [
-            simulate(PRIOR, self.seed, number, self.experiments) for number in range(first, first + self.size)
-        ]
-
-
-def simulate(prior: Prior, seed: int, number: int, experiments: int) -> SetRow:
+def simulate(seed: int, number: int, experiments: int) -> SetRow:
     """Draw a set from the prior, check it, and replicate the thesis under it if it is admissible.
 
     The set depends on the seed of all sets and on its number alone.
     """
     rng = np.random.default_rng((seed, number))
-    laboratory = prior.draw(rng)
+    laboratory = PRIOR.draw(rng)
     first = int(rng.integers(2**62))
     reason = reason_against(laboratory, first)
     statistics = np.zeros(0) if reason else replicate(laboratory, first + 1, experiments)
@@ -224,42 +198,10 @@ def replicate(laboratory: Laboratory, seed: int, experiments: int) -> NDArray[np
     return with_slopes(cells)
 
 
-@dataclass(frozen=True)
-class Drawn:
-    """Sets in the order in which they were drawn, up to the last admissible one that was wanted."""
-
-    rows: Sequence[SetRow]
-    experiments: int
-
-    @cached_property
-    def admissible(self) -> list[SetRow]:
-        """The admissible sets."""
-        return [row for row in self.rows if not row.reason]
-
-    @cached_property
-    def statistics(self) -> NDArray[np.float32]:
-        """Of the admissible sets, shape (sets, experiments, statistics)."""
-        flat = np.array([row.statistics for row in self.admissible], np.float32)
-        return flat.reshape(len(flat), self.experiments, len(NAMES) + len(SLOPES))
-
-    @cached_property
-    def laboratories(self) -> list[Laboratory]:
-        """The admissible sets."""
-        return [laboratory_from_text(row.laboratory) for row in self.admissible]
-
-    @cached_property
-    def sets(self) -> "Sets":
-        """What the inference learns from."""
-        return Sets(
-            parameters_of(PRIOR, self.laboratories), self.statistics[:, :, fitted_columns()], len(self.rows)
-        )
-
-
 class Sets(NamedTuple):
     """Admissible sets, and the fitted statistics of the experiments under them.
 
     Attributes:
-        parameters: What the prior draws.
         statistics: Shape (sets, experiments, fitted statistics); they may be missing.
         draws: Sets that were drawn to find as many admissible ones.
     """
@@ -274,9 +216,7 @@ class Sets(NamedTuple):
             np.savez_compressed(
                 file,
                 prior=PRIOR.text,
-                values=np.stack([parameter.values for parameter in self.parameters], axis=1).astype(
-                    np.float32
-                ),
+                values=np.stack([one.values for one in self.parameters], axis=1).astype(np.float32),
                 statistics=self.statistics,
                 draws=self.draws,
             )
@@ -299,15 +239,27 @@ class Sets(NamedTuple):
             ) from None
         if prior != PRIOR.text:
             raise ValueError(f"{kept} was made with another prior; allowed: the prior of this version")
-        parameters = parameters_of(PRIOR, [])
-        return Sets(
-            [
-                Parameter(one.name, one.readings, column)
-                for one, column in zip(parameters, values.T, strict=True)
-            ],
-            statistics,
-            draws,
-        )
+        known = zip(parameters_of(PRIOR, []), values.T, strict=True)
+        return Sets([replace(one, values=column) for one, column in known], statistics, draws)
+
+
+class Drawn(NamedTuple):
+    """Sets in the order in which they were drawn, up to the last admissible one that was wanted.
+
+    Attributes:
+        reasons: Why each set is not admissible; empty if it is.
+        statistics: Of the admissible sets, shape (sets, experiments, statistics).
+    """
+
+    reasons: list[str]
+    laboratories: list[Laboratory]
+    statistics: NDArray[np.float32]
+
+    @property
+    def sets(self) -> Sets:
+        """What the inference learns from."""
+        fitted = self.statistics[:, :, fitted_columns()]
+        return Sets(parameters_of(PRIOR, self.laboratories), fitted, len(self.reasons))
 
 
 def draw(given: Arguments, wanted: int, experiments: int) -> Drawn:
@@ -317,27 +269,39 @@ def draw(given: Arguments, wanted: int, experiments: int) -> Drawn:
         SystemExit: The folder holds sets of another run.
     """
     settings = {**given.settings, "experiments": str(experiments), "prior": PRIOR.text}
-    settings["statistics"] = " ".join((*NAMES, *SLOPES))
+    settings["statistics"] = " ".join(ALL)
     try:
         store = RowStore(given.out, {SetRow: "sets"}, settings, given.fresh, FILE)
     except ValueError as error:
         given.refuse(str(error))
     size = QUICK_CHUNK if given.quick else CHUNK
     rows: list[SetRow] = []
-    found = number = 0
+    admissible: list[SetRow] = []
+    number = 0
     with progress(total=wanted, desc="admissible sets") as bar:
-        while found < wanted:
-            coming = range(number, number + effective_n_jobs(given.jobs) * CHUNKS_A_PROCESS)
-            missing = [k for k in coming if str(k) not in store.finished]
+        while len(admissible) < wanted:
             if str(number) not in store.finished:
-                for key, made in in_processes(given.jobs)(
-                    [Chunk(given.seed, k, size, experiments) for k in missing]
-                ):
+                coming = range(number, number + effective_n_jobs(given.jobs) * CHUNKS_A_PROCESS)
+                missing = [
+                    Job(str(k), _chunk, (given.seed, range(k * size, (k + 1) * size), experiments))
+                    for k in coming
+                    if str(k) not in store.finished
+                ]
+                for key, made in in_processes(given.jobs)(missing):
                     store.add(key, made)
             for row in store.finished[str(number)]:
-                if found < wanted:
+                if len(admissible) < wanted:
                     rows.append(row)
-                    found += not row.reason
-                    bar.update(not row.reason)
+                    if not row.reason:
+                        admissible.append(row)
+                        bar.update()
             number += 1
-    return Drawn(rows, experiments)
+    return Drawn(
+        [row.reason for row in rows],
+        [laboratory_from_text(row.laboratory) for row in admissible],
+        np.array([row.statistics for row in admissible], np.float32).reshape(wanted, experiments, len(ALL)),
+    )
+
+
+def _chunk(seed: int, numbers: range, experiments: int) -> list[SetRow]:
+    return [simulate(seed, number, experiments) for number in numbers]

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ class CellSummary(NamedTuple):
     """One table of appendix A in numbers; of ours, each is an array with one element an experiment.
 
     Attributes:
-        score: Mean score, percent.
         food: Share of the food that was brought home.
         right_failed: Mean share of correct steps in recalls that left food, percent. Not a number without any.
         right_successful: The same for recalls that left none.
@@ -52,8 +51,6 @@ class CellRecalls(NamedTuple):
     """Recalls of a cell in some experiments; each array has the shape (experiments, sets of files, recalls).
 
     Attributes:
-        correct: Correct steps.
-        steps: Steps.
         delivered: Food objects brought home.
         penalty: For food that was left, percentage points.
     """
@@ -90,17 +87,27 @@ def of_recalls(cell: Cell, recalls: CellRecalls) -> CellSummary:
     usable, failed = recalls.usable(cell.limit), recalls.penalty > 0
     right = 100.0 * recalls.correct / np.maximum(recalls.steps, 1.0)
     scores = np.floor(right) - recalls.penalty
-    count = usable.sum(axis=2)
-    means = np.where(count > 0, (scores * usable).sum(axis=2) / np.maximum(count, 1), np.nan)
+    means = np.ma.filled(np.ma.masked_array(scores, ~usable).mean(axis=2), np.nan)
+    steps = np.ma.median(_where(usable & ~failed, recalls.steps), axis=1)  # type: ignore[no-untyped-call]
     several = means.shape[1] > 1
     return CellSummary(
         _mean_where(usable, scores),
         recalls.delivered.mean(axis=(1, 2)) / cell.foods,
         _mean_where(usable & failed, right),
         _mean_where(usable & ~failed, right),
-        _median_where(usable & ~failed, recalls.steps),
+        np.ma.filled(steps, np.nan),
         means.std(axis=1, ddof=1) if several else np.full(len(means), np.nan),
     )
+
+
+def _where(which: NDArray[np.bool_], values: Floats) -> Any:
+    """Some values of each experiment, as a masked array."""
+    return np.ma.masked_array(values, ~which).reshape(len(values), -1)
+
+
+def _mean_where(which: NDArray[np.bool_], values: Floats) -> Floats:
+    """Mean of some values of each experiment; not a number without any."""
+    return np.asarray(np.ma.filled(_where(which, values).mean(axis=1), np.nan))
 
 
 def printed_recalls(cell: Cell, lines: Sequence[PrintedRecall]) -> CellRecalls:
@@ -190,16 +197,3 @@ def tables_statistics(path: Path) -> Floats:
         whole = np.array(found, dtype=np.float64) if cell.arena == "corridor" else np.ones((1, 1, 4))
         cells.append(of_recalls(cell, CellRecalls(*whole.transpose(2, 0, 1)[:, None])))
     return np.asarray(with_slopes(cells)[0][fitted_columns()])
-
-
-def _mean_where(which: NDArray[np.bool_], values: Floats) -> Floats:
-    """Mean of some values of each experiment; not a number without any."""
-    which, values = which.reshape(len(which), -1), values.reshape(len(values), -1)
-    count = which.sum(axis=1)
-    return np.where(count > 0, (values * which).sum(axis=1) / np.maximum(count, 1), np.nan)
-
-
-def _median_where(which: NDArray[np.bool_], values: Floats) -> Floats:
-    """Median of some values of each experiment; not a number without any."""
-    pairs = zip(which.reshape(len(which), -1), values.reshape(len(values), -1), strict=True)
-    return np.array([np.median(row[chosen]) if chosen.any() else np.nan for chosen, row in pairs])

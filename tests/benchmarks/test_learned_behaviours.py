@@ -6,12 +6,12 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import pytest
+from further_experiments.learned_behaviours import LearnedBehaviours, relations
 from hypothesis import given
 from hypothesis import strategies as st
 
 import khepera_forage  # noqa: F401 - registers the environments
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.policies.learned_behaviours import LearnedBehaviours, relations
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_CLOSED, Motors
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
@@ -120,17 +120,3 @@ def test_learned_behaviours_forage_at_new_places(learned: LearnedBehaviours) -> 
         delivered.append(info["delivered"])
     env.close()
     assert sum(delivered) >= 1, "a robot that stands still, or drives at random, delivers nothing"
-
-
-@pytest.mark.parametrize("trees", [0, -1, 2.5, True])
-def test_number_of_trees_out_of_range_is_refused(trees: int) -> None:
-    with pytest.raises(ValueError, match=f"trees is {trees}; allowed: an integer, at least 1"):
-        LearnedBehaviours(trees)
-
-
-def test_numbers_that_are_not_finite_are_refused() -> None:
-    motors = Motors(0, 0, 215, 0)
-    with pytest.raises(ValueError, match=r"raw data 1 are \[.*nan.*\]; allowed: finite numbers"):
-        LearnedBehaviours().fit([RAW, RAW._replace(x=math.nan)], [1, 1], [motors, motors])
-    with pytest.raises(ValueError, match=r"motors 0 are \[inf, .*\]; allowed: finite numbers"):
-        LearnedBehaviours().fit([RAW], [1], [motors._replace(left=math.inf)])

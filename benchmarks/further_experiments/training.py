@@ -7,48 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from further_experiments.episodes import (
-    ARENAS,
-    recall_all,
-    recall_everywhere,
-    recall_imitators,
-    thesis_files,
-    train_files,
-    training_seeds,
-)
-from further_experiments.experiment import (
-    ATTEMPTS,
-    DELIVERED,
-    DISTINCT,
-    EPISODES,
-    FOOD_POINTS,
-    INTERVALS,
-    PERCENT,
-    POISON_HOME,
-    ROUNDS,
-    SCORE,
-    SETTLED,
-    STEPS,
-    TRUE,
-    VECTORS,
-    Analysis,
-    Experiment,
-    RecallEpisode,
-    Report,
-    Row,
-    Trial,
-    amounts_of,
-    claim,
-    curves,
-)
+import further_experiments.common as fw
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import FoodOdds, checked_arena, timing_of
 from khepera_forage.envs.layouts import random_layout
-from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import (
     MIN_REPLICATIONS,
     UNKNOWN,
     Estimate,
+    Sample,
     combined,
     percent,
     pick,
@@ -59,17 +26,14 @@ from khepera_forage.figures import legend, levels, panels
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.policy import UniformPolicy
 from khepera_forage.robots.parameters import RobotParameters
-from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.sim.arena import copies
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, DEFAULT_VALUES
 from khepera_forage.task.placement import layout_key
-from khepera_forage.thesis.claims.claim import Claim, above, at_most, percent_change, points
+from khepera_forage.thesis.claims import Claim, above, at_most, percent_change, points
 from khepera_forage.vision.scene import MM_PER_PIXEL
-
-NOTE = "Noise of the laboratory; random places, the same for every line of an arena."
 
 FOOD: dict[str, FoodOdds] = {
     "pickable": "PICKABLE",
@@ -81,69 +45,64 @@ MAX_POISON_HOME = 5.0
 """Percent of the food that a learner may bring home as poison and still count as one that avoids poison."""
 
 
-def train_with_food(trial: Trial) -> list[Row]:
+def train_with_food(trial: fw.Trial) -> list[fw.Row]:
     """Training and recall with one kind of food. The policy with 0 episodes draws behaviours at random."""
     odds = FOOD[trial.condition]
-    files, trainings = thesis_files(trial, TrainingEnv(max_cycles=trial.size.rounds, food_types=odds))
-    recalls: list[RecallEpisode] = []
-    for arena in ARENAS:
-        env = recall_env(arena, limit=trial.size.steps, food_types=odds)
-        recalls += recall_all(env, UniformPolicy(), trial, 0)
-        recalls += recall_imitators(env, trial, files)
-        env.close()
+    files, trainings = fw.thesis_files(trial, trial.env(food_types=odds))
+    recalls: list[fw.RecallEpisode] = []
+    for arena in fw.ARENAS:
+        env = trial.alone(arena, food_types=odds)
+        recalls += fw.recall_all(env, UniformPolicy(), trial)
+        recalls += fw.recall_imitators(env, trial, files)
     return [*trainings, *recalls]
 
 
-def report_food(found: Analysis) -> Report:
+def report_food(found: fw.Analysis) -> fw.Report:
     """Whether the thesis's conclusions hold for every kind of food."""
     note = (
         "Noise of the laboratory. Settled: delivered, or known to be poisonous and not brought home. 0 episodes: every "
         "behaviour drawn at random. A recall ends when all food is settled or was brought home as poison."
     )
     tables = (
-        found.recall_table(note, (SCORE, SETTLED, POISON_HOME, STEPS)),
-        found.training_table("Per complete episode.", (ATTEMPTS, ROUNDS, TRUE)),
+        found.recall_table(note, (fw.SCORE, fw.SETTLED, fw.POISON_HOME, fw.STEPS)),
+        found.training_table("Per complete episode.", (fw.ATTEMPTS, fw.ROUNDS, fw.TRUE)),
     )
-    figure, axes = panels(4, "Pushing and avoiding food")
-    for i, arena in enumerate(ARENAS):
-        own = pick(found.recalls, arena=arena)
-        curves(axes[2 * i], found, [row for row in own if row.amount], SCORE, EPISODES, arena)
-        curves(axes[2 * i + 1], found, own, SETTLED, EPISODES, arena)
-    legend(figure, axes[0], INTERVALS)
-    return Report([made for food in FOOD for made in _food_claims(found, food)], tables, figure)
+    figure = fw.score_and_food(found, "Pushing and avoiding food", fw.SETTLED)
+    return [made for food in FOOD for made in _food_claims(found, food)], tables, figure
 
 
-def _food_claims(found: Analysis, food: str) -> Iterator[Claim]:
+def _food_claims(found: fw.Analysis, food: str) -> Iterator[Claim]:
     rows = pick(found.recalls, condition=food)
-    amounts = amounts_of(rows)
+    amounts = fw.amounts_of(rows)
     first, second, before, last = (*amounts[:2], *amounts[-2:])
-    for arena in ARENAS:
+    for arena in fw.ARENAS:
         many, few = (pick(rows, arena=arena, amount=amount) for amount in (last, first))
-        effect = found.difference(many, few, SCORE)
-        yield claim(f"{food}, {arena}: more episodes improve the learner", effect, above(0.0), points)
+        yield found.compared(f"{food}, {arena}: more episodes improve the learner", many, few, fw.SCORE)
     # The gain of the first episodes minus that of the last ones: positive where the gain shrinks.
     early, late = 1.0 / (second - first), 1.0 / (last - before)
-    weights = ((early, second), (-early, first), (-late, last), (late, before))
-    groups = [(weight, pick(rows, arena=CORRIDOR, amount=amount)) for weight, amount in weights]
-    effect = combined(groups, SCORE, found.rng)
-    yield claim(f"{food}, corridor: the gain from an episode shrinks", effect, above(0.0), points)
+    terms = [
+        (weight, Sample(pick(rows, arena=CORRIDOR, amount=amount), fw.SCORE.value))
+        for weight, amount in ((early, second), (-early, first), (-late, last), (late, before))
+    ]
+    effect = combined(terms, found.rng)
+    yield fw.claim(f"{food}, corridor: the gain from an episode shrinks", effect, above(0.0), points)
     learned, chance = (pick(rows, arena="rectangle", amount=amount) for amount in (last, 0))
-    effect = Estimate(*(value / 100 for value in found.difference(learned, chance, SETTLED)))
+    effect = Estimate(*(value / 100 for value in found.difference(learned, chance, fw.SETTLED)))
     name = f"{food}: trained in the corridor, it forages in the rectangle"
-    yield claim(name, effect, above(0.0), percent_change)
+    yield fw.claim(name, effect, above(0.0), percent_change)
     if food in ("poisonous", "mixed"):
         home = _poison_home(found, pick(rows, amount=last))
-        yield claim(f"{food}: the learner leaves poison alone", home, at_most(MAX_POISON_HOME), PERCENT)
+        yield fw.claim(f"{food}: the learner leaves poison alone", home, at_most(MAX_POISON_HOME), fw.PERCENT)
 
 
-def _poison_home(found: Analysis, rows: Sequence[RecallEpisode]) -> Estimate:
+def _poison_home(found: fw.Analysis, rows: Sequence[fw.RecallEpisode]) -> Estimate:
     """The share of poison brought home. Where there was none, resampling would give an interval without width."""
     if any(row.poison_home for row in rows) or len(replications(rows)) < MIN_REPLICATIONS:
-        return found.mean(rows, POISON_HOME)
+        return found.mean(rows, fw.POISON_HOME)
     return percent(0, sum(row.foods for row in rows))
 
 
-PUSH_AND_AVOID = Experiment(
+PUSH_AND_AVOID = fw.Experiment(
     "push_and_avoid",
     "Pushing and avoiding",
     "5.5, 6.2",
@@ -180,44 +139,42 @@ def setups(condition: str, rng: np.random.Generator) -> Iterator[Mapping[str, An
             yield {"foods": foods}
 
 
-def train_with_setups(trial: Trial) -> list[Row]:
+def train_with_setups(trial: fw.Trial) -> list[fw.Row]:
     """Training episodes of one kind, and recalls after some of them and after all."""
-    seeds, places = training_seeds(trial).spawn(2)
-    env = TrainingEnv(max_cycles=trial.size.rounds)
+    seeds, places = trial.seeds(2)
     marks = setups(trial.condition, np.random.default_rng(places))
-    trained = list(train_files(env, trial, seeds.spawn(trial.size.files), setups=marks))
-    env.close()
-    recalls = recall_everywhere(trial, [experience for experience, _ in trained])
-    return [*(row for _, row in trained), *recalls]
+    trained = list(fw.train_files(trial.env(), trial, seeds.spawn(trial.size.files), setups=marks))
+    files = [experience for experience, _ in trained]
+    rows: list[fw.Row] = [row for _, row in trained]
+    for arena in fw.ARENAS:
+        rows += fw.recall_imitators(trial.alone(arena), trial, files)
+    return rows
 
 
-def report_setups(found: Analysis) -> Report:
+def report_setups(found: fw.Analysis) -> fw.Report:
     """Whether variety helps with the same number of episodes, and with fewer."""
     half, last = found.amounts[-2:]
     claims = []
-    for arena in ARENAS:
+    for arena in fw.ARENAS:
         for condition in (MOVED, ALL):
             for various in (last, half):
                 rows = pick(found.recalls, condition=condition, amount=various, arena=arena)
                 others = pick(found.recalls, condition=ONE, amount=last, arena=arena)
                 name = f"variety is worth more than quantity ({various} episodes against {last})"
                 name = f"{condition}, {arena}: {'variety helps' if various == last else name}"
-                claims.append(claim(name, found.difference(rows, others, SCORE), above(0.0), points))
+                claims.append(found.compared(name, rows, others, fw.SCORE))
     tables = (
-        found.recall_table(NOTE, (SCORE, DELIVERED, STEPS, VECTORS, DISTINCT)),
-        found.training_table("Per complete episode.", (ATTEMPTS, ROUNDS, TRUE)),
+        found.recall_table(
+            "Noise of the laboratory; random places, the same for every line of an arena.",
+            (fw.SCORE, fw.DELIVERED, fw.STEPS, fw.VECTORS, fw.DISTINCT),
+        ),
+        found.training_table("Per complete episode.", (fw.ATTEMPTS, fw.ROUNDS, fw.TRUE)),
         found.places_table(last),
     )
-    figure, axes = panels(4, "Training episodes from one set-up, and from several")
-    for i, arena in enumerate(ARENAS):
-        own = pick(found.recalls, arena=arena)
-        curves(axes[2 * i], found, own, SCORE, EPISODES, arena)
-        curves(axes[2 * i + 1], found, own, DELIVERED, EPISODES, arena)
-    legend(figure, axes[0], INTERVALS)
-    return Report(claims, tables, figure)
+    return claims, tables, fw.score_and_food(found, "Training episodes from one set-up, and from several")
 
 
-SPATIAL_VARIETY = Experiment(
+SPATIAL_VARIETY = fw.Experiment(
     "spatial_variety",
     "Spatial variety",
     "5.5, 6.2",
@@ -241,75 +198,68 @@ ROBOTS = {
 }
 
 
-def train_robot(trial: Trial) -> list[Row]:
+def train_robot(trial: fw.Trial) -> list[fw.Row]:
     """Forage with the teacher's program on this robot; train this robot, and forage with what it recorded."""
     robot = ROBOTS[trial.condition]
     decisions, timing = DEFAULT_DECISIONS, timing_of(DEFAULT_DECISIONS)
     corridors = copies(checked_arena(CORRIDOR, decisions), 2)
     pair = PymunkWorld(corridors, (1, 2), robot_parameters=(RobotParameters(), robot), timing=timing)
-    env = TrainingEnv(max_cycles=trial.size.rounds, world=pair)
-    rows: list[Row] = []
+    rows: list[fw.Row] = []
     files: list[Experience] = []
     try:
-        for experience, row in train_files(env, trial, training_seeds(trial).spawn(trial.size.files)):
+        for experience, row in fw.train_files(trial.env(world=pair), trial, trial.seeds(trial.size.files)):
             files.append(experience)
             rows.append(row)
     except IncompleteTrainingError:
         pass  # A result: training this robot hardly ever succeeds.
-    env.close()
-    for arena in ARENAS:
-        world = PymunkWorld(
-            [checked_arena(arena, decisions)],
-            (decisions.recall_marker,),
-            robot_parameters=(robot,),
-            timing=timing,
-        )
-        alone = recall_env(arena, limit=trial.size.steps, world=world)
-        rows += recall_all(alone, Teacher.of(alone), trial, 0)
-        rows += recall_imitators(alone, trial, files)
-        alone.close()
+    for arena in fw.ARENAS:
+        places, markers = [checked_arena(arena, decisions)], (decisions.recall_marker,)
+        world = PymunkWorld(places, markers, robot_parameters=(robot,), timing=timing)
+        alone = trial.alone(arena, world=world)
+        rows += fw.recall_all(alone, Teacher.of(alone), trial)
+        rows += fw.recall_imitators(alone, trial, files)
     return rows
 
 
-def report_robots(found: Analysis) -> Report:
+def report_robots(found: fw.Analysis) -> fw.Report:
     """Which robot forages better by imitating than by copying."""
     claims = []
     for robot in ROBOTS:
-        for arena in ARENAS:
+        for arena in fw.ARENAS:
             rows = pick(found.recalls, condition=robot, arena=arena)
-            last = max(amounts_of(rows), default=0)
+            last = max(fw.amounts_of(rows), default=0)
             copied, imitated = (pick(rows, amount=amount) for amount in (0, last))
-            effect = found.difference(imitated, copied, DELIVERED) if last else UNKNOWN
+            effect = found.difference(imitated, copied, fw.DELIVERED) if last else UNKNOWN
             name = f"{robot}, {arena}: imitating delivers more than copying"
-            claims.append(claim(name, effect, above(0.0), FOOD_POINTS))
+            claims.append(fw.claim(name, effect, above(0.0), fw.FOOD_POINTS))
     tables = (
         found.recall_table(
             "0 episodes: the teacher's program, copied. A copy always scores 100 % less its penalty, because the score "
             "compares it with the same program. Compare the food delivered.",
-            (DELIVERED, SCORE, STEPS),
+            (fw.DELIVERED, fw.SCORE, fw.STEPS),
         ),
         found.training_table(
             "The teacher is a standard robot. A learner whose training episode failed a hundred times in a row gets no "
             "further episodes.",
-            (ATTEMPTS, ROUNDS, TRUE),
+            (fw.ATTEMPTS, fw.ROUNDS, fw.TRUE),
         ),
     )
     last = max(found.amounts, default=0)
     figure, axes = panels(2, "Different robots: the teacher's program copied, and imitated")
-    for panel, arena in zip(axes, ARENAS, strict=True):
+    for panel, arena in zip(axes, fw.ARENAS, strict=True):
         own = pick(found.recalls, arena=arena)
         estimates = {
-            robot: [found.mean(pick(own, condition=robot, amount=n), DELIVERED) for n in (0, last)]
+            robot: [found.mean(pick(own, condition=robot, amount=n), fw.DELIVERED) for n in (0, last)]
             for robot in ROBOTS
         }
-        levels(panel, estimates, f"{DELIVERED.name}, {arena}", ("copied", f"imitated, {last} episodes"))
+        levels(panel, estimates, f"{fw.DELIVERED.name}, {arena}", ("copied", f"imitated, {last} episodes"))
         panel.set_xlim(-4, 104)
     axes[1].set_yticklabels([])
-    legend(figure, axes[0], INTERVALS)
-    return Report(claims, tables, figure)
+    legend(figure, axes[0], fw.INTERVALS)
+    return claims, tables, figure
 
 
-DIFFERENT_ROBOTS = Experiment(
+DIFFERENT_ROBOTS = fw.Experiment(
     "different_robots",
     "Different robots",
     "1.2, 6.3",

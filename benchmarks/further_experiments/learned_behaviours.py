@@ -1,11 +1,11 @@
 """Learned behaviours: a regression from raw data to motors for each behaviour (action level, 4.8)."""
 
 from collections.abc import Sequence
-from numbers import Integral
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from sklearn.ensemble import ExtraTreesRegressor
 
 from khepera_forage.geometry.plane import bearing_of, length, turn_to
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors
@@ -58,27 +58,14 @@ class LearnedBehaviours:
     decides, and a draw means raised and closed. A behaviour without examples stands still and keeps arm and jaw.
 
     Args:
-        trees: Trees of each ensemble, at least 1.
+        trees: Trees of each ensemble.
         random_state: Seed of their splits.
-
-    Raises:
-        ValueError: A number of trees below 1.
     """
 
-    trees: int
-    random_state: int
-
     def __init__(self, trees: int = 10, random_state: int = 0) -> None:
-        if not isinstance(trees, Integral) or isinstance(trees, bool) or trees < 1:
-            raise ValueError(f"trees is {trees!r}; allowed: an integer, at least 1")
         self.trees = trees
         self.random_state = random_state
         self._ensembles: dict[int, list[Any]] = {}
-
-    @property
-    def known(self) -> frozenset[int]:
-        """The behaviours with examples, by their numbers."""
-        return frozenset(self._ensembles)
 
     def fit(self, raws: Sequence[RawData], behaviours: Sequence[int], motors: Sequence[Motors]) -> Self:
         """Learn from steps, forgetting earlier ones.
@@ -87,22 +74,9 @@ class LearnedBehaviours:
             raws: What the robot perceived before each step.
             behaviours: The behaviour of each step.
             motors: The motor commands of each step.
-
-        Raises:
-            ValueError: The lengths differ, or a number is not finite.
         """
-        from sklearn.ensemble import ExtraTreesRegressor
-
-        if not len(raws) == len(behaviours) == len(motors):
-            raise ValueError(
-                f"{len(raws)} raw data, {len(behaviours)} behaviours, {len(motors)} motors; allowed: as many of each"
-            )
         rows = np.array([relations(raw) for raw in raws], np.float32).reshape(-1, RELATIONS)
         commands = np.array(motors, np.float64).reshape(-1, len(Motors._fields))
-        for name, numbers in (("raw data", rows), ("motors", commands)):
-            if not np.isfinite(numbers).all():
-                worst = int((~np.isfinite(numbers)).any(axis=1).argmax())
-                raise ValueError(f"{name} {worst} are {numbers[worst].tolist()}; allowed: finite numbers")
         labels = np.array(behaviours, np.int64)
         self._ensembles = {}
         for behaviour in np.unique(labels).tolist():
