@@ -26,10 +26,11 @@ class NamingFile:
 
     Args:
         path: The file that the block writes.
+        partial: What the block writes in its place first; errors name `path` instead.
     """
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
-        self._path = Path(path)
+    def __init__(self, path: str | os.PathLike[str], partial: Path | None = None) -> None:
+        self._path, self._unnamed = Path(path), ("None", str(partial))
 
     def __enter__(self) -> None:
         pass
@@ -37,7 +38,7 @@ class NamingFile:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if isinstance(error, OSError) and error.errno is not None and error.filename is None:
+        if isinstance(error, OSError) and error.errno is not None and str(error.filename) in self._unnamed:
             raise OSError(error.errno, error.strerror, str(self._path)) from error
 
 
@@ -84,10 +85,11 @@ def replacing(path: Path) -> Iterator[Path]:
     target = Path(os.path.realpath(path))
     partial = target.with_name(f".{target.stem}.{os.getpid()}.part{path.suffix}")
     try:
-        with NamingFile(path):
+        with NamingFile(path, partial):
             yield partial
             with suppress(FileNotFoundError):
                 shutil.copymode(target, partial)
             os.replace(partial, target)
     finally:
-        partial.unlink(missing_ok=True)
+        with suppress(OSError):
+            partial.unlink()

@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from tqdm import tqdm
-
 
 class OneLineParser(argparse.ArgumentParser):
     """A parser that answers a mistake in one line, without the usage."""
@@ -70,4 +68,6 @@ def given_path(text: str) -> Path:
 
 def progress(items: Iterable[Any] | None = None, hidden: bool = False, **about: Any) -> Any:
     """A progress bar of tqdm, where the error output is a terminal and unless it is `hidden`."""
+    from tqdm import tqdm
+
     return tqdm(items, disable=hidden or sys.stderr is None or not sys.stderr.isatty(), **about)

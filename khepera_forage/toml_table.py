@@ -26,7 +26,7 @@ def content_of(toml: str, parse_float: Callable[[str], Any] = float) -> dict[str
     """
     try:
         return tomllib.loads(toml, parse_float=parse_float)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise ValueError(f"not TOML: {error}") from None
 
 

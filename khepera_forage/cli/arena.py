@@ -3,14 +3,14 @@
 import argparse
 import math
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from khepera_forage.cli.options import (
     ARENA_FILES,
-    Command,
+    Group,
     check_ending,
     command,
     option,
@@ -35,14 +35,9 @@ from khepera_forage.sim.ways import check_ways, path_length, shortest_path, too_
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 PROCEDURAL = "procedural"
-_WIDTH, _HEIGHT, _LEAST_WIDTH = 8.0, 6.0, 4.0
-"""Largest size of a picture in inches, and its least width."""
-_EDGES, _LINE = 0.7, 0.25
-"""Inches beside the arena, for numbers and the legend, and of the legend's second line in narrow pictures."""
 _MARGIN = 30.0
 """mm beside the walls."""
-Paths = tuple[tuple[Point, ...], ...]
-
+Paths = Sequence[tuple[Point, ...]]
 
 _CHOICE = (
     option("arena", f"{', '.join(ARENAS)}, {PROCEDURAL}, or a file *{ARENA_FILES}", metavar="NAME|FILE"),
@@ -65,13 +60,13 @@ class Findings(NamedTuple):
         narrow: Parts of the floor in which a robot cannot turn.
     """
 
-    refusal: str
+    refusal: str = ""
     to_food: Paths = ()
     to_home: Paths = ()
     narrow: Paths = ()
 
 
-@command("list")
+@command()
 def list_command(arguments: argparse.Namespace) -> None:
     """List the named arenas."""
     print("arena        environment     size in mm    walls  food   limit")
@@ -91,7 +86,7 @@ def list_command(arguments: argparse.Namespace) -> None:
         )
 
 
-@command("show", *_CHOICE, out("arena.png", "picture, whose name ends in .png"))
+@command(*_CHOICE, out("arena.png", "picture, whose name ends in .png"))
 def show_command(arguments: argparse.Namespace) -> int:
     """Draw an arena with its shortest paths."""
     require("khepera-forage arena show", "plots")
@@ -105,7 +100,7 @@ def show_command(arguments: argparse.Namespace) -> int:
         return 1
     arena = plan.arena()
     left, bottom, right, top = arena.bounds
-    length = max(map(path_length, findings.to_food + findings.to_home))
+    length = max(map(path_length, (*findings.to_food, *findings.to_home)))
     print(
         f"{right - left:g} x {top - bottom:g} mm, {len(arena.segments)} walls, food objects: {len(arena.foods)}, "
         f"longest way {length:.0f} mm, step limit {_limit(arguments, arena)}"
@@ -114,7 +109,6 @@ def show_command(arguments: argparse.Namespace) -> int:
 
 
 @command(
-    "write",
     *_CHOICE,
     option("file", f"name of the new file, which ends in {ARENA_FILES}", given_path, "FILE"),
 )
@@ -155,20 +149,20 @@ def _limit(arguments: argparse.Namespace, arena: Arena) -> int:
 
 def _find(plan: ArenaPlan) -> Findings:
     """What environments find in an arena."""
+    found = Findings()
     try:
         arena = plan.arena()
         check_seen((arena,))
-    except ValueError as error:
-        return Findings(str(error))
-    refusal = ""
-    try:
+        start = Point(arena.start.x, arena.start.y)
+        found = Findings(
+            to_food=_paths(arena, [(start, food) for food in arena.foods]),
+            to_home=_paths(arena, [(food, arena.home) for food in arena.foods]),
+            narrow=too_narrow(arena),
+        )
         check_ways(arena)
     except ValueError as error:
-        refusal = str(error)
-    start = Point(arena.start.x, arena.start.y)
-    to_food = _paths(arena, [(start, food) for food in arena.foods])
-    to_home = _paths(arena, [(food, arena.home) for food in arena.foods])
-    return Findings(refusal, to_food, to_home, tuple(too_narrow(arena)))
+        return found._replace(refusal=str(error))
+    return found
 
 
 def _paths(arena: Arena, ends: Iterable[tuple[Point, Point]]) -> Paths:
@@ -177,7 +171,7 @@ def _paths(arena: Arena, ends: Iterable[tuple[Point, Point]]) -> Paths:
     for start, goal in ends:
         with suppress(ValueError):
             found.append(shortest_path(arena, start, goal))
-    return tuple(found)
+    return found
 
 
 def _draw(plan: ArenaPlan, findings: Findings, picture: Path) -> None:
@@ -187,10 +181,9 @@ def _draw(plan: ArenaPlan, findings: Findings, picture: Path) -> None:
     corners = tuple(point for each in (plan.walls, *plan.obstacles) for point in each)
     left, bottom, right, top = polygon.bounds((*corners, plan.home, *plan.foods, plan.start[:2]))
     length, width = right - left + 2 * _MARGIN, top - bottom + 2 * _MARGIN
-    scale = min((_WIDTH - _EDGES) / length, (_HEIGHT - 2 * _EDGES) / width)
-    shown_width = max(_LEAST_WIDTH, length * scale + _EDGES)
-    columns = 6 if shown_width > 6 else 3
-    figure = new_figure(shown_width, width * scale + 2 * _EDGES + (_LINE if columns == 3 else 0.0))
+    # In inches; numbers and the legend need the rest.
+    scale = min(7.3 / length, 4.6 / width)
+    figure = new_figure(max(4.0, 0.7 + scale * length), 1.65 + scale * width)
     axes = figure.subplots()
     axes.set_aspect("equal")
     axes.set_xlim(left - _MARGIN, right + _MARGIN)
@@ -219,14 +212,8 @@ def _draw(plan: ArenaPlan, findings: Findings, picture: Path) -> None:
     axes.set_title(f"{plan.name}: not allowed" if findings.refusal else plan.name, fontsize=10)
     handles, labels = axes.get_legend_handles_labels()
     entries = dict(zip(labels, handles, strict=True))
-    figure.legend(
-        entries.values(),
-        entries.keys(),
-        loc="outside lower center",
-        ncols=columns,
-        frameon=False,
-        fontsize=SMALL,
-    )
+    place: dict[str, Any] = {"loc": "outside lower center", "ncols": 3, "frameon": False, "fontsize": SMALL}
+    figure.legend(entries.values(), entries.keys(), **place)
     save(figure, picture)
 
 
@@ -234,6 +221,6 @@ def _colour(colour: palette.Colour) -> str:
     return "#" + bytes(colour).hex()
 
 
-COMMAND = Command(
-    "arena", "List, draw and write arenas.", commands=(list_command, show_command, write_command)
+arena_command = Group(
+    "List, draw and write arenas.", {"list": list_command, "show": show_command, "write": write_command}
 )

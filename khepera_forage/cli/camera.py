@@ -4,7 +4,7 @@ import argparse
 import math
 import re
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator, Sequence
 from contextlib import closing, nullcontext
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.cli.options import Command, check_ending, command, flag, option, out, seed
+from khepera_forage.cli.options import Group, check_ending, command, flag, option, out, refuse_ignored, seed
 from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
@@ -25,6 +25,7 @@ from khepera_forage.vision.tracker_settings import TrackerSettings
 if TYPE_CHECKING:
     import pygame
 
+    from khepera_forage.cli.window import Window
     from khepera_forage.vision.calibration_fit import CalibrationFit
     from khepera_forage.vision.tracker import Tracker
     from khepera_forage.vision.video import FrameSource
@@ -46,7 +47,7 @@ _IN_USE = {"holes": (1, 2), "grid": tuple(range(1, 13)), "tags": (1, 2, 3, 4)}
 
 def _size(text: str) -> tuple[int, int]:
     width, times, height = text.lower().partition("x")
-    if not (times and width.isdecimal() and height.isdecimal()):
+    if not (times and width.isdecimal() and height.isdecimal() and int(width) and int(height)):
         raise argparse.ArgumentTypeError(f"{text!r}; allowed: width x height in pixels, such as 1280x720")
     return int(width), int(height)
 
@@ -63,6 +64,7 @@ def open_source(
     """
     require("khepera-forage camera", "camera")
     if arguments.source == VIRTUAL:
+        refuse_ignored(arguments, ["--size", "--rate", "--exposure", "--focus"], "with a camera")
         from khepera_forage.rollouts.rendered_training import RenderedTraining
 
         return RenderedTraining(arguments.seed, paced=paced)
@@ -87,59 +89,21 @@ SOURCE = (
 )
 
 
-class PictureWindow:
-    """A window that shows one picture after the other and reports mouse clicks.
+def _open_window() -> "Window | None":
+    """A window; None if there is no display or no pygame."""
+    try:
+        from khepera_forage.cli.window import Window
 
-    Attributes:
-        closed: Whether the user closed the window or pressed Escape.
-    """
+        return Window()
+    except (ImportError, OSError):
+        return None
 
-    def __init__(self, screen: "pygame.Surface") -> None:
-        self.closed = False
-        self._screen = screen
 
-    @classmethod
-    def open(cls, title: str, width: int, height: int) -> "PictureWindow | None":
-        """Open a window; None if there is no display or no pygame."""
-        try:
-            import pygame
-        except ImportError:
-            return None
-        from khepera_forage.envs.rendering.output import open_display
+def _surface(picture: NDArray[np.uint8]) -> "pygame.Surface":
+    """A picture of height x width x 3, red, green and blue, as windows show it."""
+    import pygame
 
-        try:
-            open_display()
-            screen = pygame.display.set_mode((width, height))
-        except (OSError, pygame.error):
-            return None
-        pygame.display.set_caption(title)
-        return cls(screen)
-
-    def show(self, picture: NDArray[np.uint8], title: str = "") -> list[Point]:
-        """Show a picture of height x width x 3 (red, green, blue), and return the clicks since the last one.
-
-        They are in pixels: u to the right, v down. The middle of the upper left pixel is (0.5, 0.5).
-        """
-        import pygame
-
-        if title:
-            pygame.display.set_caption(title)
-        surface = pygame.surfarray.make_surface(picture.swapaxes(0, 1))
-        self._screen.blit(surface, (0, 0))
-        pygame.display.flip()
-        clicks = []
-        for event in pygame.event.get():
-            if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):
-                self.closed = True
-            elif event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
-                clicks.append((event.pos[0] + 0.5, event.pos[1] + 0.5))
-        return clicks
-
-    def close(self) -> None:
-        """Close the window."""
-        import pygame
-
-        pygame.display.quit()
+    return pygame.surfarray.make_surface(picture.swapaxes(0, 1))
 
 
 def described(scene: Scene, markers: str = "holes") -> str:
@@ -156,38 +120,54 @@ def described(scene: Scene, markers: str = "holes") -> str:
     return ", ".join(words)
 
 
+def _coordinates(text: str, count: int = 2) -> tuple[float, ...]:
+    try:
+        values = tuple(map(float, text.split(",")))
+    except ValueError:
+        values = ()
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: {count} numbers with commas between")
+    return values
+
+
+def _pair(text: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    pixels, equals, mm = text.partition("=")
+    if not equals:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}; allowed: u,v=x,y with u, v in pixels from the upper left corner and x, y in mm"
+        )
+    return _coordinates(pixels), _coordinates(mm)
+
+
+def _tag(text: str) -> tuple[int, tuple[float, ...]]:
+    tag, equals, mm = text.partition("=")
+    if not (equals and tag.isdecimal() and 1 <= int(tag) <= 49):
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: id=x,y with an id from 1 to 49, and x, y in mm")
+    return int(tag), _coordinates(mm)
+
+
 def _add_points(parser: argparse.ArgumentParser) -> None:
-    given = parser.add_mutually_exclusive_group(required=True)
+    add = parser.add_mutually_exclusive_group(required=True).add_argument
     lens = "twelve all over the picture calibrate the lens, too"
-    given.add_argument(
-        "--points",
-        nargs="+",
-        metavar="U,V=X,Y",
-        help=f"four or more points: pixels from the picture's upper left corner = mm on the floor; {lens}",
+    text = f"four or more points: pixels from the picture's upper left corner = mm on the floor; {lens}"
+    add("--points", type=_pair, nargs="+", metavar="U,V=X,Y", help=text)
+    text = f"four or more places on the floor in mm, which you then click in a window in this order; {lens}"
+    add("--places", type=_coordinates, nargs="+", metavar="X,Y", help=text)
+    text = (
+        "four or more tags on the floor, better twelve, and the place of the middle of each in mm: nothing to click, "
+        "and the camera is watched from then on"
     )
-    given.add_argument(
-        "--places",
-        nargs="+",
-        metavar="X,Y",
-        help=f"four or more places on the floor in mm, which you then click in a window in this order; {lens}",
-    )
-    given.add_argument(
-        "--tags",
-        nargs="+",
-        metavar="ID=X,Y",
-        help="four or more tags on the floor, better twelve, and the place of the middle of each in mm: nothing "
-        "to click, and the camera is watched from then on",
-    )
+    add("--tags", type=_tag, nargs="+", metavar="ID=X,Y", help=text)
 
 
 @command(
-    "calibrate",
     *SOURCE,
     _add_points,
     option(
         "--camera",
         "position of the camera in mm, to correct the shift of markers above the floor (no correction)",
-        metavar="X,Y,HEIGHT",
+        lambda text: _coordinates(text, 3),
+        "X,Y,HEIGHT",
     ),
     flag("--check", "take a picture and print the regions found in it, in mm"),
     out("calibration.toml", "file"),
@@ -199,30 +179,32 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
     from khepera_forage.vision.tags import FLOOR_SIZE, find_floor_tags
     from khepera_forage.vision.tracker import Tracker
 
-    camera = None
-    if arguments.camera:
-        x, y, height = _numbers("--camera", arguments.camera, 3)
-        camera = (x, y, height)
-    by_camera = arguments.places or arguments.tags or arguments.check
+    name = next(name for name in ("points", "places", "tags") if getattr(arguments, name))
+    given = getattr(arguments, name)
+    tags = dict(given) if name == "tags" else {}
+    if len(tags) < len(given) and tags:
+        twice = Counter(tag for tag, _ in given).most_common(1)[0][0]
+        raise ValueError(f"--tags has {twice} twice; allowed: each tag once")
+    if len(given) < 4:
+        raise ValueError(f"--{name} has {len(given)} points; allowed: four or more")
+    picture: Sequence[Point] = ()
+    floor: Sequence[Point] = given
+    if name == "points":
+        picture, floor = zip(*given, strict=True)
+    by_camera = name != "points" or arguments.check
     with closing(open_source(arguments, paced=False)) if by_camera else nullcontext() as source:
         size = arguments.size or DEFAULT_SIZE
         if source is not None:
-            rows, columns = source.newest()[0].shape
-            size = (columns, rows)
-        if arguments.tags and source is not None:
-            places = _tags(arguments.tags)
-            found = find_floor_tags(source.newest()[0], sorted(places))
-            fit = fit_to_tags(found, places, FLOOR_SIZE, camera, size)
-            seen = fit.calibration.tags
-            picture, floor = list(seen.values()), [places[tag] for tag in seen]
-        else:
-            if arguments.places and source is not None:
-                floor = [_point("--places", text) for text in arguments.places]
-                _check_count("--places", len(floor))
+            size = source.newest()[0].shape[::-1]
+            if name == "places":
                 picture = _clicked_points(source, floor)
-            else:
-                picture, floor = _points(arguments.points)
-            fit = fit_calibration(picture, floor, camera, size)
+        if source is not None and tags:
+            found = find_floor_tags(source.newest()[0], sorted(tags))
+            fit = fit_to_tags(found, tags, FLOOR_SIZE, arguments.camera, size)
+            seen = fit.calibration.tags
+            picture, floor = list(seen.values()), [tags[tag] for tag in seen]
+        else:
+            fit = fit_calibration(picture, floor, arguments.camera, size)
         _print_errors(fit, picture, floor)
         if arguments.check and source is not None:
             scene = Tracker(calibration=fit.calibration).update(source.newest()[0])
@@ -270,76 +252,25 @@ def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequen
 
 def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point]:
     """The pixel that the user clicks for each place on the floor; a cross marks each click."""
-    frame = source.newest()[0]
-    window = PictureWindow.open("khepera-forage camera calibrate", frame.shape[1], frame.shape[0])
+    window = _open_window()
     if window is None:
         raise ValueError("--places needs a display and pygame (extra render); allowed without: --points")
-    points: list[Point] = []
+    from pygame.draw import line
+
     with closing(window):
-        while len(points) < len(floor):
-            picture = np.repeat(source.newest()[0][:, :, None], 3, axis=2)
-            for u, v in points:
-                row, column = int(v), int(u)
-                picture[row, max(0, column - 6) : column + 7] = _CROSS_COLOUR
-                picture[max(0, row - 6) : row + 7, column] = _CROSS_COLOUR
-            x, y = floor[len(points)]
-            title = f"click the place at ({x:g}, {y:g}) mm"
-            points += window.show(picture, title)[: len(floor) - len(points)]
-            if window.closed:
-                raise ValueError(
-                    f"window closed after {len(points)} clicks; allowed: one click for each of --places"
-                )
-            time.sleep(_PAUSE)
-    return points
-
-
-def _tags(texts: Sequence[str]) -> dict[int, Point]:
-    """The place of each tag of `--tags`."""
-    places: dict[int, Point] = {}
-    for text in texts:
-        tag, equals, mm = text.partition("=")
-        if not (equals and tag.isdecimal() and 1 <= int(tag) <= 49):
-            raise ValueError(f"--tags has {text!r}; allowed: id=x,y with an id from 1 to 49, and x, y in mm")
-        if int(tag) in places:
-            raise ValueError(f"--tags has {tag} twice; allowed: each tag once")
-        places[int(tag)] = _point("--tags", mm)
-    _check_count("--tags", len(places))
-    return places
-
-
-def _points(texts: Sequence[str]) -> tuple[list[Point], list[Point]]:
-    """The pixels and the places of `--points`."""
-    picture, floor = [], []
-    for text in texts:
-        pixels, equals, mm = text.partition("=")
-        if not equals:
-            raise ValueError(
-                f"--points has {text!r}; allowed: u,v=x,y with u, v in pixels from the upper left corner and x, y in mm"
-            )
-        picture.append(_point("--points", pixels))
-        floor.append(_point("--points", mm))
-    _check_count("--points", len(picture))
-    return picture, floor
-
-
-def _check_count(name: str, count: int) -> None:
-    if count < 4:
-        raise ValueError(f"{name} has {count} points; allowed: four or more")
-
-
-def _point(name: str, text: str) -> Point:
-    x, y = _numbers(name, text, 2)
-    return x, y
-
-
-def _numbers(name: str, text: str, count: int) -> list[float]:
-    try:
-        values = [float(part) for part in text.split(",")]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(map(math.isfinite, values)):
-        raise ValueError(f"{name} has {text!r}; allowed: {count} numbers with commas between")
-    return values
+        while (done := len(window.clicks)) < len(floor):
+            picture = _surface(np.repeat(source.newest()[0][:, :, None], 3, axis=2))
+            for u, v in window.clicks:
+                line(picture, _CROSS_COLOUR, (u - 6, v), (u + 6, v))
+                line(picture, _CROSS_COLOUR, (u, v - 6), (u, v + 6))
+            x, y = floor[done]
+            window.show_picture(picture, f"click the place at ({x:g}, {y:g}) mm")
+            while event := window.wait(_PAUSE):
+                if event == ("escape", True):
+                    raise ValueError(
+                        f"window closed after {done} clicks; allowed: one click for each of --places"
+                    )
+    return window.clicks[: len(floor)]
 
 
 def ids(text: str) -> tuple[int, ...]:
@@ -347,14 +278,13 @@ def ids(text: str) -> tuple[int, ...]:
     numbers: list[int] = []
     for part in text.replace(" ", "").split(",") if text.strip() else ():
         found = re.fullmatch(r"(\d{1,2})(?:-(\d{1,2}))?", part)
-        if not found:
+        if not found or int(found[2] or found[1]) < int(found[1]):
             raise argparse.ArgumentTypeError(f"{text!r}; allowed: numbers and ranges, such as 1-4,7")
         numbers += range(int(found[1]), int(found[2] or found[1]) + 1)
     return tuple(numbers)
 
 
 @command(
-    "preview",
     *SOURCE,
     option("--calibration", "calibration file, from `calibrate`", given_path, "FILE"),
     option("--markers", "what robots carry (holes)", choices=tuple(_IN_USE), default="holes"),
@@ -419,16 +349,16 @@ def _pictures(source: "FrameSource", tracker: "Tracker", frames: int | None) -> 
 
 def _show(pictures: Iterator[NDArray[np.uint8]]) -> None:
     """In a window, where there is a display; until the user closes it."""
-    first = next(pictures)
-    window = PictureWindow.open("khepera-forage camera", first.shape[1], first.shape[0])
+    window = _open_window()
     if window is None:
-        for _ in pictures:
-            pass
+        deque(pictures, 0)
         return
     with closing(window):
-        window.show(first)
-        while not window.closed and (picture := next(pictures, None)) is not None:
-            window.show(picture)
+        for picture in pictures:
+            window.show_picture(_surface(picture), "khepera-forage camera")
+            while event := window.wait(0):
+                if event == ("escape", True):
+                    return
 
 
 def _save(pictures: Iterator[NDArray[np.uint8]], path: Path, simulated: bool) -> None:
@@ -455,7 +385,6 @@ def _save(pictures: Iterator[NDArray[np.uint8]], path: Path, simulated: bool) ->
 
 
 @command(
-    "markers",
     option("--grid", "markers of the table of twelve instead, such as 1-12", ids, "NUMBERS", default=()),
     out("markers.svg", "file, whose name ends in .svg, .png or .pdf"),
 )
@@ -468,7 +397,6 @@ def markers_command(arguments: argparse.Namespace) -> None:
 
 
 @command(
-    "tags",
     option("--robots", "ids of the tags for robots (1-4)", ids, "IDS", default=ids("1-4")),
     option("--food", "ids of the tags for food (none)", ids, "IDS", default=()),
     option("--floor", "ids of the tags for floor (38-49)", ids, "IDS", default=ids("38-49")),
@@ -485,8 +413,12 @@ def tags_command(arguments: argparse.Namespace) -> None:
     print(f"{path}: {len(pages)} pages of A4; print at 100 %, and measure the line of 100 mm")
 
 
-COMMAND = Command(
-    "camera",
+camera_command = Group(
     "Calibrate the overhead camera, show its picture, or print the markers.",
-    commands=(calibrate_command, preview_command, markers_command, tags_command),
+    {
+        "calibrate": calibrate_command,
+        "preview": preview_command,
+        "markers": markers_command,
+        "tags": tags_command,
+    },
 )

@@ -24,7 +24,6 @@ continues."""
 
 
 @command(
-    "compare",
     lambda parser: add_study_arguments(parser, "learners", *COUNTS),
     flag("--list", "list the learners that are known here, and end"),
     option(

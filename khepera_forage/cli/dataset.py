@@ -23,7 +23,6 @@ from khepera_forage.option_values import given_path, progress, whole_number
 from khepera_forage.rollouts.raw_episodes import LearnerRecorder, RawEpisode, teacher_alone
 from khepera_forage.rollouts.training import train
 from khepera_forage.sim.arena import Arena
-from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType
 
 FOLDER_VARIABLE = "MINARI_DATASETS_PATH"
@@ -32,7 +31,6 @@ SIMULATED = """Teacher and learner were simulated in copies of the arena {arena}
 thesis's laboratory. The teacher of section 4.4 foraged for {food}, and the learner listened."""
 ALONE = """The teacher of section 4.4 was simulated alone in the arena {arena}, with pymunk and the noise of the
 thesis's laboratory. It foraged for {food}, from random places."""
-READ = "The experience was read from {files}."
 
 
 def _dataset_name(text: str) -> str:
@@ -43,7 +41,6 @@ def _dataset_name(text: str) -> str:
 
 
 @command(
-    "dataset",
     option(
         "--name", "Minari's name of the dataset (khepera_forage/ARENA-v1, or ARENA-wheels-v1)", _dataset_name
     ),
@@ -68,47 +65,59 @@ def _dataset_name(text: str) -> str:
     options.DECISION,
     options.ALLOW_OTHER_DECISIONS,
 )
-def dataset_command(arguments: argparse.Namespace) -> int:
+def dataset_command(arguments: argparse.Namespace) -> None:
     """Write training episodes as a Minari dataset with a data card."""
     require("khepera-forage dataset", "minari")
     if arguments.protocol:
-        return _protocol(arguments)
-    decisions, arena = options.decisions_of(arguments), options.arena_of(arguments)
+        _write_protocol(arguments)
+        return
+    arena = options.arena_of(arguments)
     recorded: dict[str, Any] = {}
     if arguments.experience:
-        options.refuse_ignored(
-            arguments, ["--episodes", "--food-type", "--wheels", "--alone"], "without --experience"
-        )
+        ignored = ["--episodes", "--food-type", "--wheels", "--alone"]
+        options.refuse_ignored(arguments, ignored, "without --experience")
         files = options.experience_files(arguments.experience)
         parts = [Experience.load(path) for path in files]
-        name = _free_name(arguments, {part.arena for part in parts})
-        source, procedure = None, READ.format(files=", ".join(path.name for path in files))
+        name = _new_name(arguments, _default_name(arguments, {part.arena for part in parts}))
+        procedure = f"The experience was read from {', '.join(path.name for path in files)}."
     else:
-        name = _free_name(arguments, {_name_of(arena)})
-        source = arguments.seed
+        arena_name = arena if isinstance(arena, str) else arena.name
+        name = _new_name(arguments, _default_name(arguments, {arena_name}))
         text = ALONE if arguments.alone else SIMULATED
-        procedure = text.format(arena=_name_of(arena), food=food_in_training(arguments, arena))
-        parts, raw = zip(*_recorded(arguments, arena, decisions), strict=True)
+        procedure = text.format(arena=arena_name, food=food_in_training(arguments, arena))
+        parts, raw = zip(*_recorded(arguments, arena), strict=True)
         if arguments.wheels:
             recorded["episodes"] = raw
         else:
             recorded["rewards"] = [episode.rewards_of_vectors for episode in raw]
             recorded["truncated"] = [episode.truncated for episode in raw]
-    origin = Origin(
-        _command(arguments, name), procedure, arguments.licence, arguments.author, source, arguments.wheels
-    )._replace(alone=arguments.alone)
-    known = arena if arguments.arena or source is not None else None
-    _write(arguments, name, parts, origin, known, recorded)
-    return 0
+    known = None if arguments.experience and not arguments.arena else arena
+    _write(arguments, name, parts, procedure, recorded, arguments.alone, known)
+
+
+def _write_protocol(arguments: argparse.Namespace) -> None:
+    """Write the datasets of the protocol."""
+    own = ["--name", "--experience", "--wheels", "--alone", "--arena", "--food-type"]
+    allowed = "without --protocol, whose datasets have names and arenas of their own"
+    options.refuse_ignored(arguments, own, allowed)
+    options.refuse_ignored(arguments, ["--decision"], "without --protocol")
+    from khepera_forage.comparison.protocol import datasets
+
+    for name, made in datasets(arguments.seed, arguments.episodes).items():
+        _new_name(arguments, name)
+        about, parts, recorded = made()
+        procedure = f"Data of the protocol {name.split('/')[0]}: {about}"
+        _write(arguments, name, parts, procedure, recorded, "alone" in name)
 
 
 def _write(
     arguments: argparse.Namespace,
     name: str,
     parts: Sequence[Experience],
-    origin: Origin,
-    arena: str | Arena | None,
+    procedure: str,
     recorded: Mapping[str, Any],
+    alone: bool,
+    arena: str | Arena | None = None,
 ) -> None:
     """Write a dataset and its card, and say where they are; `recorded` are further arguments of `to_minari`."""
     folder = arguments.out.resolve()
@@ -116,20 +125,16 @@ def _write(
     os.environ[FOLDER_VARIABLE] = str(folder)
     from khepera_forage.experience.minari import to_minari
 
+    given = arguments.command_line, procedure, arguments.licence, arguments.author
     steps = [len(episode.actions) for episode in recorded.get("episodes", ())]
+    seed = None if arguments.experience else arguments.seed
+    origin = Origin(*given, seed, "episodes" in recorded, steps, alone)
+    about = {"author": arguments.author, "description": procedure, **recorded}
     folder /= name
     try:
-        to_minari(
-            parts,
-            name,
-            arena=arena,
-            allow_other_decisions=arguments.allow_other_decisions,
-            author=arguments.author,
-            description=origin.procedure,
-            **recorded,
-        )
+        to_minari(parts, name, arena=arena, allow_other_decisions=arguments.allow_other_decisions, **about)
         with replacing(folder / CARD) as path:
-            path.write_text(data_card(name, parts, origin._replace(steps=steps)), encoding="utf-8")
+            path.write_text(data_card(name, parts, origin), encoding="utf-8")
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)  # Minari leaves an incomplete dataset.
         raise
@@ -138,44 +143,19 @@ def _write(
     print(f"to load it: {FOLDER_VARIABLE}={arguments.out} and minari.load_dataset({name!r})")
 
 
-def _protocol(arguments: argparse.Namespace) -> int:
-    """Write the datasets of the protocol."""
-    options.refuse_ignored(
-        arguments,
-        ["--name", "--experience", "--wheels", "--alone", "--arena", "--food-type"],
-        "without --protocol, whose datasets have names and arenas of their own",
-    )
-    options.refuse_ignored(arguments, ["--decision"], "without --protocol")
-    from khepera_forage.comparison.protocol import datasets
-
-    command = f"khepera-forage dataset --protocol --seed {arguments.seed}"
-    if arguments.episodes:
-        command += f" --episodes {arguments.episodes}"
-    for name, made in datasets(arguments.seed, arguments.episodes).items():
-        _free_name(argparse.Namespace(name=name, out=arguments.out), set())
-        about, parts, recorded = made()
-        wheels = "episodes" in recorded
-        procedure = f"Data of the protocol {name.split('/')[0]}: {about}"
-        origin = Origin(command, procedure, arguments.licence, arguments.author, arguments.seed, wheels)
-        origin = origin._replace(alone="alone" in name)
-        _write(arguments, name, parts, origin, None, recorded)
-    return 0
+def _default_name(arguments: argparse.Namespace, arenas: Set[str]) -> str:
+    """Minari's name of a dataset without `--name`, which says the arena."""
+    arena = re.sub(r"[^\w-]", "_", min(arenas)) if len(arenas) == 1 else "procedural"
+    kind = "-alone" * arguments.alone + "-wheels" * arguments.wheels
+    return f"khepera_forage/{arena}{kind}-v1"
 
 
-def _free_name(arguments: argparse.Namespace, arenas: Set[str]) -> str:
-    """Minari's name of the dataset, which must be new: that of `--name`, or one that says the arenas."""
-    name: str = arguments.name
-    if not name:
-        arena = re.sub(r"[^\w-]", "_", min(arenas)) if len(arenas) == 1 else "procedural"
-        kind = "-alone" * arguments.alone + "-wheels" * arguments.wheels
-        name = f"khepera_forage/{arena}{kind}-v1"
+def _new_name(arguments: argparse.Namespace, default: str) -> str:
+    """The name of the dataset, which must be new."""
+    name: str = arguments.name or default
     if (arguments.out / name).exists():
         raise ValueError(f"--name is {name!r}; allowed: a name that is not in {arguments.out} yet")
     return name
-
-
-def _name_of(arena: str | Arena) -> str:
-    return arena if isinstance(arena, str) else arena.name
 
 
 def food_in_training(arguments: argparse.Namespace, arena: str | Arena) -> str:
@@ -185,10 +165,9 @@ def food_in_training(arguments: argparse.Namespace, arena: str | Arena) -> str:
     return f"food ({shares})" if shares else f"{arguments.food_type or FoodType.PICKABLE.name} food"
 
 
-def _recorded(
-    arguments: argparse.Namespace, arena: str | Arena, decisions: Decisions
-) -> list[tuple[Experience, RawEpisode]]:
+def _recorded(arguments: argparse.Namespace, arena: str | Arena) -> list[tuple[Experience, RawEpisode]]:
     seeds = np.random.SeedSequence(arguments.seed).spawn(arguments.episodes or EPISODES)
+    decisions = options.decisions_of(arguments)
     if arguments.alone:
         settings = settings_of(arena) | {"decisions": decisions}
         if arguments.food_type:
@@ -202,22 +181,3 @@ def _recorded(
             experience, _ = train(env, each, teacher=recorder, callback=recorder)
             found.append((experience, recorder.episode()))
         return found
-
-
-def _command(arguments: argparse.Namespace, name: str) -> str:
-    """The command that makes the same dataset."""
-    words = ["khepera-forage dataset", f"--name {name}"]
-    if arguments.experience:
-        words.append(f"--experience {' '.join(map(str, arguments.experience))}")
-    else:
-        words += [f"--episodes {arguments.episodes or EPISODES}", f"--seed {arguments.seed}"]
-    if arguments.arena:
-        words.append(f"--arena {arguments.arena}")
-    if arguments.food_type:
-        words.append(f"--food-type {arguments.food_type}")
-    words += (
-        ["--wheels"] * arguments.wheels
-        + ["--alone"] * arguments.alone
-        + [f"--decision {word}" for word in arguments.decision]
-    )
-    return " ".join(words)

@@ -6,8 +6,8 @@ from contextlib import closing
 from functools import partial
 from pathlib import Path
 
-from khepera_forage.cli.camera import calibrate_command
-from khepera_forage.cli.options import Command, command, option
+from khepera_forage.cli.main import main
+from khepera_forage.cli.options import Group, command, option
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.extras import require
 from khepera_forage.lab.settings_file import LabSettings, RobotSettings
@@ -24,7 +24,6 @@ _FLOOR, _MAT = (600, 600, 300), (30, 20, 236)
 
 
 @command(
-    "new",
     option("--robot", "kind of the robots", choices=tuple(MODELS)),
     option("--port", "port of each robot, the teacher first; of toio cubes their names", nargs="+"),
     option("--food-cube", "names of the toio cubes that are the food, one per robot", nargs="*"),
@@ -61,20 +60,28 @@ def new_command(arguments: argparse.Namespace) -> int:
     elif camera is None:
         camera = _answer("Camera (a number, a file or a URL): ")
     text = partial(lab_text, kind, ports, foods or (), camera or "", arena=arguments.arena)
-    out.write_text(text(calibration), encoding="utf-8")
-    settings = load_settings(out)
+    settings = _written(out, text(calibration))
     if not is_mat:
         picture = out.with_suffix(".png")
         if _passes("picture", partial(_save_picture, settings, picture)) and calibration is None:
             calibration = _calibrated(camera, settings)
-            out.write_text(text(calibration), encoding="utf-8")
-            settings = load_settings(out)
+            settings = _written(out, text(calibration))
         works.append(_passes("camera", partial(_check_camera, settings)))
         if calibration is None:
             print("next: khepera-forage camera calibrate; name its file as calibration under [camera]")
     print(f"{out} is written")
     print(f"then: khepera-forage lab check {out}; khepera-forage train --lab {out}")
     return 0 if all(works) else 1
+
+
+def _written(out: Path, text: str) -> LabSettings:
+    """The settings of a new file; none is left that is not allowed."""
+    out.write_text(text, encoding="utf-8")
+    try:
+        return load_settings(out)
+    except ValueError:
+        out.unlink()
+        raise
 
 
 def _save_picture(settings: LabSettings, file: Path) -> str:
@@ -102,20 +109,9 @@ def _calibrated(camera: str, settings: LabSettings) -> str | None:
     )
     if _answer(question, "n").lower() not in ("y", "yes"):
         return None
-    parser = argparse.ArgumentParser()
-    for add in calibrate_command.options:
-        add(parser)
     file = "calibration.toml"
-    works = _passes(
-        "calibration",
-        lambda: str(
-            calibrate_command.run(
-                parser.parse_args(["--source", camera, "--out", file, "--places", *corners])
-            )
-            or file
-        ),
-    )
-    return file if works else None
+    words = ["camera", "calibrate", "--source", camera, "--out", file, "--places", *corners]
+    return None if main(words) else file
 
 
 def lab_text(
@@ -160,7 +156,7 @@ def _answer(question: str, default: str | None = None) -> str:
     return answer or default or ""
 
 
-@command("check", option("file", "the laboratory (lab.toml)", Path, nargs="?", default=Path("lab.toml")))
+@command(option("file", "the laboratory (lab.toml)", Path, nargs="?", default=Path("lab.toml")))
 def check_command(arguments: argparse.Namespace) -> int:
     """Check a laboratory in order: file, robots, camera."""
     settings = load_settings(arguments.file)
@@ -229,6 +225,6 @@ def _check_camera(settings: LabSettings) -> str:
     return f"source {settings.camera.source}, {calibrated}; all markers seen"
 
 
-COMMAND = Command(
-    "lab", "Set up a laboratory with real robots, and check it.", commands=(new_command, check_command)
+lab_command = Group(
+    "Set up a laboratory with real robots, and check it.", {"new": new_command, "check": check_command}
 )

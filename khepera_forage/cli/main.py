@@ -1,39 +1,33 @@
 """The `khepera-forage` command."""
 
+import argparse
 import io
 import os
+import shlex
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 
 from khepera_forage import __version__
-from khepera_forage.cli import arena, camera, lab, robot
-from khepera_forage.cli.compare import compare_command
-from khepera_forage.cli.dataset import dataset_command
-from khepera_forage.cli.options import add_commands
-from khepera_forage.cli.plot import plot_command
-from khepera_forage.cli.recall import recall_command, watch_command
-from khepera_forage.cli.teach import teach_command
-from khepera_forage.cli.thesis import decisions_command, infer_command, reproduce_command
-from khepera_forage.cli.train import train_command
 from khepera_forage.option_values import OneLineParser
-from khepera_forage.rollouts.training import IncompleteTrainingError
 
-COMMANDS = (
-    reproduce_command,
-    train_command,
-    teach_command,
-    recall_command,
-    arena.COMMAND,
-    plot_command,
-    compare_command,
-    watch_command,
-    decisions_command,
-    dataset_command,
-    infer_command,
-    lab.COMMAND,
-    robot.COMMAND,
-    camera.COMMAND,
-)
+COMMANDS = {
+    "reproduce": ("thesis", "run the thesis's experiments and compare the results with its tables"),
+    "train": ("train", "train a learner in the paired corridors and save its experience"),
+    "teach": ("teach", "be the teacher yourself, with keys in a window"),
+    "recall": ("recall", "let a trained learner, or the teacher, forage alone"),
+    "arena": ("arena", "list, draw and write arenas"),
+    "plot": ("plot", "draw recalls, trainings or comparisons from their files"),
+    "compare": ("compare", "compare all learners, and yours with them"),
+    "watch": ("recall", "show a training or recall episode in a window, or save it as a film"),
+    "decisions": ("thesis", "list what the thesis leaves open, with our decisions and their reasons"),
+    "dataset": ("dataset", "write training episodes as a Minari dataset with a data card"),
+    "infer": ("thesis", "infer from the thesis's own tables what it leaves open"),
+    "lab": ("lab", "set up a laboratory with real robots, and check it"),
+    "robot": ("robot", "test a real robot, or start a virtual one"),
+    "camera": ("camera", "calibrate the overhead camera, show its picture, or print the markers"),
+}
+"""The module of each command and its help. Only the module of the chosen one is imported, because all take a second."""
 CLOSED_PIPE = 141
 """Exit status when nobody reads the output any more: that of other programs, 128 + SIGPIPE."""
 
@@ -71,18 +65,21 @@ def _open_streams() -> None:
 
 
 def _run(argv: Sequence[str] | None) -> int:
-    parser = OneLineParser(prog="khepera-forage", description="Learning to forage by imitation.")
-    parser.add_argument("--version", action="version", version=f"khepera-forage {__version__}")
-    add_commands(parser, "command", COMMANDS)
+    argv = sys.argv[1:] if argv is None else argv
     try:
-        arguments = parser.parse_args(argv)
+        arguments = _parser(argv).parse_args(argv)
     except SystemExit as stop:
         if not stop.code:  # --help or --version
             raise
         return 2
+    arguments.command_line = shlex.join(["khepera-forage", *argv])
     try:
         status: int | None = arguments.run(arguments)
-    except (ValueError, OSError, ImportError, IncompleteTrainingError) as error:
+    except Exception as error:
+        from khepera_forage.rollouts.training import IncompleteTrainingError
+
+        if not isinstance(error, ValueError | OSError | ImportError | IncompleteTrainingError):
+            raise
         if isinstance(error, BrokenPipeError):
             print(flush=True)  # raises it again if it is the output that nobody reads, and not a robot's port
         print(f"khepera-forage {arguments.command}: {error}", file=sys.stderr)
@@ -91,6 +88,20 @@ def _run(argv: Sequence[str] | None) -> int:
         print("stopped", file=sys.stderr)
         return 130
     return status or 0
+
+
+def _parser(argv: Sequence[str]) -> argparse.ArgumentParser:
+    """A parser with all commands, and with the arguments of the one that is chosen."""
+    parser = OneLineParser(prog="khepera-forage", description="Learning to forage by imitation.")
+    parser.add_argument("--version", action="version", version=f"khepera-forage {__version__}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="command")
+    chosen = next((word for word in argv if not word.startswith("-")), None)
+    for name, (module, line) in COMMANDS.items():
+        added = commands.add_parser(name, help=line)
+        if name == chosen:
+            own = getattr(import_module(f"khepera_forage.cli.{module}"), f"{name}_command")
+            own.add_to(added)
+    return parser
 
 
 if __name__ == "__main__":

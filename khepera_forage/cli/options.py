@@ -1,7 +1,7 @@
 """Commands as data, the options that several commands share, and what these options choose."""
 
 import argparse
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,52 +27,47 @@ VIRTUAL_LAB = "virtual"
 ARENA_FILES = ".toml"
 
 Run = Callable[[argparse.Namespace], int | None]
-"""Takes the parsed arguments and returns the exit status, None for 0; its docstring is the help of the command."""
+"""Takes the parsed arguments and returns the exit status, None for 0."""
 Option = Callable[[argparse.ArgumentParser], object]
 """Adds one or more arguments to a parser."""
 
 
 class Command(NamedTuple):
-    """A command, or a group of further commands.
+    """A command: what it does, and its arguments in the order of the help text."""
 
-    Attributes:
-        name: What the user types.
-        help: What it does, in one sentence.
-        run: Without effect for a group.
-        options: Its arguments, in the order of the help text.
-        commands: Of a group.
-        description: For `--help`, in place of `help`.
-        epilog: Below the options.
-    """
+    run: Run
+    options: Sequence[Option]
+    description: str
+    epilog: str | None
 
-    name: str
-    help: str
-    run: Run = lambda _: None
-    options: Sequence[Option] = ()
-    commands: Sequence["Command"] = ()
-    description: str = ""
-    epilog: str = ""
+    def add_to(self, parser: argparse.ArgumentParser) -> None:
+        """Make a parser that of this command."""
+        parser.description, parser.epilog = self.description, self.epilog
+        if "\n" in self.description:
+            parser.formatter_class = argparse.RawDescriptionHelpFormatter
+        for add in self.options:
+            add(parser)
+        parser.set_defaults(run=self.run, program=parser.prog)
 
 
-def command(name: str, *options: Option, description: str = "", epilog: str = "") -> Callable[[Run], Command]:
-    """Make a function a command."""
-    return lambda run: Command(name, run.__doc__ or "", run, options, (), description, epilog)
+class Group(NamedTuple):
+    """Commands about one thing, by what the user types."""
+
+    description: str
+    commands: Mapping[str, Command]
+
+    def add_to(self, parser: argparse.ArgumentParser) -> None:
+        """Add the commands, of which the user must choose one."""
+        parser.description = self.description
+        tasks = parser.add_subparsers(dest="task", required=True, metavar="task")
+        for name, each in self.commands.items():
+            line = each.description[0].lower() + each.description[1:].rstrip(".")
+            each.add_to(tasks.add_parser(name, help=line))
 
 
-def add_commands(parser: argparse.ArgumentParser, dest: str, commands: Iterable[Command]) -> None:
-    """Add commands, of which the user must choose one; `run` of the parsed arguments is that of the innermost."""
-    subparsers = parser.add_subparsers(dest=dest, required=True, metavar=dest)
-    for each in commands:
-        text, line = each.description or each.help, each.help[:1].lower() + each.help[1:].rstrip(".")
-        added = subparsers.add_parser(each.name, help=line, description=text, epilog=each.epilog or None)
-        if "\n" in text:
-            added.formatter_class = argparse.RawDescriptionHelpFormatter
-        for add in each.options:
-            add(added)
-        if each.commands:
-            add_commands(added, "task", each.commands)
-        else:
-            added.set_defaults(run=each.run, program=added.prog)
+def command(*options: Option, description: str = "", epilog: str | None = None) -> Callable[[Run], Command]:
+    """Make a function a command, which its docstring describes by default."""
+    return lambda run: Command(run, options, description or run.__doc__ or "", epilog)
 
 
 def option(
@@ -153,22 +148,19 @@ def refuse_ignored(arguments: argparse.Namespace, options: Sequence[str], where:
         ValueError: One of them was given.
     """
     for name in options:
-        value = getattr(arguments, name.removeprefix("--").replace("-", "_"))
+        value = getattr(arguments, name.removeprefix("--").replace("-", "_"), None)
         if value is not None and value is not False and value != []:  # 0 is a value that was given
             raise ValueError(f"{name} has no effect here; allowed: {where}")
 
 
-def refuse_ignored_in_laboratory(
-    arguments: argparse.Namespace, listed: Sequence[str], simulated: Sequence[str] = ()
-) -> None:
+def refuse_ignored_in_laboratory(arguments: argparse.Namespace) -> None:
     """Refuse options that a laboratory's file replaces, and those that have an effect in simulations only."""
-    if arguments.lab is not None and arguments.lab.partition(":")[0] != VIRTUAL_LAB:
-        if "--num-learners" in listed:
-            refuse_ignored(arguments, ["--num-learners"], "without --lab; the file lists the learners")
-        others = [name for name in listed if name != "--num-learners"]
-        refuse_ignored(arguments, others, "without --lab; the file names the arena")
-    if arguments.lab is not None:
-        refuse_ignored(arguments, simulated, "without --lab")
+    if arguments.lab is None:
+        return
+    if arguments.lab.partition(":")[0] != VIRTUAL_LAB:
+        refuse_ignored(arguments, ["--num-learners"], "without --lab; the file lists the learners")
+        refuse_ignored(arguments, ["--arena", "--foods"], "without --lab; the file names the arena")
+    refuse_ignored(arguments, ["--noise"], "without --lab")
 
 
 def check_ending(path: Path, endings: Iterable[str]) -> None:
@@ -198,7 +190,7 @@ def experience_files(paths: Sequence[Path]) -> list[Path]:
 
 def arena_of(arguments: argparse.Namespace) -> str | Arena:
     """The arena that `--arena` names: one of `ARENAS`, or the content of a file."""
-    arena: str = arguments.arena or CORRIDOR
+    arena: str = CORRIDOR if arguments.arena is None else arguments.arena
     if arena in ARENAS:
         return arena
     if not arena.endswith(ARENA_FILES):

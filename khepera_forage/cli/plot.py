@@ -9,17 +9,33 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from khepera_forage.cli.options import check_ending, command, option, out
+from khepera_forage.comparison.learning import RecallBatch, all_learners
+from khepera_forage.comparison.page import STYLES
+from khepera_forage.comparison.page import figure as figure_of_curves
+from khepera_forage.comparison.results import ReadLearner, Results, beside, curves, described, read_results
 from khepera_forage.estimates import Estimate, wilson
 from khepera_forage.extras import require
+from khepera_forage.figures import (
+    COLOURS,
+    GREY,
+    OURS,
+    SMALL,
+    WIDTH,
+    entry,
+    grid,
+    legend,
+    levels,
+    new_figure,
+    save,
+)
 from khepera_forage.files import utf8
 from khepera_forage.option_values import given_path
+from khepera_forage.policies.learners import Needs
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from khepera_forage.comparison.results import Curve, ReadLearner, Results
 
 FILES = "rows of `recall`, attempts.csv of `train`, rows.csv or results.json of `compare`"
 OUTCOMES = {"complete": "o", "out of time": "X", "separated": "s"}
@@ -29,7 +45,6 @@ _LINE = 0.34
 
 
 @command(
-    "plot",
     option("files", f"of one kind: {FILES}", given_path, "FILE", nargs="+"),
     out("plot.png", "picture, whose name ends in .png"),
 )
@@ -37,8 +52,6 @@ def plot_command(arguments: argparse.Namespace) -> None:
     """Draw recalls, trainings or comparisons from their files."""
     require("khepera-forage plot", "plots")
     check_ending(arguments.out, (".png",))
-    from khepera_forage.figures import save
-
     save(drawn(arguments.files), arguments.out)
     print(f"{arguments.out}: {', '.join(map(str, arguments.files))}")
 
@@ -55,9 +68,6 @@ def drawn(paths: Sequence[Path]) -> "Figure":
 
 def _read(path: Path) -> tuple[Any, Any]:
     """What draws a file, and its content."""
-    from khepera_forage.comparison.learning import RecallBatch
-    from khepera_forage.comparison.results import read_results
-
     if path.suffix == ".json":
         return _comparison, read_results(str(path))
     header = utf8(path.read_bytes()).partition(b"\n")[0].decode(errors="replace").strip()
@@ -71,8 +81,6 @@ def _read(path: Path) -> tuple[Any, Any]:
 
 def _recalls(paths: Sequence[Path], contents: Sequence[list[RecallRow]]) -> "Figure":
     """The share of the food that each learner delivers, and the score of every recall."""
-    from khepera_forage.figures import GREY, OURS, SMALL, WIDTH, grid, levels, new_figure
-
     groups: dict[str, list[RecallRow]] = {}
     for path, rows in zip(paths, contents, strict=True):
         for row in rows:
@@ -99,8 +107,6 @@ def _recalls(paths: Sequence[Path], contents: Sequence[list[RecallRow]]) -> "Fig
 
 def _trainings(paths: Sequence[Path], contents: Sequence[list[TrainingRow]]) -> "Figure":
     """The rounds of every attempt at each experience file, by outcome."""
-    from khepera_forage.figures import COLOURS, SMALL, WIDTH, entry, grid, legend, new_figure
-
     groups: dict[str, list[TrainingRow]] = {}
     for path, rows in zip(paths, contents, strict=True):
         for row in rows:
@@ -131,31 +137,21 @@ def _trainings(paths: Sequence[Path], contents: Sequence[list[TrainingRow]]) -> 
     return figure
 
 
-def _results(rows: Sequence[Any]) -> "Results":
+def _results(rows: Sequence[Any]) -> Results:
     """The curves of a comparison's rows; a learner that is not known here is drawn among the imitators."""
-    from khepera_forage.comparison.learning import all_learners
-    from khepera_forage.comparison.results import ReadLearner, Results, curves, described
-    from khepera_forage.policies.learners import Needs
-
     unknown = {row.learner: ReadLearner(row.learner, Needs.VECTORS, "") for row in rows}
     return Results("", unknown | described(all_learners()), curves(rows, 0))
 
 
-def _comparison(paths: Sequence[Path], contents: "Sequence[Results]") -> "Figure":
+def _comparison(paths: Sequence[Path], contents: Sequence[Results]) -> "Figure":
     """The learning curves of comparisons, each with the name of its folder if there are several."""
-    from khepera_forage.comparison.page import STYLES, figure
-    from khepera_forage.comparison.results import beside
-
-    shown: list[Curve] = []
-    learners: dict[str, ReadLearner] = {}
-    for path, content in zip(paths, contents, strict=True):
-        if len(paths) > 1:
-            origin = path.resolve().parent.name
-            found, known = beside([], {}, content._replace(origin=origin))
-        else:
-            found, known = list(content.curves), dict(content.learners)
-        shown += [curve for curve in found if curve.arena in STYLES]
-        learners |= known
+    found = list(contents[0].curves)
+    learners: dict[str, Any] = dict(contents[0].learners)
+    if len(paths) > 1:
+        found, learners = [], {}
+        for path, content in zip(paths, contents, strict=True):
+            found, learners = beside(found, learners, content._replace(origin=path.resolve().parent.name))
+    shown = [curve for curve in found if curve.arena in STYLES]
     if not shown:
         raise ValueError(f"no recalls in {' or '.join(STYLES)}; allowed: results with at least one of them")
-    return figure(shown, learners)
+    return figure_of_curves(shown, learners)

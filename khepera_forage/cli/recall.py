@@ -5,10 +5,10 @@ import itertools
 import warnings
 from collections.abc import Callable
 from contextlib import closing
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from khepera_forage.cli import options
 from khepera_forage.cli.options import command, flag, option
@@ -18,22 +18,18 @@ from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWarning
 from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, progress, whole_number
-from khepera_forage.policies import Policy, Teacher
+from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
+from khepera_forage.policies.learner_registry import installed_learners, learner_at, own_errors
+from khepera_forage.policies.learners import LEARNERS, FromVectors
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow
 
-if TYPE_CHECKING:
-    from khepera_forage.policies.learners import FromVectors
-
 EVERY = 2
 """Rounds a frame of a film, without `--every`."""
 TRIES = 20
 """Attempts at a training among which the first complete one is filmed."""
-Frames = list[NDArray[np.uint8]]
-
-
 _POLICY = (
     option(
         "--experience",
@@ -61,7 +57,6 @@ _POLICY = (
 
 
 @command(
-    "recall",
     *_POLICY,
     options.episodes(10, "recall episodes"),
     options.out("results/recall.csv", "file for the rows"),
@@ -82,7 +77,7 @@ def recall_command(arguments: argparse.Namespace) -> None:
 
 def _check_policy(arguments: argparse.Namespace) -> None:
     """Refuse what has no effect on the policy or in a laboratory."""
-    options.refuse_ignored_in_laboratory(arguments, ["--arena", "--foods"], ["--noise"])
+    options.refuse_ignored_in_laboratory(arguments)
     if not arguments.experience:
         ignored = ["--learner", "--allow-other-decisions", "--recover"]
         options.refuse_ignored(arguments, ignored, "with --experience")
@@ -129,9 +124,6 @@ def _policy(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, 
     """The policy that forages, its name in rows, and its number of experience vectors."""
     if not arguments.experience:
         return Teacher.of(env), TEACHER, 0
-    from khepera_forage.policies import NearestNeighbourImitator
-    from khepera_forage.policies.learner_registry import own_errors
-
     name = arguments.learner or IMITATOR
     learner = _learner(name)
     with warnings.catch_warnings(record=True) as recovered:
@@ -154,11 +146,8 @@ def _policy(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, 
     return policy, name, len(behaviours)
 
 
-def _learner(name: str) -> "FromVectors":
+def _learner(name: str) -> FromVectors:
     """The learner of `--learner`, which must learn from experience vectors."""
-    from khepera_forage.policies.learner_registry import installed_learners, learner_at
-    from khepera_forage.policies.learners import LEARNERS, FromVectors
-
     known = {**LEARNERS, **installed_learners().learners}
     usable = {key: value for key, value in known.items() if isinstance(value, FromVectors)}
     if name in usable:
@@ -177,7 +166,6 @@ def _learner(name: str) -> "FromVectors":
 
 
 @command(
-    "watch",
     option("phase", "what to show", choices=("training", "recall")),
     *_POLICY,
     options.learners("learners in training (1)"),
@@ -188,12 +176,28 @@ def watch_command(arguments: argparse.Namespace) -> None:
     """Show a training or recall episode in a window, or save it as a film."""
     decisions = options.decisions_of(arguments)
     _check_watch(arguments)
-    frames: Frames = []
-    mode = "human" if arguments.out is None else "rgb_array"
-    (_watch_training if arguments.phase == "training" else _watch_recall)(arguments, mode, frames)
-    if arguments.out is not None:
-        save_film(frames, arguments.out, fps=1 / (decisions.round_duration * arguments.every))
-        print(f"{arguments.out}: {len(frames)} frames")
+    film: Path | None = arguments.out
+    frames: list[Any] = []
+    is_training = arguments.phase == "training"
+    settings: dict[str, Any] = {"render_mode": "human" if film is None else "rgb_array"}
+    if is_training and arguments.lab is None:
+        settings["noise"] = options.noise_of(arguments.noise)
+    made = options.training_env if is_training else options.recall_env
+    with closing(made(arguments, **settings)) as env:
+        rounds = progress(hidden=film is None, desc="film", unit="round")
+        number = itertools.count()
+
+        def record() -> None:
+            """Keep a frame every `--every` rounds; without a film the environment draws by itself."""
+            if film is not None and next(number) % arguments.every == 0:
+                frames.append(env.render())
+            rounds.update()
+
+        watch = _watch_training if is_training else _watch_recall
+        print(watch(env, arguments, record))
+    if film is not None:
+        save_film(frames, film, fps=1 / (decisions.round_duration * arguments.every))
+        print(f"{film}: {len(frames)} frames")
 
 
 def _check_watch(arguments: argparse.Namespace) -> None:
@@ -201,7 +205,7 @@ def _check_watch(arguments: argparse.Namespace) -> None:
     if arguments.phase == "training":
         ignored = ["--experience", "--learner", "--foods", "--allow-other-decisions", "--recover"]
         options.refuse_ignored(arguments, ignored, "with `watch recall`")
-        options.refuse_ignored_in_laboratory(arguments, ["--num-learners", "--arena"], ["--noise"])
+        options.refuse_ignored_in_laboratory(arguments)
     else:
         options.refuse_ignored(arguments, ["--num-learners"], "with `watch training`")
         _check_policy(arguments)
@@ -219,17 +223,13 @@ def _check_watch(arguments: argparse.Namespace) -> None:
     arguments.every = arguments.every or EVERY
 
 
-def _watch_training(arguments: argparse.Namespace, mode: str, frames: Frames) -> None:
-    settings: dict[str, Any] = {"render_mode": mode}
-    if arguments.lab is None:
-        settings["noise"] = options.noise_of(arguments.noise)
-    with closing(options.training_env(arguments, **settings)) as env:
-        chosen = arguments.seed
-        if arguments.out is not None and arguments.lab is None:
-            chosen = _complete_attempt(env, chosen)
-        result = training.attempt(env, chosen, _ignore, callback=_frame_recorder(env, frames, arguments))
+def _watch_training(env: Any, arguments: argparse.Namespace, record: Callable[[], None]) -> str:
+    seed = arguments.seed
+    if arguments.out is not None and arguments.lab is None:
+        seed = _complete_attempt(env, seed)
+    result = training.attempt(env, seed, _ignore, callback=record)
     outcome = "complete" if result.complete else result.lost or result.reason
-    print(f"{outcome} after {result.rounds} rounds")
+    return f"{outcome} after {result.rounds} rounds"
 
 
 def _complete_attempt(env: TrainingEnv, seed: int) -> int:
@@ -248,20 +248,6 @@ def _ignore(vector: object, behaviour: object) -> None:
     """A recording of which nothing is kept."""
 
 
-def _watch_recall(arguments: argparse.Namespace, mode: str, frames: Frames) -> None:
-    with closing(options.recall_env(arguments, render_mode=mode)) as env:
-        row = _forage(env, arguments)(arguments.seed, callback=_frame_recorder(env, frames, arguments))
-    print(f"score {row.score:.1f} % in {row.steps} steps, food {row.delivered} / {row.foods}")
-
-
-def _frame_recorder(env: Any, frames: Frames, arguments: argparse.Namespace) -> Callable[[], None]:
-    """A callback that appends a frame every `--every` rounds; without `--out` the environment draws by itself."""
-    rounds = progress(hidden=arguments.out is None, desc="film", unit="round")
-    number = itertools.count()
-
-    def record() -> None:
-        if arguments.out is not None and next(number) % arguments.every == 0:
-            frames.append(env.render())
-        rounds.update()
-
-    return record
+def _watch_recall(env: Any, arguments: argparse.Namespace, record: Callable[[], None]) -> str:
+    row = _forage(env, arguments)(arguments.seed, callback=record)
+    return f"score {row.score:.1f} % in {row.steps} steps, food {row.delivered} / {row.foods}"

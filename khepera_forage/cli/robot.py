@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from khepera_forage.cli.options import Command, command, option
+from khepera_forage.cli.options import Group, command, option
 from khepera_forage.cli.virtual import virtual_command
 from khepera_forage.option_values import real_number, whole_number
 from khepera_forage.robots.drivers import open_robot as open_any
@@ -119,7 +119,7 @@ def wait_for_rest(robot: SerialRobot, is_arm: bool) -> int:
             return position
 
 
-@command("probe", *PORT)
+@command(*PORT)
 def probe_command(arguments: argparse.Namespace) -> None:
     """Print the robot's versions, sensor readings and response times."""
     model = MODELS[arguments.robot]
@@ -186,7 +186,6 @@ def _numbers(values: tuple[int | str, ...]) -> str:
 
 
 @command(
-    "sensors",
     *PORT,
     option("--rounds", "number of rounds of 0.1 s; 0 runs until Ctrl-C (0)", whole_number(0), default=0),
 )
@@ -225,7 +224,6 @@ def bars(senses: Senses) -> str:
 
 
 @command(
-    "drive",
     *PORT,
     option("--left", f"left wheel, {_UNIT} (3)", whole_number(-MAX_SPEED, MAX_SPEED), default=3),
     option("--right", f"right wheel, {_UNIT} (3)", whole_number(-MAX_SPEED, MAX_SPEED), default=3),
@@ -259,7 +257,7 @@ def drive_command(arguments: argparse.Namespace) -> None:
     print(f"left {left} pulses, {left_mm:.0f} mm; right {right} pulses, {right_mm:.0f} mm")
 
 
-@command("grip", *PORT, option("action", "the movement", choices=tuple(_GRIPPER_COMMANDS)))
+@command(*PORT, option("action", "the movement", choices=tuple(_GRIPPER_COMMANDS)))
 def grip_command(arguments: argparse.Namespace) -> None:
     """Open, close, raise or lower the gripper."""
     model = MODELS[arguments.robot]
@@ -278,7 +276,7 @@ class CheckError(Exception):
     """A check failed; the message says what was measured."""
 
 
-@command("selftest", *PORT)
+@command(*PORT)
 def selftest_command(arguments: argparse.Namespace) -> int:
     """Test every part with small movements, and print which ones work."""
     failed, checks = 0, CHECKS[arguments.robot]
@@ -453,8 +451,14 @@ The arm comes before the infra-reds: raised, it does not cover them.
 """
 
 
-COMMAND = Command(
-    "robot",
+robot_command = Group(
     "Test a real robot, or start a virtual one.",
-    commands=(probe_command, sensors_command, drive_command, grip_command, selftest_command, virtual_command),
+    {
+        "probe": probe_command,
+        "sensors": sensors_command,
+        "drive": drive_command,
+        "grip": grip_command,
+        "selftest": selftest_command,
+        "virtual": virtual_command,
+    },
 )

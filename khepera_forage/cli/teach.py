@@ -215,7 +215,6 @@ class HumanTeacher:
 
 
 @command(
-    "teach",
     options.ARENA,
     options.FOOD_TYPE,
     options.episodes(1, "complete training episodes, one file each"),

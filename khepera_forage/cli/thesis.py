@@ -41,7 +41,6 @@ _COLUMNS = ("decision", "default", "allowed", "thesis")
 
 
 @command(
-    "reproduce",
     option(
         "--backend",
         f"{COMPILED}: thousands of worlds at once, needs numba; {PYMUNK}: one world at a time ({COMPILED})",
@@ -93,7 +92,6 @@ def reproduce_command(arguments: argparse.Namespace) -> None:
 
 
 @command(
-    "infer",
     lambda parser: add_study_arguments(parser, "decisions", *COUNTS),
     option(
         "--tables",
@@ -128,7 +126,6 @@ def infer_command(arguments: argparse.Namespace) -> int:
 
 
 @command(
-    "decisions",
     description="List the decisions: what the thesis leaves open, with our default and the reason for it. "
     "Other commands take them as --decision NAME=VALUE, or all of a version as --decision VERSION.",
 )

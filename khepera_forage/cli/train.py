@@ -56,7 +56,6 @@ def require_new(files: list[PlannedFile], otherwise: str) -> None:
 
 
 @command(
-    "train",
     options.episodes(10, "complete training episodes, one file each"),
     options.seed("the same seed gives the same files"),
     options.out("experience", "folder for g1.csv, g2.csv, ... and attempts.csv"),
@@ -85,7 +84,7 @@ def require_new(files: list[PlannedFile], otherwise: str) -> None:
 )
 def train_command(arguments: argparse.Namespace) -> int:
     """Train a learner in the paired corridors and save its experience."""
-    options.refuse_ignored_in_laboratory(arguments, ["--num-learners", "--arena"])
+    options.refuse_ignored_in_laboratory(arguments)
     decisions = options.decisions_of(arguments)
     if arguments.patience is not None and decisions.patience not in (
         arguments.patience,

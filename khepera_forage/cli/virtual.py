@@ -24,7 +24,6 @@ from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 
 @command(
-    "virtual",
     option(
         "--tcp",
         "listen on this port of 127.0.0.1 (0 for any free port) instead of a pseudo-terminal",

@@ -71,11 +71,10 @@ def food_odds(food_types: FoodOdds, has_gripper: bool = True) -> tuple[float, ..
     """
     if food_types is None:
         food_types = FoodType.PICKABLE if has_gripper else FoodType.PUSHABLE
-    if not isinstance(food_types, Mapping):
-        food_types = {food_types: 1.0}
-    odds = {_food_type(name): float(share) for name, share in food_types.items()}
+    given = food_types.items() if isinstance(food_types, Mapping) else [(food_types, 1.0)]
+    odds = {_food_type(name): share for name, share in given}
     for food_type, share in odds.items():
-        if not (math.isfinite(share) and share >= 0):
+        if not (isinstance(share, numbers.Real) and math.isfinite(share) and share >= 0):
             raise ValueError(f"odds of {food_type.name} are {share!r}; allowed: a number >= 0")
     total = sum(odds.values())
     if not total > 0:

@@ -24,7 +24,11 @@ class raw_env(TrainingEnv):  # noqa: N801 (PettingZoo's name)
         split: As for `ProceduralArenas`.
         num_levels: As for `ProceduralArenas`.
         start_level: As for `ProceduralArenas`.
-        kwargs: Further arguments of `TrainingEnv`, which override those of the difficulty.
+        kwargs: Further arguments of `TrainingEnv`; `max_cycles`, `food_types` and `noise` override those of the
+            difficulty.
+
+    Raises:
+        ValueError: As `ProceduralArenas`; or an arena is given.
     """
 
     metadata = TrainingEnv.metadata | {"name": "paired_procedural_v1"}
@@ -37,6 +41,10 @@ class raw_env(TrainingEnv):  # noqa: N801 (PettingZoo's name)
         start_level: int = 0,
         **kwargs: Any,
     ) -> None:
+        if "arena" in kwargs:
+            raise ValueError(
+                f"arena is {kwargs['arena']!r}; allowed here: none, because difficulty determines it"
+            )
         settings = procedural_settings(difficulty, split, num_levels, start_level)
         rounds = training_rounds(settings.pop("limit"))
         del settings["foods"]  # one for each mark of the arena

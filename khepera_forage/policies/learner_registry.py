@@ -135,6 +135,9 @@ def _described(name: str, learner: Any) -> Learner:
         return learner
     if callable(learner):
         taken = _parameters(learner)
+        missing = ", ".join(each for each, given in taken.items() if not given)
+        if missing:
+            raise TypeError(f"learner {name} needs {missing}; allowed: what makes a classifier by itself")
         title = name.replace("_", " ")
         return FromVectors(title, learner, seeded="random_state" in taken, diagonal="diagonal" in taken)
     raise TypeError(
@@ -142,9 +145,14 @@ def _described(name: str, learner: Any) -> Learner:
     )
 
 
-def _parameters(make: Any) -> set[str]:
-    """Names of the arguments that something callable takes."""
+def _parameters(make: Any) -> dict[str, bool]:
+    """Names of the arguments that something callable takes, and whether it is called with them or without."""
     try:
-        return set(inspect.signature(make).parameters)
+        taken = inspect.signature(make).parameters.values()
     except (TypeError, ValueError):  # a builtin without a signature
-        return set()
+        return {}
+    variable = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+    given = ("random_state", "diagonal")
+    return {
+        one.name: one.name in given or one.default is not one.empty or one.kind in variable for one in taken
+    }

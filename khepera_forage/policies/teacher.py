@@ -94,7 +94,14 @@ def completed(policy: Policy, env: Any) -> Policy:
     Args:
         policy: Of a robot.
         env: One of ours, wrapped or not, after the reset, which chooses the arena.
+
+    Raises:
+        TypeError: No policy.
     """
+    if not hasattr(policy, "act"):
+        raise TypeError(
+            f"policy is {policy!r}; allowed: what has act(observation, rng), as as_policy(...) makes it"
+        )
     env = env.unwrapped
     if isinstance(policy, Teacher):
         return Teacher(policy.home_radius or env.home_radius, policy.decisions or env.decisions)

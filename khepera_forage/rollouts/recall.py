@@ -43,8 +43,9 @@ def recall_env(
         limit: Time limit in steps; that of the environment by default.
         **kwargs: Further arguments of the environment.
     """
+    settings = settings_of(arena)
     if isinstance(arena, Arena):
-        settings = settings_of(arena) if limit is None else {**settings_of(arena), "limit": limit}
+        settings |= {} if limit is None else {"limit": limit}
         return BehavioursEnv(noise=noise, **{**settings, **kwargs})
     return unwrapped_env(BehavioursEnv, f"{environment_name(arena)}-v1", noise, limit, **kwargs)
 
@@ -77,7 +78,7 @@ def behaviours_env(env: gym.Env[Any, Any]) -> Any:
     Raises:
         TypeError: The environment is of another kind.
     """
-    own, given, left_out = env.unwrapped, env, []
+    own, given, left_out = getattr(env, "unwrapped", env), env, []
     if not hasattr(type(own), "forager") or not isinstance(own.action_space, spaces.Discrete):
         raise TypeError(f"env is {env}; allowed: Corridor-v1, Rectangle-v1, or another BehavioursEnv")
     while isinstance(given, gym.Wrapper):

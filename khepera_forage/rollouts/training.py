@@ -216,7 +216,7 @@ def train(
         IncompleteTrainingError: None of the attempts was complete.
         FileExistsError: There is a file at `path`.
     """
-    own = env.unwrapped
+    own = getattr(env, "unwrapped", env)
     if not isinstance(own, TrainingEnv):
         raise TypeError(f"env is {env}; allowed: a TrainingEnv, such as paired_corridors_v1.env()")
     env, rows = own, []

@@ -7,10 +7,11 @@ from typing import Any
 
 import cv2
 import numpy as np
+import pygame
 import pytest
 
-from khepera_forage.cli.camera import PictureWindow
 from khepera_forage.cli.main import main
+from khepera_forage.cli.window import Window
 from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.vision.calibration import Calibration, Lens
 from tests.vision.test_tags import floor_places, floor_scene
@@ -148,18 +149,14 @@ def test_calibrate_check_prints_the_regions(capsys: pytest.CaptureFixture[str]) 
 def test_calibrate_from_clicks_in_a_window(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    import pygame
-
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    show, clicks = PictureWindow.show, [(100, 100), (500, 100), (500, 400), (100, 400)]
+    show, clicks = Window.show_picture, [(100, 100), (500, 100), (500, 400), (100, 400)]
 
-    def show_and_click(window: PictureWindow, *shown: Any) -> list[tuple[float, float]]:
-        # A click, in the event queue of the window system.
-        if clicks:
-            pygame.event.post(pygame.event.Event(pygame.MOUSEBUTTONDOWN, pos=clicks.pop(0), button=1))
-        return show(window, *shown)
+    def show_and_click(window: Window, *shown: Any) -> None:
+        show(window, *shown)
+        pygame.event.post(pygame.event.Event(pygame.MOUSEBUTTONDOWN, pos=clicks.pop(0), button=1))
 
-    monkeypatch.setattr(PictureWindow, "show", show_and_click)
+    monkeypatch.setattr(Window, "show_picture", show_and_click)
     places = ["--places", "0,1500", "2000,1500", "2000,0", "0,0"]
     assert main(["camera", "calibrate", "--source", "virtual", *places]) == 0
     assert "pixel (500.5, 100.5) is (2000, 1500) mm: 0.0 mm off" in capsys.readouterr().out

@@ -50,7 +50,7 @@ def test_new_episodes_are_a_dataset_with_a_card(capsys: pytest.CaptureFixture[st
         "| licence | CC0-1.0 |",
         "- Decisions, that is, readings of what the thesis leaves open: `v1`.",
         f"- Seed: 4. Seeds of the episodes: {parts[0].seed}, {parts[1].seed}.",
-        "`khepera-forage dataset --name khepera_forage/corridor-v1 --episodes 2 --seed 4`",
+        "`khepera-forage dataset --episodes 2 --seed 4 --author me --out data`",
     ):
         assert line in card
     (block,) = re.findall(r"```python\n(.*?)```", card, flags=re.DOTALL)
@@ -72,7 +72,7 @@ def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from() -
         assert sum(episode.rewards) == pytest.approx(1 - len(part) / 500)
     card = Path("data/khepera_forage/corridor-alone-v1/README.md").read_text(encoding="utf-8")
     assert "Episodes of the teacher, which forages alone." in card
-    assert "--episodes 5 --seed 0 --alone`" in card
+    assert "dataset --alone --episodes 5 --out data`" in card
     vectors, behaviours = arrays(parts)
     learner = as_policy(DecisionTreeClassifier(random_state=0).fit(vectors, behaviours))
     env = recall_env("corridor")
@@ -101,7 +101,7 @@ def test_episodes_in_another_arena_are_a_dataset_of_this_arena() -> None:
     for line in (
         "| arena | t_maze |",
         "in copies of the arena t_maze",
-        "dataset --name khepera_forage/t_maze-v1 --episodes 1 --seed 4 --arena t_maze`",
+        "dataset --episodes 1 --arena t_maze --seed 4 --out data`",
     ):
         assert line in card
 

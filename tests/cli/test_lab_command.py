@@ -10,6 +10,7 @@ import pytest
 from khepera_forage.cli.camera import calibrate_command
 from khepera_forage.cli.lab import lab_text
 from khepera_forage.cli.main import main
+from khepera_forage.cli.options import Group
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.robots.virtual.firmware import EPuckFirmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
@@ -48,7 +49,7 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
     for _ in range(60):
         writer.write(np.full((576, 768, 3), 128, np.uint8))
     writer.release()
-    places: list[str] = []
+    places: list[tuple[float, float]] = []
 
     def calibrated(arguments: argparse.Namespace) -> int:
         places.extend(arguments.places)
@@ -56,18 +57,20 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
         return 0
 
     clicked = calibrate_command._replace(run=calibrated)
-    monkeypatch.setattr("khepera_forage.cli.lab.calibrate_command", clicked)
+    monkeypatch.setattr("khepera_forage.cli.camera.camera_command", Group("", {"calibrate": clicked}))
     monkeypatch.setattr("builtins.input", lambda question: "y")
     monkeypatch.chdir(tmp_path)
     with make_rig() as rig, VirtualKhepera(EPuckFirmware(rig.robots[0], rig.lock), baud=None) as port:
         assert main(["lab", "new", "--robot", "e-puck2", "--port", port.url, "--camera", str(film)]) == 1
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[2 if line.startswith("robot") else 1] for line in lines[:4]] == ["pass"] * 3 + [
-        "FAIL"
+    assert [line.split()[2 if line.startswith("robot") else 1] for line in lines[:3]] == [
+        "pass",
+        "pass",
+        "FAIL",
     ]
-    assert "no marker of teacher is seen in its arena" in lines[3]
+    assert "no marker of teacher is seen in its arena" in lines[2]
     assert (tmp_path / "lab.png").stat().st_size > 0
-    assert places == ["600,600", "1250,600", "1250,830", "600,830"], "the corners of the corridor"
+    assert places == [(600, 600), (1250, 600), (1250, 830), (600, 830)], "the corners of the corridor"
     assert load_settings("lab.toml").camera.calibration is not None
 
 

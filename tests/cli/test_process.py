@@ -60,3 +60,11 @@ def test_virtual_laboratory_without_pseudo_terminals_says_so(
     error = capsys.readouterr().err
     assert "pseudo-terminal, which this system does not have; allowed: Linux, macOS" in error
     assert error.count("\n") == 1
+
+
+def test_help_of_all_commands_imports_only_what_it_needs(tmp_path: Path) -> None:
+    done = shell(f"{sys.executable} -X importtime -m khepera_forage --help", tmp_path)
+    assert "be the teacher yourself, with keys in a window" in done.stdout
+    imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
+    assert "khepera_forage.cli.main" in imported
+    assert not imported & {"cv2", "joblib", "pymunk", "sklearn", "tqdm"}

@@ -44,17 +44,19 @@ MAKERS: dict[str, Callable[..., Any]] = {
     "learners": partial(train_learners, n=1),
     "procedural": partial(gym.make, PROCEDURAL),
     "paired procedural": paired_procedural_v1.env,
+    "pairs": partial(paired_corridors_v1.vector_env, 1),
 }
 ENVS = ("pymunk", "compiled", "vector")
 RECALLS = (*ENVS, "kernel")
-ALL = (*RECALLS, "training", "learners")
+PAIRED = ("training", "learners", "pairs")
+ALL = (*RECALLS, *PAIRED)
 BACKENDS = "allowed: 'pymunk', 'compiled'"
 WHOLE, LEAST_1 = "a whole number", "allowed: a whole number of at least 1"
 ARENAS = "allowed: an Arena, or one of 'corridor', 'rectangle', 't_maze'"
 FOODS = "allowed: a whole number from 1 to 16"
 WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (ALL, {"food_types": "CHEESE"}, "'CHEESE'.*allowed.*PICKABLE, PUSHABLE, POISONOUS"),
-    (ALL, {"food_types": {"PICKABLE": -1}}, r"-1\.0.*allowed: a number >= 0"),
+    (ALL, {"food_types": {"PICKABLE": -1}}, "-1.*allowed: a number >= 0"),
     (ALL, {"food_types": {"PICKABLE": math.nan}}, "nan.*allowed: a number >= 0"),
     (ALL, {"food_types": {"PICKABLE": 0}}, "{'PICKABLE': 0}.*allowed.*at least one above 0"),
     (ALL, {"arena": "circle"}, f"arena is 'circle'; {ARENAS}"),
@@ -85,17 +87,17 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (("kernel", "learners"), {"episodes": 0}, "episodes is 0"),
     (("learners",), {"n": 0}, "n is 0"),
     (("learners",), {"seed": -1}, "seed is -1"),
-    (("training",), {"num_learners": 0}, "num_learners is 0; allowed"),
-    (("training",), {"num_learners": 99}, "allowed.*camera|camera.*allowed"),
-    (("training", "learners"), {"max_cycles": 0}, "max_cycles is 0; allowed"),
-    (("training", "learners"), {"max_cycles": 1.5}, "max_cycles is 1.5"),
-    (("training", "learners"), {"patience": -1}, "patience is -1; allowed"),
+    (("training", "pairs"), {"num_learners": 0}, "num_learners is 0; allowed"),
+    (("training", "pairs"), {"num_learners": 99}, "allowed.*camera|camera.*allowed"),
+    (PAIRED, {"max_cycles": 0}, "max_cycles is 0; allowed"),
+    (PAIRED, {"max_cycles": 1.5}, "max_cycles is 1.5"),
+    (PAIRED, {"patience": -1}, "patience is -1; allowed"),
     (("arenas",), {"arena": ["t_maze", "doors"]}, "max_cycles is None; allowed with several arenas: a whole number"),
     (("learners",), {"options": {"foods": [(90.0, 115.0)]}, "decisions": V0_1}, "overlaps"),
     (("learners",), {"options": {"place": 1}}, "reset option 'place'"),
     (("learners",), {"noise": Noise(placement_error=1e6)}, "too near a wall for a placement error"),
     (("procedural", "paired procedural"), {"split": "dev"}, "split is 'dev'; allowed: 'train', 'test'"),
-    (("procedural",), {"arena": "corridor"}, "arena is 'corridor'; allowed here: none"),
+    (("procedural", "paired procedural"), {"arena": "corridor"}, "arena is 'corridor'; allowed here: none"),
     (("procedural",), {"foods": 3}, "foods is 3; allowed here: none"),
 ]  # fmt: skip
 

@@ -119,6 +119,28 @@ def test_other_noise_is_named(noise: Any) -> None:
             gym.make_vec(NAME, num_envs=2, noise=noise)
 
 
+THREE: Any = 3
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: recall(recall_env("corridor"), THREE, seed=0), "policy is 3; allowed: what has act"),
+        (lambda: recall(THREE, Teacher(), seed=0), "env is 3; allowed: Corridor-v1"),
+        (lambda: train(THREE, 0), "env is 3; allowed: a TrainingEnv"),
+        (lambda: recall_env(THREE), "arena is 3; allowed: an Arena"),
+        (lambda: gym.make(NAME, food_types={"PICKABLE": "a"}), "odds of PICKABLE are 'a'; allowed: a number"),
+        (
+            lambda: gym.make(NAME, food_types=["PICKABLE"]),
+            r"food type \['PICKABLE'\] is unknown; allowed: PICK",
+        ),
+    ],
+)
+def test_argument_of_a_wrong_type_is_named(call: Any, message: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=message):
+        call()
+
+
 def test_recall_names_another_environment() -> None:
     for env in (gym.make("khepera_forage/CorridorWheels-v1"), gym.make("CartPole-v1")):
         with pytest.raises(TypeError, match=r"env is <.*>; allowed: Corridor-v1, Rectangle-v1"):

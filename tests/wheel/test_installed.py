@@ -41,6 +41,7 @@ COMMANDS = {
 DRAWING = (
     "khepera_forage.envs.rendering.",
     "khepera_forage.cli.teach_window",
+    "khepera_forage.cli.window",
     "khepera_forage.rollouts.rendered_training",
     "khepera_forage.vision.rendering",
     "khepera_forage.vision.detection",

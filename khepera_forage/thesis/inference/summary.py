@@ -12,6 +12,7 @@ from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.thesis import appendix_a
 from khepera_forage.thesis.appendix_a import PrintedRecall
 from khepera_forage.thesis.design import ARENAS, LABORATORY, THESIS, Cell
+from khepera_forage.toml_table import naming, text_of
 
 Floats = NDArray[np.float64]
 
@@ -163,7 +164,8 @@ def tables_statistics(path: Path) -> Floats:
     Raises:
         ValueError: Another form, or a table of the corridor without the thesis's number of recalls.
     """
-    text = path.read_text(encoding="utf-8-sig")
+    with naming(path):
+        text = text_of(path)
     if text.startswith("table,"):
         printed = parse_rows(text, str(path), PrintedRecall)
         lines = [
