@@ -53,6 +53,8 @@ _REACH = FINGER_TIP + 2 * FOOD_RADIUS
 """mm from a robot's centre within which the robot, or food in its gripper, can touch a wall."""
 _TOLERATED = 0.5
 """mm of overlap up to which a robot is not held back."""
+_FINER = 8
+"""Parts of a step in which a robot moves past a corner that it would leap over."""
 _SETTLED = 1e-6
 """mm of movement below which everything is in its place."""
 _FRICTION = 0.04
@@ -85,27 +87,61 @@ def move_in_contact(
     allowed = max(_TOLERATED, _overlap(robots, i, foods, walls, corners))
     held_back = False
     for step in range(SUBSTEPS):
-        x, y, heading = robot.x, robot.y, robot.heading
         move_jaw(robots, i, foods, walls, jaw_step)
         share = late if step == 0 else 0.0
         driven = (robot.forward + share * (robot.last_forward - robot.forward)) * duration
         turned = (robot.turn + share * (robot.last_turn - robot.turn)) * duration
-        cos, sin = robot.cos, robot.sin
-        if turned != 0.0:
-            cos, sin = cosine_sine(heading + turned / 2)
-        put(robot, x + driven * cos, y + driven * sin, heading + turned)
-        moved = 1.0
-        for _ in range(_REPEATS):
-            moved = _give_way(robots, i, walls, corners)
-            moved += _push_food(robots, i, foods, walls, driven, turned)
-            if moved < _SETTLED:
-                break
-            driven = turned = 0.0
-        held_back = moved >= _SETTLED and _overlap(robots, i, foods, walls, corners) > allowed
-        if held_back:
-            put(robot, x, y, heading)
+        parts, part = 1, 0
+        while part < parts:
+            held_back, leapt = _move_on(
+                robots, i, foods, walls, corners, driven / parts, turned / parts, allowed
+            )
+            part += 1
+            if leapt and parts == 1:
+                parts, part = _FINER, 0
     if held_back:
         robot.forward = robot.turn = 0.0
+
+
+@rule
+def _move_on(
+    robots: Any, i: int, foods: Any, walls: Any, corners: Any, driven: float, turned: float, allowed: float
+) -> tuple[bool, bool]:
+    """Drive and turn, and give way to what is touched.
+
+    Args:
+        robots: As for `move_in_contact`; so are the next four.
+        i: Likewise.
+        foods: Likewise.
+        walls: Likewise.
+        corners: Likewise.
+        driven: Distance, mm.
+        turned: Angle, radians.
+        allowed: Overlap that holds nothing back, mm.
+
+    Returns:
+        Whether the robot is held back, where it was; and whether because it leapt: a finger that has swung across a
+        corner would be pushed out on the wrong side of it.
+    """
+    robot = robots[i]
+    x, y, heading = robot.x, robot.y, robot.heading
+    furthest = 2.0 * (abs(driven) + abs(turned) * FINGER_TIP + allowed)
+    cos, sin = robot.cos, robot.sin
+    if turned != 0.0:
+        cos, sin = cosine_sine(heading + turned / 2)
+    put(robot, x + driven * cos, y + driven * sin, heading + turned)
+    moved = 1.0
+    for _ in range(_REPEATS):
+        moved = _give_way(robots, i, walls, corners)
+        moved += _push_food(robots, i, foods, walls, driven, turned)
+        if moved < _SETTLED:
+            break
+        driven = turned = 0.0
+    leapt = abs(robot.x - x) + abs(robot.y - y) + abs(robot.heading - heading) * FINGER_TIP > furthest
+    held_back = leapt or (moved >= _SETTLED and _overlap(robots, i, foods, walls, corners) > allowed)
+    if held_back:
+        put(robot, x, y, heading)
+    return held_back, leapt
 
 
 @rule
