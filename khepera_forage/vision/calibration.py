@@ -378,6 +378,9 @@ def _checked_points(name: str, value: object, form: str) -> tuple[tuple[float, .
     if not isinstance(value, Sequence | np.ndarray) or len(value) != 4:
         raise ValueError(f"calibration {name} is {value!r}; allowed: four points {form}")
     points = tuple(_checked_numbers(f"{name} point", point, 2, form) for point in value)
+    for one, other in combinations(points, 2):
+        if one == other:
+            raise ValueError(f"calibration {name} has the point {one} twice; allowed: four different points")
     for three in combinations(points, 3):
         if on_a_line(*three):
             raise ValueError(
