@@ -77,7 +77,7 @@ def test_whole_numbers_in_a_file_are_accepted() -> None:
         (PICTURE[:3], FLOOR, None, "four points"),
         (PICTURE, (*FLOOR[:3], (0.0, math.nan)), None, r"floor point is \(0.0, nan\)"),
         (PICTURE, (*FLOOR[:3], (0.0, 0.0, 0.0)), None, "2 finite numbers"),
-        (PICTURE, (*FLOOR[:3], FLOOR[1]), None, r"floor points .* lie on a line"),
+        (PICTURE, (*FLOOR[:3], FLOOR[1]), None, "floor has the point .* twice"),
         ((*PICTURE[:3], (331.0, 436.0)), FLOOR, None, r"picture points .*\(331.0, 436.0\) lie on a line"),
         (PICTURE, (FLOOR[1], FLOOR[0], FLOOR[3], FLOOR[2]), None, "mirrored"),
         (PICTURE, (FLOOR[0], FLOOR[2], FLOOR[1], FLOOR[3]), None, "crossed"),
