@@ -15,7 +15,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def run_example(name: str, folder: Path, *arguments: str) -> str:
-    """What an example prints in a folder; it must succeed without any error output."""
+    """What an example prints in a folder; it must succeed and say nothing else, but that it compiles."""
     command = [sys.executable, "-W", "error", str(EXAMPLES / f"{name}.py"), *arguments]
     # Matplotlib and others must not start a thread for each core: other tests run beside.
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
@@ -23,7 +23,8 @@ def run_example(name: str, folder: Path, *arguments: str) -> str:
         command, capture_output=True, text=True, cwd=folder, env=environment, timeout=300
     )
     assert finished.returncode == 0, finished.stderr
-    assert finished.stderr == ""
+    said = [line for line in finished.stderr.splitlines() if "compiling kernels" not in line]
+    assert not said, finished.stderr
     return finished.stdout
 
 
