@@ -132,7 +132,8 @@ def test_host_that_does_not_read_loses_replies(stage: Stage) -> None:
         assert khepera.fault_counts["replies"] == 800
         host.reset_input_buffer()
         host.write(b"B\n")
-        assert host.readline().endswith(b"b,5.02,5.01\r\n")
+        # Some replies may still have been under way.
+        assert any(line.endswith(b"b,5.02,5.01\r\n") for line in iter(host.readline, b""))
 
 
 class TestLineSpeed:
