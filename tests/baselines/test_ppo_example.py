@@ -16,15 +16,15 @@ pytest.importorskip("matplotlib")
 
 def test_ppo_forages_better_than_chance_after_a_short_training(tmp_path: Path) -> None:
     """Chance, held for five rounds, delivers in 13 % of the episodes."""
-    small = ("--rounds", "140000", "--num-envs", "16", "--minibatch-size", "256")
+    small = ("--rounds", "200000", "--num-envs", "16", "--minibatch-size", "256")
     printed = run_example("ppo", tmp_path, *small, "--evaluations", "30", "--out", "out")
     found = re.findall(r"^(compiled|pymunk) +30 episodes: (\d+) of 30", printed, flags=re.MULTILINE)
     assert [backend for backend, _ in found] == ["compiled", "pymunk"]
-    assert all(int(delivered) >= 18 for _, delivered in found)
+    assert all(int(delivered) >= 24 for _, delivered in found)
     curve = read(tmp_path / "out" / "learning_curve.csv")
-    assert int(curve[-1]["rounds"]) >= 140_000
+    assert int(curve[-1]["rounds"]) >= 200_000
     shares = [float(point["food_delivered"]) for point in curve if point["food_delivered"] != "nan"]
-    assert shares[-1] > shares[0] + 0.15
+    assert shares[-1] > shares[0] + 0.3
     assert is_picture(tmp_path / "out" / "learning_curve.png")
     ppo = module_of("ppo")
     agent = ppo.load(tmp_path / "out" / "ppo.pt")

@@ -12,6 +12,7 @@ from khepera_forage.envs.layouts import random_layout
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS, Motors
 from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.task.decisions import DEFAULT_VALUES
 from tests.sim.worlds import ELL, Kind, of_both_kinds
 from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
@@ -51,8 +52,8 @@ def test_bodies_stay_inside_the_walls_apart_and_move_at_their_speed(
             for food in foods:
                 assert arena.clearance(Point(food.x, food.y)) >= FOOD_RADIUS - TOUCH
             now = [Point(food.x, food.y) for food in foods]
-            # Wheels at most 160 mm/s, with five standard deviations of slip and bias, and what a corner pushes.
-            assert math.dist((x, y), pose[:2]) <= 25.0
+            # Wheels at most 160 mm/s, with five standard deviations of slip and bias; compiled corners push as well.
+            assert math.dist((x, y), pose[:2]) <= (21.0 if kind is PymunkWorld else 25.0)
             assert abs(heading - pose.heading) <= 0.8
             # A finger's tip sweeps at 7 rad/s and 80 mm, and the jaw adds 4.5 mm.
             assert all(math.dist(*moved) <= 65.0 for moved in zip(places, now, strict=True))

@@ -222,6 +222,20 @@ def test_reflection_on_the_floor_is_not_food(size: float) -> None:
 
 
 @pytest.mark.parametrize("grey", [190.0, 225.0])
+@pytest.mark.parametrize("width", [10.0, 20.0, 60.0])
+def test_food_that_touches_one_of_three_bright_walls_is_found(width: float, grey: float) -> None:
+    walls = ((500.0, 500.0, 2700.0, 500.0), (500.0, 500.0, 500.0, 1900.0), (500.0, 1900.0, 2700.0, 1900.0))
+    laboratory, tracker = Laboratory(replace(LABORATORY, wall=grey, wall_width=width), walls), Tracker()
+    for _ in range(8):
+        place = (
+            float(laboratory.rng.uniform(700, 2600)),
+            500 + width / 2 + 17.5 + float(laboratory.rng.uniform(0, 6)),
+        )
+        (food,) = tracker.detect(laboratory.frame((), (place,)))
+        assert math.dist((food.x, food.y), (place[0] / 5, place[1] / 5)) < 1
+
+
+@pytest.mark.parametrize("grey", [190.0, 225.0])
 @pytest.mark.parametrize(
     ("width", "turn"), [(10.0, 0.0), (20.0, 0.4), (30.0, 0.0), (38.0, 1.2), (50.0, 2.5), (120.0, 0.0)]
 )
