@@ -1,7 +1,6 @@
 """Behaviours learned from the motors behind them (action level, 4.8)."""
 
 import math
-from typing import Any
 
 import gymnasium as gym
 import numpy as np
@@ -16,25 +15,9 @@ from khepera_forage.robots.khepera import ARM_RAISED, JAW_CLOSED, Motors
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.perception import RawData
+from tests.benchmarks.test_further_work import RAW as SEEN
 
-SIGHT: dict[str, Any] = {
-    "proximity": (0, 10, 20, 30, 40, 50),
-    "arm": 215,
-    "jaw": 200,
-    "x": 40.0,
-    "y": 20.0,
-    "tracked": True,
-    "food_seen": True,
-    "food_x": 60.0,
-    "food_y": 20.0,
-    "home_x": 110.0,
-    "home_y": 20.0,
-    "home_radius": 20,
-    "home_opening": 180.0,
-    "wall_distance": 15.0,
-    "wall_bearing": 90.0,
-}
-RAW = RawData(**(dict.fromkeys(RawData._fields, 0) | SIGHT))
+RAW = SEEN._replace(proximity=(0, 10, 20, 30, 40, 50), food_x=60.0)
 Steps = tuple[list[RawData], list[int], list[Motors]]
 
 

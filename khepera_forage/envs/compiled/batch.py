@@ -166,8 +166,8 @@ class CompiledBatch:
         self._run(self.worlds, self._places, given, waits, self._random, self.shown)
         return self.shown
 
-    def call(self, actions: NDArray[np.float64]) -> Callable[[], None]:
-        """A function that is one round of all worlds under what these actions then are, where no world waits."""
+    def stepper(self, actions: NDArray[np.float64]) -> Callable[[], None]:
+        """A function that steps all worlds by what the array `actions` holds when it is called; no world may wait."""
         waiting = np.zeros(self.num_worlds, np.bool_)
         given = self._arguments(self.worlds, self._places, actions, waiting, self._random, self.shown)
         return partial(_step_worlds, 0, self.num_worlds, *given)
@@ -338,7 +338,7 @@ class CompiledRecalls:
     def step(self, action: Sequence[float]) -> Shown:
         """One round under the number of a behaviour, or four numbers in -1..1."""
         self._actions[len(action)][0] = action
-        self._calls[len(action)]()
+        self._steppers[len(action)]()
         return self.shown()
 
     def shown(self) -> Shown:
@@ -348,11 +348,11 @@ class CompiledRecalls:
     def _enter(self) -> None:
         """Make arena and bodies those of the world."""
         self.arena = self._batch.arenas[0]
-        self._calls = {count: self._batch.call(actions) for count, actions in self._actions.items()}
+        self._steppers = {count: self._batch.stepper(actions) for count, actions in self._actions.items()}
         self.world = bodies_of(self._batch.world(0), self.arena, self._noise, self._decisions)
 
     def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"_calls": {}}
+        return self.__dict__ | {"_steppers": {}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
