@@ -67,7 +67,7 @@ def episode_info(
     }
 
 
-class Recalls(Protocol):
+class RecallBackend(Protocol):
     """Recalls one after another in one world: `WorldRecalls`, or `CompiledRecalls`."""
 
     largest_diagonal: int
@@ -140,7 +140,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self.foods = whole_number("foods", foods, 1, MOST_FOODS)
         self.limit = whole_number("limit", limit, 1)
         settings = arena, foods, limit, noise, food_types, self.decisions
-        self._recalls: Recalls
+        self._recalls: RecallBackend
         if check_backend(backend) == PYMUNK:
             self._recalls = WorldRecalls(*settings, world, robot)
         elif world is not None:
@@ -271,7 +271,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
     @abstractmethod
     def _numbers(self, action: ActionT) -> Sequence[float]:
-        """An action as `Recalls.step` takes it.
+        """An action as `RecallBackend.step` takes it.
 
         Raises:
             ValueError: It is not in the action space.

@@ -21,7 +21,7 @@ from khepera_forage.thesis.inference.posterior import (
     rank,
     shortest,
 )
-from khepera_forage.thesis.inference.prior import PRIOR, Laboratory, Prior, Range, Shares
+from khepera_forage.thesis.inference.prior import PRIOR, LabModel, Prior, PriorRange, Shares
 from khepera_forage.thesis.inference.summary import fitted_columns, thesis_statistics
 from tests.version_0_1 import V0_1
 
@@ -127,14 +127,14 @@ def test_error_of_a_number_is_the_ranked_probability_score() -> None:
 def test_parameters_are_numbers_in_the_order_of_the_prior() -> None:
     prior = Prior(
         {
-            "next_to_food": Range(12, 24, "-"),
+            "next_to_food": PriorRange(12, 24, "-"),
             "orienting": Shares({"lowered over food": 0.5, "lowered before food": 0.5}, "-"),
         },
-        {"placement_error": Range(0, 5, "-")},
+        {"placement_error": PriorRange(0, 5, "-")},
     )
     laboratories = [
-        Laboratory(replace(V0_1, next_to_food=17), Noise.none()),
-        Laboratory(replace(V0_1, orienting="lowered over food"), Noise(placement_error=3.0)),
+        LabModel(replace(V0_1, next_to_food=17), Noise.none()),
+        LabModel(replace(V0_1, orienting="lowered over food"), Noise(placement_error=3.0)),
     ]
     found = parameters_of(prior, laboratories)
     assert [(p.name, p.readings, p.values.tolist()) for p in found] == [

@@ -29,7 +29,7 @@ from khepera_forage.thesis.inference.posterior import (
     rank,
     shortest,
 )
-from khepera_forage.thesis.inference.prior import PRIOR, Laboratory, Range
+from khepera_forage.thesis.inference.prior import PRIOR, LabModel, PriorRange
 from khepera_forage.thesis.inference.simulate import Drawn, Sets, replicate
 from khepera_forage.thesis.inference.summary import (
     ALL,
@@ -89,7 +89,7 @@ def page(given: Arguments, drawn: Drawn) -> Page:
         under["default"] = Decisions()
     each = QUICK_EXPERIMENTS if given.quick else EXPERIMENTS
     single = [
-        Predictions(name, replicate(Laboratory(own, Noise.laboratory()), given.seed, each), np.ones(each))
+        Predictions(name, replicate(LabModel(own, Noise.laboratory()), given.seed, each), np.ones(each))
         for name, own in under.items()
     ]
     count, experiments, width = drawn.statistics.shape
@@ -151,7 +151,7 @@ def posterior_parts(posterior: Posterior, sets: Sets, quick: bool = False) -> li
 def _prior() -> Table:
     rows: list[dict[str, Value]] = []
     for name, part in PRIOR.parts.items():
-        if isinstance(part, Range):
+        if isinstance(part, PriorRange):
             values = f"{part.least:g} to {part.most:g}"
         else:
             values = "; ".join(f"{reading} ({share:.0%})" for reading, share in part.of.items())
@@ -483,7 +483,7 @@ def _questions(found: Sequence[Explained]) -> Table:
         "What knowing a decision would explain",
         "Share of the posterior variance of the fourteen means that the decision explains (correlation ratio; a number "
         f"is divided into {PARTS} classes of equal weight), and what 95 % of decisions without any influence stay "
-        f"below, which is the upper end of chance. Needs {ENOUGH} sets of equal weight.",
+        f"below, which is the upper end of chance. Supervision {ENOUGH} sets of equal weight.",
         [
             {
                 "decision or noise": one.name,

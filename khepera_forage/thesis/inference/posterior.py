@@ -29,7 +29,7 @@ from scipy.sparse import csr_array
 from sklearn.ensemble import RandomForestRegressor
 
 from khepera_forage.estimates import Estimate, bootstrap, holm, percent, ratio
-from khepera_forage.thesis.inference.prior import Laboratory, Prior, Range
+from khepera_forage.thesis.inference.prior import LabModel, Prior, PriorRange
 
 Floats = NDArray[np.float64]
 TREES = 200
@@ -79,11 +79,11 @@ class Parameter:
         return np.asarray(columns / np.sqrt(variance) if variance > 0 else columns)
 
 
-def parameters_of(prior: Prior, laboratories: Sequence[Laboratory]) -> list[Parameter]:
+def parameters_of(prior: Prior, laboratories: Sequence[LabModel]) -> list[Parameter]:
     """What the prior draws, in the order of the prior, with the values in each laboratory."""
     found = []
     for name, part in prior.parts.items():
-        readings = () if isinstance(part, Range) else tuple(part.of)
+        readings = () if isinstance(part, PriorRange) else tuple(part.of)
         drawn = [
             getattr(lab.decisions if name in prior.decisions else lab.noise, name) for lab in laboratories
         ]
@@ -169,7 +169,7 @@ class Determined(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Calibration:
+class Coverage:
     """Of one decision.
 
     Attributes:
@@ -205,7 +205,7 @@ class Calibration:
 
 def calibrate(
     learned: Parameter, weights: Floats, true: Parameter, rng: Generator, guesses: Floats
-) -> Calibration:
+) -> Coverage:
     """Compare posteriors with true values.
 
     Args:
@@ -222,7 +222,7 @@ def calibrate(
     ranks = np.clip(ranks, 0.0, 1.0)
     errors = np.stack([_errors(learned, some, true) for some in (weights, guesses)], axis=1)
     counts, _ = np.histogram(ranks, CLASSES, range=(0.0, 1.0))
-    return Calibration(
+    return Coverage(
         learned.name,
         ranks,
         _coverage(learned, weights, true, ranks, 0.5),
@@ -339,7 +339,7 @@ class Posterior:
 
     parameters: tuple[Parameter, ...]
     weights: Floats
-    calibrations: tuple[Calibration, ...]
+    calibrations: tuple[Coverage, ...]
     held_out: int
     check: PriorCheck
 
