@@ -30,14 +30,14 @@ class PriorRange(NamedTuple):
 
 
 class Shares(NamedTuple):
-    """The probability of each named reading, and the source of these."""
+    """The probability of each named alternative, and the source of these."""
 
     of: Mapping[Any, float]
     source: str
 
 
-def _equal(source: str, *readings: Any) -> Shares:
-    return Shares(dict.fromkeys(readings, 1.0 / len(readings)), source)
+def _equal(source: str, *alternatives: Any) -> Shares:
+    return Shares(dict.fromkeys(alternatives, 1.0 / len(alternatives)), source)
 
 
 class LabModel(NamedTuple):
