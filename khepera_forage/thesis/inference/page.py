@@ -143,7 +143,7 @@ def posterior_parts(posterior: Posterior, sets: Sets, quick: bool = False) -> li
         _calibrations(posterior),
         Picture("ranks", "ranks of the true values in their posteriors", _ranks(posterior)),
         _numbers(posterior),
-        _readings(posterior),
+        _alternatives(posterior),
         Picture("posterior", "admissible sets and posterior, decision by decision", _marginals(posterior)),
     ]
 
@@ -295,7 +295,7 @@ def _numbers(posterior: Posterior) -> Table:
     )
 
 
-def _readings(posterior: Posterior) -> Table:
+def _alternatives(posterior: Posterior) -> Table:
     return table_of(
         "posterior_alternatives",
         "Alternatives",
@@ -484,7 +484,7 @@ def _questions(found: Sequence[Explained]) -> Table:
         "What knowing a decision would explain",
         "Share of the posterior variance of the fourteen means that the decision explains (correlation ratio; a number "
         f"is divided into {PARTS} classes of equal weight), and what 95 % of decisions without any influence stay "
-        f"below, which is the upper end of chance. Supervision {ENOUGH} sets of equal weight.",
+        f"below, which is the upper end of chance. Needs {ENOUGH} sets of equal weight.",
         [
             {
                 "decision or noise": one.name,
