@@ -262,7 +262,7 @@ def put_down(robot: Any, x: float, y: float, heading: float, constants: Any) -> 
     )
     robot.left = robot.right = robot.forward = robot.turn = robot.last_forward = robot.last_turn = 0.0
     robot.left_pulses = robot.right_pulses = 0.0
-    robot.object_presence = robot.arm_reading = robot.jaw_reading = 0
+    robot.senses.object_presence = 0
     robot.marker_x = robot.marker_y = robot.marker_heading = 0.0
     robot.marker_found = robot.marker_lost = False
     robot.first_frame = True

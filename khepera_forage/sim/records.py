@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
 
 from khepera_forage.noise import Noise
-from khepera_forage.records import Word
-from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
+from khepera_forage.records import Word, blank
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Senses
 from khepera_forage.robots.model import KHEPERA, RobotModel
 from khepera_forage.sim.world import Timing
 
@@ -45,9 +45,6 @@ class RobotState:
         turn: Likewise, rad/s.
         last_forward: The same in the round before.
         last_turn: Likewise.
-        object_presence: As sensed at the end of the last round: 255 or 0.
-        arm_reading: Position of the arm as sensed.
-        jaw_reading: Position of the jaw as sensed.
         marker_x: Centre of its marker as last shown, pixels.
         marker_y: Likewise.
         marker_heading: Whole degrees.
@@ -61,7 +58,8 @@ class RobotState:
         max_speed: Highest speed of its wheels, in speed units.
         key: Of the random numbers of its world.
         round: Rounds since the key was set.
-        proximity: Readings of the eight infra-reds.
+        response: Of each infra-red to what is before it, without noise.
+        senses: What it senses, at the end of the last round.
     """
 
     x: float = 0.0
@@ -90,9 +88,6 @@ class RobotState:
     turn: float = 0.0
     last_forward: float = 0.0
     last_turn: float = 0.0
-    object_presence: int = 0
-    arm_reading: int = 0
-    jaw_reading: int = 0
     marker_x: float = 0.0
     marker_y: float = 0.0
     marker_heading: float = 0.0
@@ -106,7 +101,8 @@ class RobotState:
     max_speed: float = KHEPERA.max_speed
     key: Word = 0
     round: int = 0
-    proximity: list[float] = field(default_factory=lambda: [0.0] * 8)
+    response: list[float] = field(default_factory=lambda: [0.0] * 8)
+    senses: Senses = field(default_factory=lambda: blank(Senses))
 
 
 @dataclass(slots=True)

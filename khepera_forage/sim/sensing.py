@@ -89,6 +89,12 @@ _FRONT = 6
 _HIDDEN_LOW, _HIDDEN_VALUES = float(HIDDEN_BY_ARM[0]), float(HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1)
 
 
+def sense_all(enclosure: Enclosure, constants: Any) -> None:
+    """What the robots of an arena sense."""
+    for i in range(len(enclosure.robots)):
+        sense(enclosure.robots, i, enclosure.foods, enclosure.walls, constants)
+
+
 def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
     """Read all sensors of one robot; food in its gripper has moved along.
 
@@ -100,12 +106,14 @@ def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
         constants: `Constants`.
     """
     robot = robots[i]
+    senses = robot.senses
+    senses.left_pulses, senses.right_pulses = int(robot.left_pulses), int(robot.right_pulses)
     if robot.has_gripper:
         _sense_gripper(robot, foods)
     else:
         _sense_food_ahead(robot, foods, constants.reach)
     for sensor in range(8):
-        robot.proximity[sensor] = 0.0
+        robot.response[sensor] = 0.0
     first = _FRONT if robot.arm >= ARM_ON_FLOOR else 0
     for k in range(len(walls)):
         wall = walls[k]
@@ -123,30 +131,31 @@ def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
     for pair in range(4):
         bits = draw(robot, DRAW_PROXIMITY + pair)
         one, other = 2 * pair, 2 * pair + 1
-        robot.proximity[one] = _measured(robot, one, one < first, constants, upper(bits))
-        robot.proximity[other] = _measured(robot, other, one < first, constants, lower(bits))
+        senses.proximity[one] = _measured(robot, one, one < first, constants, upper(bits))
+        senses.proximity[other] = _measured(robot, other, one < first, constants, lower(bits))
 
 
 def _sense_gripper(robot: Any, foods: Any) -> None:
-    robot.object_presence = 0
+    senses = robot.senses
+    senses.object_presence = 0
     raised = (1.0 + robot.arm_reading_error) * (ARM_DOWN - robot.arm)
-    robot.arm_reading, robot.jaw_reading = math.floor(ARM_DOWN - raised + 0.5), math.floor(robot.jaw + 0.5)
+    senses.arm, senses.jaw = math.floor(ARM_DOWN - raised + 0.5), math.floor(robot.jaw + 0.5)
     if robot.held >= 0:
         foods[robot.held].x, foods[robot.held].y = grip_place(robot)
     for k in range(len(foods)):
         if robot.held == k or (robot.held < 0 and robot.arm >= ARM_ON_FLOOR):
             u, v = seen_from(robot, foods[k].x, foods[k].y)
             if in_barrier(u, v, robot.jaw):
-                robot.object_presence = PRESENT
+                senses.object_presence = PRESENT
 
 
 def _sense_food_ahead(robot: Any, foods: Any, reach: float) -> None:
     """What stands for the readings of a gripper: an object is present while food lies before the robot."""
-    robot.object_presence, robot.arm_reading, robot.jaw_reading = 0, ARM_DOWN, JAW_OPEN
+    robot.senses.object_presence, robot.senses.arm, robot.senses.jaw = 0, ARM_DOWN, JAW_OPEN
     for k in range(len(foods)):
         ahead, aside = seen_from(robot, foods[k].x, foods[k].y)
         if 0.0 < ahead <= reach and abs(aside) <= FOOD_RADIUS:
-            robot.object_presence = PRESENT
+            robot.senses.object_presence = PRESENT
 
 
 def _see_wall(robot: Any, wall: Any, first: int, sensors: Any) -> None:
@@ -182,14 +191,14 @@ def _keep_largest(robot: Any, sensor: int, dx: float, dy: float, radius: float, 
     inverse = 1.0 / (near * near * distance)
     response = min(float(MAX_READING), RESPONSE_GAIN * (inverse * distance - RESPONSE_AT_RANGE))
     reading = response * (2.0 * along * (inverse * near * near) - 1.0)
-    robot.proximity[sensor] = max(robot.proximity[sensor], reading)
+    robot.response[sensor] = max(robot.response[sensor], reading)
 
 
 def _measured(robot: Any, sensor: int, hidden: bool, constants: Any, uniform: float) -> int:
     """The reading of a sensor as a robot reports it: a whole number with noise."""
     if hidden:
         return math.floor(_HIDDEN_LOW + _HIDDEN_VALUES * (uniform if constants.proximity_gain > 0.0 else 0.5))
-    clean = robot.proximity[sensor] * (1.0 + robot.infra_red_error)
+    clean = robot.response[sensor] * (1.0 + robot.infra_red_error)
     reading = min(clean * (1.0 + constants.proximity_gain * (2.0 * uniform - 1.0)), float(MAX_READING))
     floor = constants.proximity_floor
     if reading <= floor and floor > 0.0:
@@ -231,6 +240,13 @@ def look(
             tracks[k].label = -1
     if new:
         robots[0].next_label = start_tracks(tracks, detections, count, robots[0].next_label)
+
+
+def observe(enclosure: Enclosure, anchor_x: float, anchor_y: float, constants: Any) -> None:
+    """What robots sense and the camera shows at the end of a round; `look` describes the arguments."""
+    robots, foods, tracks, detections, _, _ = enclosure
+    sense_all(enclosure, constants)
+    look(robots, foods, tracks, detections, anchor_x, anchor_y, constants)
 
 
 def forget_tracks(foods: Any, tracks: Any) -> None:

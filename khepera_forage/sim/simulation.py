@@ -32,7 +32,7 @@ from khepera_forage.sim.layout_checks import (
     check_world,
 )
 from khepera_forage.sim.records import Enclosure, constants_of
-from khepera_forage.sim.sensing import SimulatedCamera, look, sense
+from khepera_forage.sim.sensing import SimulatedCamera
 from khepera_forage.sim.world import FoodPlace, Layout, Timing
 from khepera_forage.vision.scene import Truth
 
@@ -59,16 +59,8 @@ class SimulatedKhepera:
 
     def sense(self) -> Senses:
         """What the robot senses since the last round."""
-        robot = self.record
-        a, b, c, d, e, f, g, h = map(int, robot.proximity)
-        return Senses(
-            (a, b, c, d, e, f, g, h),
-            int(robot.left_pulses),
-            int(robot.right_pulses),
-            int(robot.arm_reading),
-            int(robot.jaw_reading),
-            int(robot.object_presence),
-        )
+        values = (np.asarray(getattr(self.record.senses, name)).tolist() for name in Senses._fields)
+        return Senses._make(tuple(value) if isinstance(value, list) else value for value in values)
 
     def drive(self, motors: Motors) -> Motors:
         """Command motors from the next round on; returns the command as applied."""
@@ -82,26 +74,6 @@ class SimulatedKhepera:
     def close(self) -> None:
         """Stop."""
         self.stop()
-
-
-def observe(enclosure: Enclosure, anchor_x: float, anchor_y: float, constants: Any) -> None:
-    """What robots sense and the camera shows at the end of a round.
-
-    Args:
-        enclosure: Everything in an arena.
-        anchor_x: The point from which the robots' cables hang, mm.
-        anchor_y: Likewise.
-        constants: `Constants`.
-    """
-    robots, foods = enclosure.robots, enclosure.foods
-    sense_all(enclosure, constants)
-    look(robots, foods, enclosure.tracks, enclosure.detections, anchor_x, anchor_y, constants)
-
-
-def sense_all(enclosure: Enclosure, constants: Any) -> None:
-    """What the robots of an arena sense."""
-    for i in range(len(enclosure.robots)):
-        sense(enclosure.robots, i, enclosure.foods, enclosure.walls, constants)
 
 
 class Simulation(ABC):

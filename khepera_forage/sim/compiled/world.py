@@ -43,8 +43,8 @@ from khepera_forage.sim.driving import (
     tip_of,
 )
 from khepera_forage.sim.records import Constants, Enclosure, FoodDetection, FoodState, RobotState
-from khepera_forage.sim.sensing import forget_tracks
-from khepera_forage.sim.simulation import Simulation, observe, sense_all
+from khepera_forage.sim.sensing import forget_tracks, observe, sense_all
+from khepera_forage.sim.simulation import Simulation
 from khepera_forage.sim.world import SUBSTEPS
 from khepera_forage.vision.association import Track
 
