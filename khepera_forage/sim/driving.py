@@ -236,22 +236,13 @@ _FAR = 30.0
 """mm a round from which a finger could pass through food unnoticed: the robot then counts as touching it."""
 
 
-def put_down(robot: Any, x: float, y: float, heading: float, constants: Any) -> None:
-    """Put a robot down at the start of an episode, at rest, with its gripper raised and open; it is not seen yet.
-
-    Args:
-        robot: The robot, with the key of its random numbers.
-        x: Place in mm.
-        y: Place in mm.
-        heading: Radians.
-        constants: `Constants`.
-    """
+def put_down(robot: Any, constants: Any) -> None:
+    """Put a robot down at its pose for an episode: at rest, its gripper raised and open, and not seen yet."""
     bits = draw(robot, DRAW_BIAS)
-    mean, bias = constants.wheel_speed - 1.0, constants.wheel_bias
+    mean, bias = constants.wheel_speed - 1.0, constants.noise.wheel_bias
     robot.bias_left = mean + robot.left_wheel_error + bias * normal(draw(robot, DRAW_BIAS + 2), bits)
     robot.bias_right = mean + bias * normal(draw(robot, DRAW_BIAS + 1), bits >> 32)
-    robot.x, robot.y, robot.heading = x, y, heading
-    robot.cos, robot.sin = cosine_sine(heading)
+    robot.cos, robot.sin = cosine_sine(robot.heading)
     robot.arm = robot.arm_target = float(ARM_RAISED)
     robot.jaw = robot.jaw_target = float(JAW_OPEN)
     robot.held = -1
@@ -289,14 +280,14 @@ def begin_round(robots: Any, i: int, foods: Any, constants: Any) -> None:
         foods: The food objects.
         constants: `Constants`.
     """
-    robot, duration = robots[i], constants.round_duration
+    robot, duration = robots[i], constants.timing.round_duration
     robot.round += 1
-    arm = _towards(robot.arm_target, robot.arm, constants.arm_speed * duration)
+    arm = _towards(robot.arm_target, robot.arm, constants.timing.arm_speed * duration)
     # It does not come down on food or robots.
     if arm >= ARM_ON_FLOOR and robot.arm < ARM_ON_FLOOR and not room_below(robots, i, foods):
         arm = ARM_ON_FLOOR - 1.0
     robot.arm = arm
-    bits, slip = draw(robot, DRAW_WHEELS + 2), constants.wheel_slip
+    bits, slip = draw(robot, DRAW_WHEELS + 2), constants.noise.wheel_slip
     left_share = 1.0 + robot.bias_left + slip * normal(draw(robot, DRAW_WHEELS), bits)
     right_share = 1.0 + robot.bias_right + slip * normal(draw(robot, DRAW_WHEELS + 1), bits >> 32)
     left, right = robot.left * SPEED_UNIT * left_share, robot.right * SPEED_UNIT * right_share
@@ -330,7 +321,7 @@ def lateness(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> flo
         walls: The walls of its arena.
         constants: `Constants`.
     """
-    travel = travel_of(robots[i], constants.round_duration)
+    travel = travel_of(robots[i], constants.timing.round_duration)
     near_food = _is_near_food(robots, i, foods, travel)
     near_wall = is_near_wall(robots[i], walls, travel, near_food)
     return 1.0 / steps_of(travel, near_wall) if near_food or near_wall else 0.0
@@ -383,11 +374,11 @@ def glide(robots: Any, i: int, foods: Any, walls: Any, corners: Any, constants: 
     Returns:
         Whether it has moved.
     """
-    robot, duration = robots[i], constants.round_duration
+    robot, duration = robots[i], constants.timing.round_duration
     travel = travel_of(robot, duration)
     jaw = robot.jaw
     if robot.held < 0:
-        jaw = _towards(robot.jaw_target, jaw, constants.jaw_speed * duration)
+        jaw = _towards(robot.jaw_target, jaw, constants.timing.jaw_speed * duration)
     elif robot.jaw_target > jaw:
         return False  # A jaw that opens and releases food moves step by step; one that holds food closes no further.
     if travel == 0.0 and jaw == robot.jaw:

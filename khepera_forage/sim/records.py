@@ -4,7 +4,7 @@ On pymunk they are these classes, on compiled worlds records of numpy arrays wit
 Units are millimetres, radians and seconds unless a comment says otherwise.
 """
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from khepera_forage.noise import Noise
@@ -133,25 +133,12 @@ class FoodDetection:
 
 @dataclass(slots=True)
 class Constants:
-    """Sizes and rates of `Noise`, how the bodies move in time, and what kind of robots they are.
+    """Sizes and rates of noise, how the bodies move in time, and what kind of robots they are.
 
     Attributes:
-        wheel_slip: As in `Noise`; so are those down to `cable_loss_factor`.
-        wheel_bias: Likewise.
-        proximity_gain: Likewise.
-        proximity_floor: Likewise.
-        position_jitter: Likewise.
-        heading_jitter: Likewise.
-        reversal_rate: Likewise.
-        loss_rate_one_hole: Likewise.
-        loss_rate_two_holes: Likewise.
-        loss_rate_food: Likewise.
-        cable_loss_factor: Likewise.
-        loss_end: Chance that a loss ends.
+        noise: Sizes and rates.
+        timing: Duration of a round, and speeds of arm and jaw.
         wheel_speed: Share of the commanded speed that wheels reach.
-        round_duration: As in `Timing`; so are the last two.
-        arm_speed: Positions a second.
-        jaw_speed: Positions a second.
         has_gripper: As in `RobotModel`; so are the others.
         wheel_base: On the plan, mm.
         max_speed: Likewise.
@@ -159,26 +146,13 @@ class Constants:
         sensors: The infra-reds: mm forward and left, cosine and sine of each one's direction, one after another.
     """
 
-    wheel_slip: float = 0.0
-    wheel_bias: float = 0.0
-    proximity_gain: float = 0.0
-    proximity_floor: float = 0.0
-    position_jitter: float = 0.0
-    heading_jitter: float = 0.0
-    reversal_rate: float = 0.0
-    loss_rate_one_hole: float = 0.0
-    loss_rate_two_holes: float = 0.0
-    loss_rate_food: float = 0.0
-    cable_loss_factor: float = 1.0
-    loss_end: float = 1.0
-    wheel_speed: float = 1.0
-    round_duration: float = 0.1
-    arm_speed: float = 0.0
-    jaw_speed: float = 0.0
-    has_gripper: bool = True
-    wheel_base: float = KHEPERA.plan_base
-    max_speed: float = KHEPERA.max_speed
-    reach: float = 0.0
+    noise: Noise
+    timing: Timing
+    wheel_speed: float
+    has_gripper: bool
+    wheel_base: float
+    max_speed: float
+    reach: float
     sensors: list[float] = field(default_factory=lambda: [v for sensor in KHEPERA.sensors for v in sensor])
 
 
@@ -205,23 +179,14 @@ class Enclosure(NamedTuple):
 def constants_of(
     noise: Noise, timing: Timing, wheel_speed: float = 1.0, model: RobotModel = KHEPERA
 ) -> Constants:
-    """The `Constants` of worlds.
-
-    Args:
-        noise: Sizes and rates.
-        timing: Duration of a round, and speeds of arm and jaw.
-        wheel_speed: Share of the commanded speed that wheels reach.
-        model: The kind of robots.
-    """
-    names = {known.name for known in fields(Constants)} & {known.name for known in fields(noise)}
+    """The `Constants` of worlds with robots of a kind."""
     return Constants(
-        **{name: getattr(noise, name) for name in names},
-        **timing._asdict(),
-        loss_end=1.0 / noise.loss_rounds,
-        wheel_speed=wheel_speed,
-        has_gripper=model.has_gripper,
-        wheel_base=model.plan_base,
-        max_speed=model.max_speed,
-        reach=model.reach,
-        sensors=[value for sensor in model.sensors for value in sensor],
+        noise,
+        timing,
+        wheel_speed,
+        model.has_gripper,
+        model.plan_base,
+        model.max_speed,
+        model.reach,
+        [value for sensor in model.sensors for value in sensor],
     )

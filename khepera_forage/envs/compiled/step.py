@@ -192,7 +192,8 @@ def stand_ready(world: World, settings: Any) -> None:
     """Put robot and food where `starts` and `places` say, and forget what was known of the food."""
     robot, start, tracker = world.robots[0], world.starts[0], world.foragers[0].tracker
     robot.holes = settings.holes
-    put_down(robot, start.x, start.y, start.heading, settings.constants)
+    robot.x, robot.y, robot.heading = start.x, start.y, start.heading
+    put_down(robot, settings.constants)
     forget_tracks(world.foods, world.tracks)
     tracker.held = tracker.nearest = -1
     tracker.type_in_gripper = tracker.delivered = tracker.poison_home = 0
