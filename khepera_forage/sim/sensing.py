@@ -23,8 +23,6 @@ Each robot has a track of its own, which never ends. Food becomes tracks by the 
 is visible to that rule when food lying there would be clear of every marker by five standard deviations of the jitter
 (no last place is known better: with less, food just gone under the rim of a marker is taken for vanished) and would not
 touch food that is under a loss (whatever hides that also hides the floor around it).
-
-Plain functions, also compiled; `SimulatedCamera` shows what they have found.
 """
 
 import math

@@ -298,7 +298,6 @@ def _count(tracker: Any, foods: Any) -> None:
     tracker.type_in_gripper = foods[tracker.held].known if tracker.held >= 0 else _UNKNOWN
 
 
-_POISONOUS = FoodType.POISONOUS.value
 _NO_PATH = 1e6
 """Pixels that stand for the path to food that cannot be reached: any other food is nearer."""
 

@@ -49,7 +49,6 @@ from khepera_forage.task.placement import (
 from khepera_forage.task.states import Behaviour, StateVector, classify
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
-rule(applicable)
 register(paths, footprint)
 register(arena_map, behaviours, episode, food_tracking, pairing, perception, placement, states)
 

@@ -7,7 +7,7 @@ import numpy as np
 from khepera_forage import counter_rng
 from khepera_forage.compilation import overload, register, rule
 from khepera_forage.geometry import plane
-from khepera_forage.robots.khepera import half_gap
+from khepera_forage.robots import khepera
 from khepera_forage.sim import driving, sensing
 from khepera_forage.vision import association, shapes
 
@@ -52,8 +52,7 @@ def _heads(bits: Any) -> Any:
 
 for _function in (
     *(counter_rng.uniform, counter_rng.standard_normal, counter_rng.draw),
-    *(counter_rng.upper, counter_rng.lower, counter_rng.normal, half_gap),
-    *(shapes.touches_plate, shapes.shows_beside_lost_food, shapes.visible_clearance),
+    *(counter_rng.upper, counter_rng.lower, counter_rng.normal),
 ):
     rule(_function)
-register(plane, association, driving, sensing)
+register(plane, khepera, shapes, association, driving, sensing)

@@ -31,6 +31,7 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.driving import (
+    SUBSTEPS,
     begin_round,
     behind_wall,
     glide,
@@ -44,7 +45,6 @@ from khepera_forage.sim.driving import (
 from khepera_forage.sim.records import Constants, Enclosure, FoodDetection, FoodState, RobotState
 from khepera_forage.sim.sensing import begin, look, sense_all
 from khepera_forage.sim.simulation import Simulation
-from khepera_forage.sim.world import SUBSTEPS
 from khepera_forage.vision.association import Track
 
 _REPEATS = 4
@@ -386,7 +386,7 @@ corner_dtype = np.dtype([("x", "f8"), ("y", "f8")])
 
 
 class CompiledWorld(Simulation):
-    """A `Simulation` in compiled functions, in which `contact` moves the robots that touch something."""
+    """A `Simulation` in compiled functions, in which `move_in_contact` moves the robots that touch something."""
 
     def _empty(self, arena: Arena, robots: int, foods: int) -> Enclosure:
         return Enclosure(

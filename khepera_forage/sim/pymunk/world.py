@@ -18,6 +18,7 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.driving import (
+    SUBSTEPS,
     begin_round,
     glide,
     grip_place,
@@ -33,7 +34,6 @@ from khepera_forage.sim.driving import (
 from khepera_forage.sim.records import Enclosure, FoodDetection, FoodState, RobotState
 from khepera_forage.sim.sensing import begin, look, sense_all
 from khepera_forage.sim.simulation import Simulation
-from khepera_forage.sim.world import SUBSTEPS
 from khepera_forage.vision.association import Track
 
 FOOD_MASS = 0.013
