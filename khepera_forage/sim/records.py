@@ -48,10 +48,10 @@ class RobotState:
         marker_x: Centre of its marker as last shown, pixels.
         marker_y: Likewise.
         marker_heading: Whole degrees.
-        marker_found: Whether the last frame showed the marker.
+        marker_found: Whether the last frame showed the marker: it is not lost, and in the picture.
         marker_lost: Whether the tracker does not see the marker at present.
         first_frame: Whether the coming frame is the first after a reset.
-        next_label: Label of the next new track of food.
+        next_label: Label of the next new track of food; counted by the first robot of an arena.
         holes: Of its marker, 1 or 2.
         has_gripper: Whether it has a gripper. Without one, arm and jaw stay raised and open, where they touch nothing.
         wheel_base: Distance of its wheels, mm.
