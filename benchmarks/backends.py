@@ -160,7 +160,7 @@ class Block(NamedTuple):
         rows = []
         for number, seed in enumerate(self.seeds, self.first):
             row = recall(env, policies[number % len(policies)], seed, learner=self.policy)
-            deliverable = sum(food.type != FoodType.POISONOUS for food in env.forager.tracker.foods)
+            deliverable = sum(food.type != FoodType.POISONOUS for food in env.forager.food.objects)
             counts = row.steps, row.foods, deliverable, row.delivered, row.poison_home
             rows.append(Recall(*self[:5], seed, PYMUNK, row.score, *counts))
         env.close()

@@ -300,7 +300,7 @@ def recall_all(
     rows = []
     for number, seed in enumerate(seeds):
         row = recall(env, copy(policy) if fresh else policy, seed)
-        poisonous = sum(food.known == FoodType.POISONOUS for food in env.forager.tracker.foods)
+        poisonous = sum(food.known == FoodType.POISONOUS for food in env.forager.food.objects)
         rows.append(
             RecallEpisode(
                 replication=trial.replication,

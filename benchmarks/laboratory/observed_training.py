@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.envs.arguments import food_odds
-from khepera_forage.envs.layouts import arena_map_of, tracker_of
+from khepera_forage.envs.layouts import arena_map_of, known_food
 from khepera_forage.envs.recalls import Forager, perceive_all
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
@@ -87,10 +87,9 @@ class ObservedTraining(TrainingEnv):
         for body, arena, told in zip(
             self._lab.simulation.robots, self._lab.arenas, self.foragers, strict=True
         ):
-            arena_map = arena_map_of(arena)
-            tracker = tracker_of(arena.foods, arena_map)
-            draw_food_types(tracker.foods, 0, food_odds(None))
-            self._true.append(Forager(body, arena_map, told.holes, tracker, told.decisions))
+            food = known_food(arena.foods)
+            draw_food_types(food.objects, 0, food_odds(None))
+            self._true.append(Forager(body, arena_map_of(arena), told.holes, food, told.decisions))
         perceive_all(self._true, self._lab.camera.look())
 
     def observe(self, agent: str) -> NDArray[np.int64]:
@@ -101,9 +100,9 @@ class ObservedTraining(TrainingEnv):
             shown, behaviour = StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD]))
             attempt.perceived.append((shown, behaviour))
             teacher = super().observe(TEACHER)
-            teacher[:5] = _vector(self._true[0])
+            teacher[:5] = self._true[0].vector
             called = Teacher.of(self).act(teacher)
-            attempt.wrong.append((shown, behaviour) != (_vector(self._true[1]), called))
+            attempt.wrong.append((shown, behaviour) != (self._true[1].vector, called))
             pairs = zip(self._lab.poses()[:2], self._lab.simulation.poses()[:2], strict=True)
             attempt.outdated.append(any(math.dist(seen[:2], true[:2]) > _OUTDATED for seen, true in pairs))
         return observation
@@ -124,13 +123,6 @@ class ObservedTraining(TrainingEnv):
                 true.applied = told.applied
             perceive_all(self._true, self._lab.camera.look())
         self._on_round(self)
-
-
-def _vector(forager: Forager) -> StateVector:
-    """The state vector as an environment shows it; the food has the default type."""
-    presence, home, food_type, arm, food = forager.vector
-    diagonal = forager.arena.diagonal
-    return StateVector(presence, min(home, diagonal), food_type, arm, min(food, diagonal))
 
 
 def moving(lab: VirtualLaboratory) -> set[int]:

@@ -162,7 +162,7 @@ def _foods(env: RecallVectorEnv) -> NDArray[np.int64]:
 
 def _vectors(shown: Mapping[str, Any], env: RecallVectorEnv) -> NDArray[np.int64]:
     """The diagonal of each world's arena, and its state vector."""
-    columns = [env.batch.shown["diagonal"], *(np.ravel(shown[name]) for name in StateVector._fields)]
+    columns: list[Any] = [env.get_attr("diagonal"), *(np.ravel(shown[name]) for name in StateVector._fields)]
     return np.stack(columns, axis=1).astype(np.int64)
 
 

@@ -235,7 +235,7 @@ def learn_and_forage(
                     else:
                         env = _recall_env(arena, level if arena in DIFFICULTIES else 0)
                         rows.append(recall(env, learned.policy(env), own))
-                    foods += sum(food.type != FoodType.POISONOUS for food in env.forager.tracker.foods)
+                    foods += sum(food.type != FoodType.POISONOUS for food in env.forager.food.objects)
                 batches.append(
                     RecallBatch(
                         learner=name,

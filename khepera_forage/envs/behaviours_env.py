@@ -8,9 +8,9 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from khepera_forage.envs.recall import Observation, RecallEnv
-from khepera_forage.envs.recalls import Shown
 from khepera_forage.policies.features import state_vector_space
 from khepera_forage.policies.teacher import APPLICABLE
+from khepera_forage.task.episode import ForagerState
 from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, FoodType, behaviour_number
 
 _WHOLE = tuple(np.int64(number) for number in range(len(FoodType)))
@@ -95,13 +95,14 @@ class BehavioursEnv(RecallEnv[int]):
         self._executed = BEHAVIOURS[behaviour]
         return (behaviour,)
 
-    def _observation(self, shown: Shown) -> Observation:
+    def _observation(self, forager: ForagerState) -> Observation:
+        presence, home, food_type, arm, food = forager.vector
         # One fresh array for all three numbers: making an array takes longer than a slice.
-        numbers = np.array((shown.robot_home_distance, shown.arms_height, shown.robot_food_distance))
+        numbers = np.array((home, arm, food))
         return {
-            "object_presence": _WHOLE[shown.object_presence],
+            "object_presence": _WHOLE[presence],
             "robot_home_distance": numbers[:1],
-            "food_type": _WHOLE[shown.food_type],
+            "food_type": _WHOLE[food_type],
             "arms_height": numbers[1:2],
             "robot_food_distance": numbers[2:],
         }

@@ -16,7 +16,7 @@ from khepera_forage.sim.waypoints import is_home_free, path_tables_of, pixel_wal
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.arena_map import EVERY_SIDE, OUTSIDE, ArenaMap, Floor, whole_pixels
 from khepera_forage.task.decisions import DecisionValues
-from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, KnownFood, Link
 from khepera_forage.task.placement import Place, Start, draw_layout, place_by_hand
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
@@ -202,19 +202,13 @@ def no_room_on_marks(arena: Arena, noise: Noise) -> ValueError:
     return ValueError(message)
 
 
-def tracker_of(places: Sequence[Point], arena: ArenaMap) -> FoodTracker:
-    """The food tracker at the start of an episode.
-
-    Args:
-        places: Where food lies, in mm.
-        arena: In which arena.
-    """
-    foods = [FoodObject(place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL) for place in places]
-    return FoodTracker(
-        deliverable=len(foods),
-        foods=foods,
-        chosen=[ChosenWaypoint() for _ in range(1 + len(foods))],
-        links=[Link() for _ in range(2 * len(foods))],
+def known_food(places: Sequence[Point]) -> KnownFood:
+    """What is known of food at the start of an episode, from where it lies, in mm."""
+    return KnownFood(
+        FoodTracker(deliverable=len(places)),
+        [FoodObject(place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL) for place in places],
+        [Link() for _ in range(2 * len(places))],
+        [ChosenWaypoint() for _ in range(1 + len(places))],
     )
 
 

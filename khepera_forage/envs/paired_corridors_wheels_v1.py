@@ -61,7 +61,7 @@ class WheelsTrainingEnv(TrainingEnv):
     def observe(self, agent: str) -> NDArray[np.float64]:
         """The raw data of an agent, what it hears, and whether it is separated; a fresh array."""
         attempt, i = self._begun, self.possible_agents.index(agent)
-        raw = raw_data_of(attempt.shown(i))
+        raw = raw_data_of(attempt.foragers[i].raw)
         return np.hstack([*raw.values(), attempt.observe(i)[HEARD:]]).astype(np.float64)
 
     def checked_action(self, action: Any, agent: str) -> NDArray[np.float64]:

@@ -18,7 +18,7 @@ from khepera_forage.envs.arguments import (
     checked_decisions,
     whole_number,
 )
-from khepera_forage.envs.recalls import Forager, Shown, WorldRecalls
+from khepera_forage.envs.recalls import Forager, WorldRecalls
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, recall_view
 from khepera_forage.noise import Noise
 from khepera_forage.robots.model import KHEPERA
@@ -26,6 +26,7 @@ from khepera_forage.sim.arena import MOST_FOODS, Arena
 from khepera_forage.sim.world import LOST, Layout, World
 from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.task.episode import ForagerState
 from khepera_forage.task.states import Behaviour
 
 if TYPE_CHECKING:
@@ -35,38 +36,24 @@ Observation = dict[str, Any]
 ActionT = TypeVar("ActionT")
 
 
-def episode_info(
-    state: Any,
-    pose: Any,
-    score: Any,
-    penalty: Any,
-    correct: Any,
-    steps: Any,
-    delivered: Any,
-    poison_home: Any,
-) -> dict[str, Any]:
-    """The info of recall environments; every argument is one value, or an array with one element or row a world.
+def episode_info(forager: Any) -> dict[str, Any]:
+    """The info of recall environments.
 
     Args:
-        state: The state.
-        pose: x and y in pixels and orientation in degrees, as the camera reports them.
-        score: Equation 5.1, in percent.
-        penalty: Taken off the score for food left in the arena, in percent.
-        correct: Steps on which the teacher would have done the same.
-        steps: Steps so far.
-        delivered: Food brought home that is not poisonous.
-        poison_home: Poisonous food brought home.
+        forager: A `ForagerState` record; or an array of them: every value then has one element or row a world.
     """
+    episode, tracker, raw = forager.episode, forager.tracker, forager.raw
+    state = int(forager.state) if isinstance(forager, ForagerState) else forager.state
     return {
         "state": state,
         "correct_behaviour": state,
-        "pose": pose,
-        "score": score,
-        "penalty": penalty,
-        "correct": correct,
-        "steps": steps,
-        "delivered": delivered,
-        "poison_home": poison_home,
+        "pose": np.array((raw.x, raw.y, raw.orientation)).T,
+        "score": episode.score,
+        "penalty": episode.penalty,
+        "correct": episode.correct,
+        "steps": episode.steps,
+        "delivered": tracker.delivered,
+        "poison_home": tracker.poison_home,
     }
 
 
@@ -172,11 +159,11 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         if self.np_random is not self._generator:
             self._generator = self.np_random
             self._recalls.seed(int(self.np_random.integers(2**62)) if seed is None else seed)
-        shown = self._recalls.begin(self.np_random, options)
+        forager = self._recalls.begin(self.np_random, options)
         self._seeded, self._over, self._executed = True, False, None
         if self.render_mode == "human":
             self.render()
-        return self._observation(shown), _info(shown)
+        return self._observation(forager), episode_info(forager)
 
     def step(self, action: ActionT) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
         """One round.
@@ -187,26 +174,23 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         """
         if self._over:
             self._require_first_reset()
-            steps = self._recalls.shown().steps
+            steps = self._recalls.forager.episode.steps
             raise ResetNeeded(f"the episode ended after {steps} steps; call reset() to start another")
         numbers = self._numbers(action)
         try:
-            shown = self._recalls.step(numbers)
+            forager = self._recalls.step(numbers)
         except LOST as lost:
-            self._over, shown = True, self._recalls.shown()
-            return (
-                self._observation(shown),
-                shown.reward,
-                False,
-                True,
-                _info(shown) | {"robot_lost": str(lost)},
-            )
-        self._over = shown.terminated or shown.truncated
+            self._over, forager = True, self._recalls.forager
+            info = episode_info(forager) | {"robot_lost": str(lost)}
+            return self._observation(forager), forager.episode.reward, False, True, info
+        episode = forager.episode
+        self._over = episode.terminated or episode.truncated
         if self._over:
             self.world.stop()
         if self.render_mode == "human":
             self.render()
-        return self._observation(shown), shown.reward, shown.terminated, shown.truncated, _info(shown)
+        ends = episode.terminated, episode.truncated
+        return self._observation(forager), episode.reward, *ends, episode_info(forager)
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the present round as an array in mode `rgb_array`; in the window in mode `human`."""
@@ -218,8 +202,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         Raises:
             ResetNeeded: Before the first reset.
         """
-        forager, info = self.forager, _info(self._recalls.shown())
-        return recall_view(self.arena, self.world, forager, info, self.limit, self._executed, self.confidence)
+        return recall_view(self.arena, self.world, self.forager, self.limit, self._executed, self.confidence)
 
     def close(self) -> None:
         """Stop the robot and close the window."""
@@ -235,18 +218,9 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         """
 
     @abstractmethod
-    def _observation(self, shown: Shown) -> Observation:
+    def _observation(self, forager: ForagerState) -> Observation:
         """What the policy gets to know, in fresh arrays."""
 
     def _require_first_reset(self) -> None:
         if not self._seeded:
             raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
-
-
-def _info(shown: Shown) -> dict[str, Any]:
-    """The info of one round."""
-    pose = np.array((shown.x, shown.y, shown.orientation))
-    return episode_info(
-        *(shown.state, pose, shown.score, shown.penalty, shown.correct, shown.steps),
-        *(shown.delivered, shown.poison_home),
-    )

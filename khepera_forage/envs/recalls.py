@@ -1,7 +1,7 @@
-"""Recalls one after another in a `World`, with the rules of the task called from Python; and what environments show."""
+"""Robots at their task and recalls one after another in a `World`, with the rules of the task called from Python."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from khepera_forage.envs.arguments import (
     have_grippers,
     timing_of,
 )
-from khepera_forage.envs.layouts import arena_map_of, given_layout, tracker_of
+from khepera_forage.envs.layouts import arena_map_of, given_layout, known_food
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors, Robot, Senses
 from khepera_forage.robots.model import KHEPERA, model_of
@@ -24,45 +24,43 @@ from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import Simulation
 from khepera_forage.sim.world import Layout, World
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_path_home
+from khepera_forage.task.behaviours import behaviour_of_motors, command, decode_motors, path_home_for
 from khepera_forage.task.decisions import Decisions, DecisionValues
-from khepera_forage.task.episode import Episode, begin_episode, end_step, penalty, score
-from khepera_forage.task.food_tracking import FoodTracker, can_explore, share_identified
-from khepera_forage.task.perception import RawData, look_up_path_home, own_region, perceive
+from khepera_forage.task.episode import Episode, ForagerState, begin_episode, end_step
+from khepera_forage.task.food_tracking import KnownFood, can_explore, share_identified
+from khepera_forage.task.perception import RawData, own_region, perceive
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
-from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for, classify
+from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for
 from khepera_forage.vision.scene import Region, Scene
 
 
-class Forager:
-    """Perception and motors of one robot in its own arena.
+class Forager(ForagerState):
+    """One robot at its task in its own arena, as called from Python.
 
     Args:
         robot: The body.
         arena: What it knows of its arena.
         holes: Of its marker.
-        tracker: The food tracker of its arena.
+        food: What is known of the food of its arena.
         decisions: Of the task.
 
     Attributes:
         own: Its marker's region.
-        raw: Raw data of the last round.
-        vector: State vector of the last round.
-        state: What the teacher would classify it as.
+        senses: What the robot reported after the last round.
+        applied: The motors of the last round, as applied.
     """
 
+    raw: RawData
+    vector: StateVector
+    state: State
+    own: Region
+
     def __init__(
-        self, robot: Robot, arena: ArenaMap, holes: int, tracker: FoodTracker, decisions: DecisionValues
+        self, robot: Robot, arena: ArenaMap, holes: int, food: KnownFood, decisions: DecisionValues
     ) -> None:
-        self.robot = robot
-        self.arena = arena
-        self.tracker = tracker
-        self.holes = holes
-        self.decisions = decisions
-        self.own: Region
-        self.raw: RawData
-        self.vector: StateVector
-        self.state: State
+        self.robot, self.arena, self.holes, self.decisions = robot, arena, holes, decisions
+        self.food, self.tracker, self.episode = food, food.tracker, Episode()
+        self.behaviour = int(Behaviour.WAIT)
         self.senses: Senses = robot.sense()
         self.applied = Motors(0, 0, self.senses.arm, self.senses.jaw)
 
@@ -72,12 +70,15 @@ class Forager:
         return behaviour_for(self.state)
 
     def motors_for(self, behaviour: int) -> Motors:
-        """What a behaviour commands now. The way home is looked up only where the behaviour uses it."""
-        tracker, raw = self.tracker, self.raw
-        if uses_path_home(behaviour, raw, tracker.foods, self.arena, self.decisions):
-            bearing, path = look_up_path_home(raw, tracker, tracker.foods, tracker.chosen, self.arena)
-            self.raw = raw._replace(home_bearing=bearing, home_path=path)
+        """What a behaviour commands now."""
+        bearing, path = path_home_for(behaviour, self.raw, self.food, self.arena, self.decisions)
+        self.raw = self.raw._replace(home_bearing=bearing, home_path=path)
         return command(behaviour, self.raw, self.decisions)
+
+    def decide_on_motors(self, motors: Motors) -> None:
+        """Decide on the behaviour that motors amount to."""
+        correct = self.motors_for(self.state)
+        self.behaviour = behaviour_of_motors(motors, self.state, correct, self.decisions)
 
     def drive(self, motors: Motors) -> None:
         """Command the motors for the coming round."""
@@ -89,30 +90,15 @@ class Forager:
         Raises:
             RuntimeError: The scene has no marker of the robot.
         """
-        could_explore = can_explore(self.senses)
+        exploring = can_explore(self.senses) and self.applied.left == 0 == self.applied.right
         self.senses = self.robot.sense()
         own = own_region(scene, self.arena, self.holes)
         if own is None:
             raise RuntimeError("the camera's scene has lost all trace of the robot's marker")
         self.own = own
-        tracker = self.tracker
-        self.raw, self.vector = perceive(
-            tracker,
-            tracker.foods,
-            tracker.chosen,
-            tracker.links,
-            scene.regions,
-            could_explore,
-            self.senses,
-            self.applied,
-            own.x,
-            own.y,
-            own.orientation,
-            own.found,
-            self.arena,
-            self.decisions,
+        self.raw, self.vector, self.state = perceive(
+            self.food, own, scene.regions, self.senses, exploring, self.arena, self.decisions
         )
-        self.state = classify(self.vector, self.arena.home_radius, self.decisions)
 
 
 def perceive_all(foragers: Sequence[Forager], scene: Scene) -> None:
@@ -127,48 +113,7 @@ def perceive_all(foragers: Sequence[Forager], scene: Scene) -> None:
         forager.perceive(scene)
         for other in foragers:
             if other is not forager:
-                share_identified(forager.tracker.foods, other.tracker.foods)
-
-
-class Shown(NamedTuple):
-    """What environments show of a world after a round: the account of its episode, the state vector, and raw data.
-
-    The attributes are those of `task.episode.Episode`, of the info, of `StateVector` and of `RawData`;
-    `type_in_gripper` is the food type of the raw data. No distance of the state vector is longer than the diagonal.
-    """
-
-    reward: float
-    terminated: bool
-    truncated: bool
-    score: float
-    penalty: float
-    correct: int
-    steps: int
-    delivered: int
-    poison_home: int
-    state: int
-    x: float
-    y: float
-    orientation: float
-    object_presence: int
-    robot_home_distance: int
-    food_type: int
-    arms_height: int
-    robot_food_distance: int
-    arm: int
-    jaw: int
-    tracked: int
-    food_seen: int
-    food_x: float
-    food_y: float
-    type_in_gripper: int
-    home_x: float
-    home_y: float
-    home_radius: float
-    wall_distance: float
-    wall_bearing: float
-    diagonal: int
-    proximity: tuple[int, int, int, int, int, int]
+                share_identified(forager.food.objects, other.food.objects)
 
 
 class WorldRecalls:
@@ -222,7 +167,6 @@ class WorldRecalls:
             (self.arena,) = arenas_of(world, 1)
             self.largest_diagonal = arena_map_of(self.arena).diagonal
         self._key, self._episodes, self._fresh = 0, 0, True
-        self._episode = Episode()
         self._forager: Forager | None = None
 
     @property
@@ -240,7 +184,7 @@ class WorldRecalls:
         """Make the episodes that follow repeatable, bit for bit."""
         self._key, self._episodes, self._fresh = key_of(seed), 0, True
 
-    def begin(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Shown:
+    def begin(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Forager:
         """Begin the next episode.
 
         Args:
@@ -263,16 +207,16 @@ class WorldRecalls:
         else:
             self.world.reset(rng.spawn(1)[0], layout)
         arena_map = arena_map_of(self.arena)
-        tracker = tracker_of(layout.foods, arena_map)
-        draw_food_types(tracker.foods, food_type_key(key, number), self._odds)
+        food = known_food(layout.foods)
+        draw_food_types(food.objects, food_type_key(key, number), self._odds)
         robot = self.world.robots[0]
         values = self._decisions.values(robot.has_gripper)
-        self._forager = Forager(robot, arena_map, self.world.markers[0], tracker, values)
+        self._forager = Forager(robot, arena_map, self.world.markers[0], food, values)
         self._forager.perceive(self.world.camera.look())
-        begin_episode(self._episode, tracker)
-        return self.shown()
+        begin_episode(self._forager.episode, self._forager.tracker)
+        return self._forager
 
-    def step(self, action: Sequence[float]) -> Shown:
+    def step(self, action: Sequence[float]) -> Forager:
         """One round.
 
         Args:
@@ -282,24 +226,20 @@ class WorldRecalls:
             RobotLost: A real robot is gone, and with `CameraLost`, the camera. The round counts.
         """
         forager = self.forager
-        right = forager.correct_behaviour
         if len(action) == 1:
-            motors = forager.motors_for(int(action[0]))
-            correct = int(action[0]) == right
+            forager.behaviour = int(action[0])
+            motors = forager.motors_for(forager.behaviour)
         else:
             motors = decode_motors(*action)
-            correct = same_motors(motors, forager.motors_for(right), forager.decisions)
+            forager.decide_on_motors(motors)
+        correct = forager.behaviour == forager.state
         try:
             forager.drive(motors)
             self.world.advance()
             forager.perceive(self.world.camera.look())
         finally:
-            end_step(self._episode, forager.tracker, correct, self._limit)
-        return self.shown()
-
-    def shown(self) -> Shown:
-        """What environments show of the last round."""
-        return shown_of(self.forager, self._episode)
+            end_step(forager.episode, forager.tracker, correct, self._limit)
+        return forager
 
     def _enter(self, arena: Arena) -> None:
         """Let the coming episode take place in an arena, in a world of its own."""
@@ -308,30 +248,3 @@ class WorldRecalls:
         self.world = PymunkWorld(
             [arena], markers, self._noise, timing=timing_of(self._decisions), model=self._model
         )
-
-
-def shown_of(forager: Forager, episode: Episode) -> Shown:
-    """What environments show of a robot at its task.
-
-    Args:
-        forager: The robot.
-        episode: The account of its episode.
-    """
-    raw, tracker, diagonal = forager.raw, forager.tracker, forager.arena.diagonal
-    presence, home, food_type, arm, food = forager.vector
-    lost = penalty(tracker.delivered, tracker.deliverable)
-    account = episode.reward, episode.terminated, episode.truncated
-    info = score(episode.correct, episode.steps, lost), lost, episode.correct, episode.steps
-    vector = presence, min(home, diagonal), food_type, arm, min(food, diagonal)
-    return Shown._make(
-        (
-            *account,
-            *info,
-            *(tracker.delivered, tracker.poison_home, int(forager.state)),
-            *(raw.x, raw.y, float(raw.orientation)),
-            *vector,
-            *(raw.arm, raw.jaw, int(raw.tracked), int(raw.food_seen), raw.food_x, raw.food_y),
-            *(int(raw.food_type), raw.home_x, raw.home_y, float(raw.home_radius)),
-            *(raw.wall_distance, raw.wall_bearing, diagonal, raw.proximity),
-        )
-    )

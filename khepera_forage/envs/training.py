@@ -266,7 +266,7 @@ class TrainingEnv(AECEnv[str, Any, Any]):
 
     def _take(self, attempt: TrainingEpisode, i: int, action: Any) -> None:
         """Take down what a robot decided on."""
-        attempt.actions[i] = action
+        attempt.foragers[i].behaviour = action
 
     def resume_beside(self, agent: str) -> None:
         """Pause and resume (5.3.1): put a learner where the teacher is, in its own arena, and go on.

@@ -19,17 +19,16 @@ from khepera_forage.envs.arguments import (
     have_grippers,
     timing_of,
 )
-from khepera_forage.envs.layouts import arena_map_of, arenas_with_marks, tracker_of, training_layout
-from khepera_forage.envs.recalls import Forager, Shown, perceive_all, shown_of
+from khepera_forage.envs.layouts import arena_map_of, arenas_with_marks, known_food, training_layout
+from khepera_forage.envs.recalls import Forager, perceive_all
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
 from khepera_forage.robots.model import KHEPERA, model_of
 from khepera_forage.sim.arena import Arena, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import World
-from khepera_forage.task.behaviours import same_motors
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.episode import Episode, begin_episode, end_step, has_done_its_part, penalty, score
+from khepera_forage.task.episode import begin_episode, end_step, has_done_its_part
 from khepera_forage.task.pairing import (
     Pairing,
     attempt_ends,
@@ -70,7 +69,6 @@ class TrainingEpisode:
     Attributes:
         foragers: As given.
         pairings: Each robot and its teacher; the teacher's own means nothing.
-        actions: What each robot decided on last; WAIT before its first decision.
         motors: What each robot commands itself; None where its behaviour commands the motors.
         steps: Rounds that are over.
     """
@@ -82,14 +80,12 @@ class TrainingEpisode:
         self._limit, self._patience, self._decisions = limit, patience, decisions.values()
         self.foragers = list(foragers)
         self.pairings = [Pairing() for _ in self.foragers]
-        self.actions = [int(Behaviour.WAIT)] * len(self.foragers)
         self.motors: list[Motors | None] = [None] * len(self.foragers)
         self.steps = 0
         self._since_done = 0
-        self._episodes = [Episode() for _ in self.foragers]
         self._perceive(world.camera.look())
-        for episode, forager in zip(self._episodes, self.foragers, strict=True):
-            begin_episode(episode, forager.tracker)
+        for forager in self.foragers:
+            begin_episode(forager.episode, forager.tracker)
 
     @property
     def any_separated(self) -> bool:
@@ -108,13 +104,9 @@ class TrainingEpisode:
 
     def observe(self, i: int) -> NDArray[np.int64]:
         """What a robot perceives: its state vector, what it hears, whether it is separated; a fresh array."""
-        presence, home, food_type, arm, food = self.foragers[i].vector
-        diagonal = self.foragers[i].arena.diagonal
-        heard = self.actions[0] if i else Behaviour.WAIT
+        heard = self.foragers[0].behaviour if i else Behaviour.WAIT
         separated = self.pairings[i].separated if i else self.any_separated
-        return np.array(
-            (presence, min(home, diagonal), food_type, arm, min(food, diagonal), heard, separated), np.int64
-        )
+        return np.array((*self.foragers[i].vector, heard, separated), np.int64)
 
     def round(self) -> list[float]:
         """Carry out one round: all commands take effect together.
@@ -123,9 +115,7 @@ class TrainingEpisode:
             The reward of each robot.
         """
         self.steps += 1
-        correct = [
-            action == forager.state for action, forager in zip(self.actions, self.foragers, strict=True)
-        ]
+        correct = [forager.behaviour == forager.state for forager in self.foragers]
         try:
             for i, forager in enumerate(self.foragers):
                 forager.drive(self._motors_of(i, forager))
@@ -133,13 +123,13 @@ class TrainingEpisode:
             self._perceive(self._world.camera.look())
         finally:  # A round in which a robot is lost counts too.
             for i, forager in enumerate(self.foragers):
-                end_step(self._episodes[i], forager.tracker, correct[i], self._limit)
+                end_step(forager.episode, forager.tracker, correct[i], self._limit)
         done = all(
-            has_done_its_part(f.tracker, f.tracker.foods, f.vector, f.arena.home_radius, f.decisions)
+            has_done_its_part(f.tracker, f.food.objects, f.vector, f.arena.home_radius, f.decisions)
             for f in self.foragers
         )
         self._since_done = rounds_since_done(self._since_done, done)
-        return [episode.reward for episode in self._episodes]
+        return [forager.episode.reward for forager in self.foragers]
 
     def place_beside_teacher(self, i: int) -> None:
         """Put a learner where the teacher is, in its own arena.
@@ -152,24 +142,15 @@ class TrainingEpisode:
         self._world.place(i, Pose(x * MM_PER_PIXEL, y * MM_PER_PIXEL, math.radians(degrees)))
         pairing.separated_rounds = 0
 
-    def shown(self, i: int) -> Shown:
-        """What environments show of a robot."""
-        return shown_of(self.foragers[i], self._episodes[i])
-
     def command(self, i: int, motors: Motors) -> None:
-        """Let a robot command its own motors in this round.
-
-        Its behaviour is then the teacher's for its state if they are what that would command, and WAIT otherwise.
-        """
-        forager = self.foragers[i]
-        right = same_motors(motors, forager.motors_for(forager.correct_behaviour), forager.decisions)
+        """Let a robot command its own motors in this round."""
+        self.foragers[i].decide_on_motors(motors)
         self.motors[i] = motors
-        self.actions[i] = int(forager.correct_behaviour if right else Behaviour.WAIT)
 
     def info(self, i: int, complete: bool = False) -> dict[str, Any]:
         """A robot's info, in plain numbers."""
-        forager, episode, pairing = self.foragers[i], self._episodes[i], self.pairings[i]
-        raw, state, tracker = forager.raw, int(forager.state), forager.tracker
+        forager, pairing = self.foragers[i], self.pairings[i]
+        raw, state, tracker, episode = forager.raw, int(forager.state), forager.tracker, forager.episode
         return {
             "state": state,
             "correct_behaviour": state,
@@ -177,7 +158,7 @@ class TrainingEpisode:
             "y": raw.y,
             "orientation": raw.orientation,
             "pose": (raw.x, raw.y, raw.orientation),
-            "score": score(episode.correct, episode.steps, penalty(tracker.delivered, tracker.deliverable)),
+            "score": episode.score,
             "correct": episode.correct,
             "steps": episode.steps,
             "delivered": tracker.delivered,
@@ -192,27 +173,17 @@ class TrainingEpisode:
         perceive_all(self.foragers, scene)
         teacher = self.foragers[0]
         for pairing, forager in zip(self.pairings[1:], self.foragers[1:], strict=True):
-            update_pairing(
-                pairing,
-                forager.raw.x,
-                forager.raw.y,
-                forager.arena,
-                teacher.raw.x,
-                teacher.raw.y,
-                teacher.raw.orientation,
-                teacher.arena,
-                self._decisions,
-            )
+            update_pairing(pairing, forager.raw, forager.arena, teacher.raw, teacher.arena, self._decisions)
 
     def _motors_of(self, i: int, forager: Forager) -> Motors:
-        behaviour, raw, motors = self.actions[i], forager.raw, self.motors[i]
+        behaviour, motors = forager.behaviour, self.motors[i]
         if motors is None:
             motors = forager.motors_for(behaviour)
         elif i > 0:
-            behaviour = self.actions[0]  # what it hears decides how it is led
+            behaviour = self.foragers[0].behaviour  # what it hears decides how it is led
         if i == 0:
             return motors
-        return lead(self.pairings[i], motors, behaviour, raw.x, raw.y, raw.orientation, forager.decisions)
+        return lead(self.pairings[i], motors, behaviour, forager.raw, forager.decisions)
 
 
 class PairedArenas:
@@ -323,8 +294,8 @@ class PairedArenas:
         count = len(marked[0].foods)
         foragers = []
         for i, (robot, arena) in enumerate(zip(self.world.robots, self._maps, strict=True)):
-            tracker = tracker_of(layout.foods[i * count : (i + 1) * count], self._maps[i])
-            draw_food_types(tracker.foods, food_type_key(key, episode), self._odds)
+            food = known_food(layout.foods[i * count : (i + 1) * count])
+            draw_food_types(food.objects, food_type_key(key, episode), self._odds)
             values = self._decisions.values(robot.has_gripper)
-            foragers.append(Forager(robot, arena, self._markers[i], tracker, values))
+            foragers.append(Forager(robot, arena, self._markers[i], food, values))
         return foragers

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.arguments import motor_action
 from khepera_forage.envs.recall import Observation, RecallEnv
-from khepera_forage.envs.recalls import Shown
 from khepera_forage.policies.features import raw_data_space
+from khepera_forage.task.episode import ForagerState
 
 
 class WheelsEnv(RecallEnv[NDArray[np.float64]]):
@@ -60,22 +60,26 @@ class WheelsEnv(RecallEnv[NDArray[np.float64]]):
         numbers: list[float] = motor_action(action).tolist()
         return numbers
 
-    def _observation(self, shown: Shown) -> Observation:
-        return raw_data_of(shown)
+    def _observation(self, forager: ForagerState) -> Observation:
+        return raw_data_of(forager.raw)
 
 
-def raw_data_of(shown: Shown) -> Observation:
-    """Raw data as observations have them, in fresh arrays."""
+def raw_data_of(raw: Any) -> Observation:
+    """Raw data as observations have them, in fresh arrays.
+
+    Args:
+        raw: A `RawData` record; or an array of them, and each value is an array with one row a world.
+    """
     return {
-        "proximity": np.array(shown.proximity),
-        "arm": np.array((shown.arm,)),
-        "jaw": np.array((shown.jaw,)),
-        "object_presence": np.int64(shown.object_presence != 0),
-        "pose": np.array((shown.x, shown.y, shown.orientation)),
-        "tracked": np.int64(shown.tracked),
-        "food_seen": np.int64(shown.food_seen),
-        "food": np.array((shown.food_x, shown.food_y)),
-        "food_type": np.int64(shown.type_in_gripper),
-        "home": np.array((shown.home_x, shown.home_y, shown.home_radius)),
-        "wall": np.array((shown.wall_distance, shown.wall_bearing)),
+        "proximity": np.array(raw.proximity),
+        "arm": np.array((raw.arm,)).T,
+        "jaw": np.array((raw.jaw,)).T,
+        "object_presence": np.int64(raw.object_presence != 0),
+        "pose": np.array((raw.x, raw.y, raw.orientation)).T,
+        "tracked": np.int64(raw.tracked),
+        "food_seen": np.int64(raw.food_seen),
+        "food": np.array((raw.food_x, raw.food_y)).T,
+        "food_type": np.int64(raw.food_type),
+        "home": np.array((raw.home_x, raw.home_y, raw.home_radius)).T,
+        "wall": np.array((raw.wall_distance, raw.wall_bearing)).T,
     }

@@ -5,14 +5,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.envs.recalls import shown_of
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv, raw_data_of
 from khepera_forage.experience import Experience
 from khepera_forage.policies import Observation, Teacher
 from khepera_forage.policies.features import raw_data_space
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, MAX_SPEED, Motors, applicable
-from khepera_forage.task.episode import Episode
 from khepera_forage.task.states import Behaviour
 
 
@@ -72,7 +70,7 @@ class LearnerRecorder:
         return self._record.episode()
 
     def _shown(self) -> dict[str, Any]:
-        return raw_data_of(shown_of(self._env.foragers[1], Episode()))
+        return raw_data_of(self._env.foragers[1].raw)
 
 
 def teacher_alone(env: WheelsEnv, seed: int) -> tuple[Experience, RawEpisode]:
@@ -93,8 +91,7 @@ def teacher_alone(env: WheelsEnv, seed: int) -> tuple[Experience, RawEpisode]:
         forager = env.forager
         motors = applicable(forager.motors_for(forager.correct_behaviour))
         record.heard.append(int(forager.correct_behaviour))
-        presence, home, food_type, arm, food = forager.vector
-        vectors.append((presence, min(home, env.diagonal), food_type, arm, min(food, env.diagonal)))
+        vectors.append(forager.vector)
         shown, reward, terminated, truncated, _ = env.step(np.array(encoded_motors(motors)))
         record.add(motors, float(reward), shown)
         done = terminated or truncated

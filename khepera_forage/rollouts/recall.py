@@ -181,7 +181,7 @@ def recall(
         poison_home=info["poison_home"],
         food_x=tuple(food[0] for food in foods),
         food_y=tuple(food[1] for food in foods),
-        food_delivered=tuple(is_collected(food) for food in own.forager.tracker.foods),
+        food_delivered=tuple(is_collected(food) for food in own.forager.food.objects),
         start_x=x,
         start_y=y,
         start_heading=heading,

@@ -106,27 +106,26 @@ _LEFT, _RIGHT, _NO_ROOM = 1, -1, 2
 _UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
 
 
-def path_home(x: float, y: float, tracker: Any, foods: Any, chosen: Any, arena: ArenaMap) -> NextWaypoint:
+def path_home(x: float, y: float, known: Any, arena: ArenaMap) -> NextWaypoint:
     """The way home of a robot.
 
     Args:
         x: Of the robot, pixels.
         y: Of the robot, pixels.
-        tracker: Its `FoodTracker` record.
-        foods: The `FoodObject` records.
-        chosen: `ChosenWaypoint` records: on its way home, then on its way to each food object; changed in place.
+        known: `KnownFood`; the waypoint chosen on the way home, and sides to pass poison, are changed.
         arena: Its arena.
     """
+    chosen, held = known.chosen[0], known.tracker.held
     to_x, to_y, paths, walls = arena.home_x, arena.home_y, arena.paths, arena.walls
     way = to_x, to_y, 0.0
     if len(paths.corners) > 0:
-        if is_straight(x, y, to_x, to_y, False, chosen[0], walls, paths):
+        if is_straight(x, y, to_x, to_y, False, chosen, walls, paths):
             way = to_x, to_y, length(to_x - x, to_y - y)
         else:
-            way = drivable(next_waypoint(x, y, to_x, to_y, False, chosen[0], walls, paths), to_x, to_y)
-    if tracker.held < 0 or not is_poison_about(tracker.held, foods):
+            way = drivable(next_waypoint(x, y, to_x, to_y, False, chosen, walls, paths), to_x, to_y)
+    if held < 0 or not is_poison_about(held, known.objects):
         return way
-    return *past_poison(x, y, way[0], way[1], tracker.held, foods, arena), way[2]
+    return *past_poison(x, y, way[0], way[1], held, known.objects, arena), way[2]
 
 
 def path_to_food(x: float, y: float, to_x: float, to_y: float, chosen: Any, arena: ArenaMap) -> NextWaypoint:

@@ -36,7 +36,6 @@ hidden. A decision, because the thesis has no such robot:
 """
 
 import math
-from typing import Any
 
 from khepera_forage.geometry.plane import arcsine, bearing_of, cosine_sine, turn_to
 from khepera_forage.robots.khepera import (
@@ -53,7 +52,7 @@ from khepera_forage.robots.khepera import (
     Motors,
     applicable,
 )
-from khepera_forage.task.arena_map import EVERY_SIDE, ArenaMap
+from khepera_forage.task.arena_map import EVERY_SIDE, ArenaMap, path_home
 from khepera_forage.task.decisions import (
     AS_IT_IS,
     BACK_OFF,
@@ -62,6 +61,7 @@ from khepera_forage.task.decisions import (
     WANDER,
     DecisionValues,
 )
+from khepera_forage.task.food_tracking import KnownFood
 from khepera_forage.task.perception import RawData, paths_home_can_bend, perceives_paths
 from khepera_forage.task.states import Behaviour
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -137,23 +137,26 @@ def command(behaviour: int, raw: RawData, decisions: DecisionValues) -> Motors:
     return wait(raw)
 
 
-def uses_path_home(
-    behaviour: int, raw: RawData, foods: Any, arena: ArenaMap, decisions: DecisionValues
-) -> bool:
-    """Whether motors of a behaviour depend on the way home around walls, and raw data have the straight one.
+def path_home_for(
+    behaviour: int, raw: RawData, known: KnownFood, arena: ArenaMap, decisions: DecisionValues
+) -> tuple[float, float]:
+    """`home_bearing` and `home_path` of raw data, looked up around walls and past poison if a behaviour uses them.
 
     Args:
         behaviour: As for `command`.
-        raw: Likewise.
-        foods: `FoodObject` records of the arena.
+        raw: As for `command`.
+        known: Of the food of the arena; changed as by `path_home`.
         arena: The arena.
-        decisions: Likewise.
+        decisions: `DecisionValues`.
     """
-    if perceives_paths(decisions) or not paths_home_can_bend(foods, arena):
-        return False
+    used = behaviour in (_PUSH_FOOD, _GO_HOME, _AVOID_HOME, _RELEASE_FOOD)
     if behaviour in (_SEARCH_FOR_FOOD, _MOVE_SLOWLY):
-        return is_home_across(raw)
-    return behaviour in (_PUSH_FOOD, _GO_HOME, _AVOID_HOME, _RELEASE_FOOD)
+        used = is_home_across(raw)
+    if not used or perceives_paths(decisions) or not paths_home_can_bend(known, arena):
+        return raw.home_bearing, raw.home_path
+    x, y, path = path_home(raw.x, raw.y, known, arena)
+    bearing = turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation)
+    return bearing, path if path > raw.home_distance else raw.home_distance
 
 
 def wait(raw: RawData) -> Motors:
@@ -377,6 +380,12 @@ def same_motors(one: Motors, other: Motors, decisions: DecisionValues) -> bool:
     a, b = applicable(one), applicable(other)
     wheels = a.left == b.left and a.right == b.right
     return wheels and (not decisions.has_gripper or (a.arm == b.arm and a.jaw == b.jaw))
+
+
+def behaviour_of_motors(motors: Motors, state: int, correct: Motors, decisions: DecisionValues) -> int:
+    """The behaviour that motors amount to: the teacher's for the state if it commands the same, and WAIT otherwise."""
+    # States and behaviours correspond one to one (4.4.1).
+    return int(state) if same_motors(motors, correct, decisions) else Behaviour.WAIT.value
 
 
 def decode_motors(left: float, right: float, arm: float, jaw: float) -> Motors:

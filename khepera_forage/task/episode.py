@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from khepera_forage.task.decisions import DecisionValues
-from khepera_forage.task.food_tracking import is_finished
+from khepera_forage.task.food_tracking import FoodTracker, is_finished
+from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import NUM_STATES, Behaviour, FoodType, StateVector, is_raised
 
 
@@ -22,6 +23,8 @@ class Episode:
         terminated: Whether everything is delivered or known to be poisonous.
         truncated: Whether the episode has reached its limit.
         value: Food delivered less poison brought home.
+        penalty: Percent taken off for food left so far, see `penalty`.
+        score: Percent so far, see `score`.
     """
 
     steps: int = 0
@@ -30,6 +33,31 @@ class Episode:
     terminated: bool = False
     truncated: bool = False
     value: int = 0
+    penalty: float = 0.0
+    score: float = 0.0
+
+
+@dataclass(slots=True)
+class ForagerState:
+    """One robot at its task, after a round.
+
+    Attributes:
+        raw: Raw data.
+        vector: The state vector.
+        state: What the teacher classifies the state vector as.
+        behaviour: What was decided on; with motors of its own, the teacher's behaviour if they are the same, else WAIT.
+        number: Episodes of a compiled world that began since it was seeded.
+        episode: The account of its episode.
+        tracker: The food tracker of its arena.
+    """
+
+    raw: RawData
+    vector: StateVector
+    state: int = 0
+    behaviour: int = 0
+    number: int = 0
+    episode: Episode = field(default_factory=Episode)
+    tracker: FoodTracker = field(default_factory=FoodTracker)
 
 
 @dataclass(slots=True)
@@ -57,6 +85,7 @@ def begin_episode(episode: Any, tracker: Any) -> None:
     episode.steps = episode.correct = 0
     episode.reward, episode.terminated, episode.truncated = 0.0, False, False
     episode.value = tracker.delivered - tracker.poison_home
+    _grade(episode, tracker)
 
 
 def end_step(episode: Any, tracker: Any, correct: bool, limit: int) -> None:
@@ -75,6 +104,12 @@ def end_step(episode: Any, tracker: Any, correct: bool, limit: int) -> None:
     episode.value = value
     episode.terminated = is_finished(tracker)
     episode.truncated = episode.steps >= limit and not episode.terminated
+    _grade(episode, tracker)
+
+
+def _grade(episode: Any, tracker: Any) -> None:
+    episode.penalty = penalty(tracker.delivered, tracker.deliverable)
+    episode.score = score(episode.correct, episode.steps, episode.penalty)
 
 
 def has_done_its_part(

@@ -8,10 +8,9 @@ In Python these are slotted dataclasses and named tuples, in compiled code recor
 """
 
 import math
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
-from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.geometry.plane import heading_of, length
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, BARRIER, JAW_OPEN, Senses
 from khepera_forage.task.arena_map import ArenaMap, drivable, is_within, path_to_food
@@ -155,9 +154,6 @@ class FoodTracker:
         food_path: Length of the path, pixels; 0 if the way is straight.
         last_distance: From the robot to the nearest candidate when there last was one, pixels; -1 before. Kept if
             RobotFoodDistance is then the last one known.
-        foods: The food objects.
-        chosen: `ChosenWaypoint` records: on the way home, then on the way to each food object.
-        links: Twice as many slots as food objects.
     """
 
     held: int = -1
@@ -173,57 +169,58 @@ class FoodTracker:
     food_waypoint_y: float = 0.0
     food_path: float = 0.0
     last_distance: float = -1.0
-    foods: list[FoodObject] = field(default_factory=list)
-    chosen: list[ChosenWaypoint] = field(default_factory=list)
-    links: list[Link] = field(default_factory=list)
+
+
+class KnownFood(NamedTuple):
+    """What is known of the food of one arena.
+
+    Attributes:
+        tracker: The `FoodTracker` record.
+        objects: `FoodObject` records.
+        links: `Link` records: twice as many slots as food objects.
+        chosen: `ChosenWaypoint` records: on the way home, then on the way to each food object.
+    """
+
+    tracker: Any
+    objects: Any
+    links: Any
+    chosen: Any
 
 
 def update_food(
-    tracker: Any,
-    foods: Any,
-    chosen: Any,
-    links: Any,
+    known: KnownFood,
     tracks: Any,
-    arena: ArenaMap,
-    x: float,
-    y: float,
-    orientation: int,
-    object_present: bool,
+    own: Any,
+    senses: Senses,
     explored: bool,
-    arm: int,
+    arena: ArenaMap,
     decisions: DecisionValues,
 ) -> None:
     """Account for one round: gripped, identified and delivered food, and the nearest candidate.
 
     Args:
-        tracker: The `FoodTracker` record; changed in place.
-        foods: Its `FoodObject` records; changed in place.
-        chosen: Its `ChosenWaypoint` records; changed in place.
-        links: Its `Link` records; changed in place.
+        known: Of the food; changed in place.
         tracks: Regions or tracks of the camera, of any number of holes; slots with label -1 are free.
-        arena: The arena of this robot.
-        x: Of the robot, pixels.
-        y: Of the robot, pixels.
-        orientation: Of the robot, whole degrees 0..359.
-        object_present: Whether the optical barrier is interrupted.
+        own: The robot's marker, see `perception.perceive`.
+        senses: What the robot reports now.
         explored: Whether food has been explored in this round (see `can_explore`).
-        arm: Position of its arm.
+        arena: The arena of this robot.
         decisions: `DecisionValues`.
     """
-    if object_present:
-        cosine, sine = heading_of(orientation)
-        x_held, y_held = x + _GRIPPER * cosine, y + _GRIPPER * sine
-        _follow_gripper(tracker, foods, links, tracks, x_held, y_held, explored)
+    tracker, foods = known.tracker, known.objects
+    if senses.object_presence:
+        cosine, sine = heading_of(own.orientation)
+        _follow_gripper(known, tracks, own.x + _GRIPPER * cosine, own.y + _GRIPPER * sine, explored)
     else:
         tracker.held = -1
-    _follow_tracks(tracker, foods, links, tracks, arena)
+    _follow_tracks(known, tracks, arena)
     if decisions.food_beside_robot != SEEN_AT_LAST_PLACE:
-        count_lost_rounds(links, tracks)
-    find_nearest(tracker, foods, chosen, links, tracks, arena, x, y, arm, decisions)
+        count_lost_rounds(known.links, tracks)
+    find_nearest(known, tracks, own.x, own.y, senses.arm, arena, decisions)
     _count(tracker, foods)
     if decisions.no_food_distance == LAST_DISTANCE:
         if tracker.food_seen:
-            tracker.last_distance = length(tracker.food_x - x, tracker.food_y - y)
+            tracker.last_distance = length(tracker.food_x - own.x, tracker.food_y - own.y)
         elif tracker.deliverable < len(foods):
             tracker.last_distance = -1.0  # or a robot would orient with poison that it has just left
 
@@ -246,10 +243,9 @@ def is_collected(food: Any) -> bool:
     return bool(food.delivered and food.known != _POISONOUS)
 
 
-def _follow_gripper(
-    tracker: Any, foods: Any, links: Any, tracks: Any, x: float, y: float, explored: bool
-) -> None:
+def _follow_gripper(known: KnownFood, tracks: Any, x: float, y: float, explored: bool) -> None:
     """Food in the gripper is where the gripper is, and has been identified once it is explored."""
+    tracker, foods = known.tracker, known.objects
     if tracker.held < 0:
         nearest, best = 0, math.inf
         for k in range(len(foods)):
@@ -257,7 +253,7 @@ def _follow_gripper(
             dx, dy = foods[k].x - x, foods[k].y - y
             # The marker hides what is gripped: food that the camera sees is something else, also if it is nearer to
             # where a gripper would be in a frame with the heading reversed.
-            squared = dx * dx + dy * dy + (_SEEN if is_shown(k, links, tracks) else 0.0)
+            squared = dx * dx + dy * dy + (_SEEN if is_shown(k, known.links, tracks) else 0.0)
             if squared < best:
                 nearest, best = k, squared
         tracker.held = nearest
@@ -267,13 +263,14 @@ def _follow_gripper(
         held.known = held.type
 
 
-def _follow_tracks(tracker: Any, foods: Any, links: Any, tracks: Any, arena: ArenaMap) -> None:
+def _follow_tracks(known: KnownFood, tracks: Any, arena: ArenaMap) -> None:
     """Link new tracks to food objects, and see where these are."""
+    foods, links, held = known.objects, known.links, known.tracker.held
     for track in tracks:
         if track.found and track.label >= 0 and track.holes == 0 and is_within(track.x, track.y, arena):
             k = link_of(track.label, links)
-            number = links[k].food if k >= 0 else link_track(track, foods, tracker.held, links, tracks, arena)
-            if number >= 0 and number != tracker.held:
+            number = links[k].food if k >= 0 else link_track(track, foods, held, links, tracks, arena)
+            if number >= 0 and number != held:
                 _see(foods[number], track, arena)
 
 
@@ -303,15 +300,12 @@ _NO_PATH = 1e6
 
 
 def find_nearest(
-    tracker: Any,
-    foods: Any,
-    chosen: Any,
-    links: Any,
+    known: KnownFood,
     tracks: Any,
-    arena: ArenaMap,
     x: float,
     y: float,
     arm: int,
+    arena: ArenaMap,
     decisions: DecisionValues,
 ) -> None:
     """Find the nearest candidate: a region without holes that shows neither delivered nor known poisonous food.
@@ -320,17 +314,15 @@ def find_nearest(
     other food nearer on its way, and the first one again on its way there.
 
     Args:
-        tracker: The `FoodTracker` record; changed in place.
-        foods: Its `FoodObject` records.
-        chosen: Its `ChosenWaypoint` records; changed in place.
-        links: Its `Link` records.
+        known: Of the food; tracker and chosen waypoints are changed.
         tracks: Regions or tracks of the camera.
-        arena: The arena of this robot.
         x: Of the robot, pixels.
         y: Of the robot, pixels.
         arm: Position of its arm.
+        arena: The arena of this robot.
         decisions: `DecisionValues`.
     """
+    tracker, foods, links = known.tracker, known.objects, known.links
     seen, nearest, food_x, food_y = False, -1, 0.0, 0.0
     way_x = way_y = path = 0.0
     held, excluded, looks = tracker.held, -1, True
@@ -356,7 +348,7 @@ def find_nearest(
                 if number == excluded or not is_candidate(foods[number], number == held):
                     continue
                 if len(arena.paths.corners) > 0:
-                    to_x, to_y, length = path_to_food(x, y, track.x, track.y, chosen[1 + number], arena)
+                    to_x, to_y, length = path_to_food(x, y, track.x, track.y, known.chosen[1 + number], arena)
                     squared = min(length, _NO_PATH) ** 2
                     if squared >= best:
                         continue

@@ -13,95 +13,6 @@ from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.states import Behaviour
 
 
-def separated(x: float, y: float, teacher_x: float, teacher_y: float, decisions: DecisionValues) -> bool:
-    """Whether the robots are significantly apart (4.5.2).
-
-    Args:
-        x: Of the learner, pixels.
-        y: Of the learner.
-        teacher_x: Of the teacher, moved into the learner's arena.
-        teacher_y: Of the teacher, moved into the learner's arena.
-        decisions: `DecisionValues`.
-    """
-    return length(teacher_x - x, teacher_y - y) > decisions.separation
-
-
-def follow(
-    motors: Motors,
-    x: float,
-    y: float,
-    orientation: float,
-    teacher_x: float,
-    teacher_y: float,
-    teacher_orientation: float,
-    decisions: DecisionValues,
-) -> Motors:
-    """Bend the learner's way towards the teacher.
-
-    Changes the difference of the wheels and never their mean: the learner "does not alter its speed". Nothing
-    changes for wheels that do not go forward, at about the same place, or in about the same direction.
-
-    Args:
-        motors: What the learner's behaviour commands.
-        x: Of the learner, pixels.
-        y: Of the learner.
-        orientation: Of the learner, degrees.
-        teacher_x: Of the teacher, moved into the learner's arena.
-        teacher_y: Of the teacher.
-        teacher_orientation: Of the teacher, degrees.
-        decisions: `DecisionValues`.
-    """
-    mean = (motors.left + motors.right) / 2
-    if mean <= 0.0:
-        return motors
-    if length(teacher_x - x, teacher_y - y) <= decisions.same_place:
-        return motors
-    if abs(turn_to(teacher_orientation, orientation)) <= decisions.same_heading:
-        return motors
-    return _arc(motors, mean, x, y, orientation, teacher_x, teacher_y, decisions.following_gain)
-
-
-def recover(
-    motors: Motors,
-    x: float,
-    y: float,
-    orientation: float,
-    teacher_x: float,
-    teacher_y: float,
-    decisions: DecisionValues,
-) -> Motors:
-    """The arc at nominal speed by which a separated learner comes back while the teacher waits.
-
-    Args:
-        motors: What the learner would do otherwise; arm and jaw are kept.
-        x: Of the learner, pixels.
-        y: Of the learner.
-        orientation: Of the learner, degrees.
-        teacher_x: Of the teacher, moved into the learner's arena.
-        teacher_y: Of the teacher.
-        decisions: `DecisionValues`.
-    """
-    speed = decisions.recovery_speed
-    nominal = Motors(speed, speed, motors.arm, motors.jaw)
-    return _arc(nominal, speed, x, y, orientation, teacher_x, teacher_y, decisions.following_gain)
-
-
-def _arc(
-    motors: Motors,
-    mean: float,
-    x: float,
-    y: float,
-    orientation: float,
-    teacher_x: float,
-    teacher_y: float,
-    gain: float,
-) -> Motors:
-    error = turn_to(bearing_of(teacher_x - x, teacher_y - y), orientation)
-    limit = min(mean, MAX_SPEED - mean)
-    turn = max(-limit, min(limit, (motors.right - motors.left) / 2 + gain * error))
-    return Motors(mean - turn, mean + turn, motors.arm, motors.jaw)
-
-
 @dataclass(slots=True)
 class Pairing:
     """One learner and its teacher.
@@ -124,33 +35,22 @@ class Pairing:
 
 
 def update_pairing(
-    pairing: Any,
-    x: float,
-    y: float,
-    arena: ArenaMap,
-    teacher_x: float,
-    teacher_y: float,
-    teacher_orientation: float,
-    teacher_arena: ArenaMap,
-    decisions: DecisionValues,
+    pairing: Any, own: Any, arena: ArenaMap, teacher: Any, teacher_arena: ArenaMap, decisions: DecisionValues
 ) -> None:
-    """Account for one round.
+    """Account for one round. The robots are separated if they are significantly apart (4.5.2).
 
     Args:
         pairing: The `Pairing` record; changed in place.
-        x: Of the learner, pixels.
-        y: Of the learner.
+        own: The learner's raw data.
         arena: The learner's.
-        teacher_x: Of the teacher, in its own arena.
-        teacher_y: Of the teacher, in its own arena.
-        teacher_orientation: Degrees.
+        teacher: The teacher's raw data.
         teacher_arena: The teacher's.
         decisions: `DecisionValues`.
     """
-    pairing.teacher_x = teacher_x + arena.home_x - teacher_arena.home_x
-    pairing.teacher_y = teacher_y + arena.home_y - teacher_arena.home_y
-    pairing.teacher_orientation = teacher_orientation
-    apart = separated(x, y, pairing.teacher_x, pairing.teacher_y, decisions)
+    pairing.teacher_x = teacher.x + arena.home_x - teacher_arena.home_x
+    pairing.teacher_y = teacher.y + arena.home_y - teacher_arena.home_y
+    pairing.teacher_orientation = teacher.orientation
+    apart = length(pairing.teacher_x - own.x, pairing.teacher_y - own.y) > decisions.separation
     if apart and not pairing.separated:
         pairing.separations += 1
     pairing.separated_rounds = pairing.separated_rounds + 1 if apart else 0
@@ -163,40 +63,50 @@ def teacher_says(state: int, any_separated: bool) -> int:
     return Behaviour.WAIT.value if any_separated else state
 
 
-def lead(
-    pairing: Any,
-    motors: Motors,
-    behaviour: int,
-    x: float,
-    y: float,
-    orientation: float,
-    decisions: DecisionValues,
-) -> Motors:
+def lead(pairing: Any, motors: Motors, behaviour: int, own: Any, decisions: DecisionValues) -> Motors:
     """A learner's motors, bent towards the teacher (4.5.2).
 
     Args:
         pairing: The `Pairing` record.
         motors: What the learner's behaviour commands.
         behaviour: That behaviour; a separated learner that waits recovers.
-        x: Of the learner, pixels.
-        y: Of the learner.
-        orientation: Of the learner, degrees.
+        own: The learner's raw data.
         decisions: `DecisionValues`.
     """
     if pairing.separated and behaviour == Behaviour.WAIT:
-        return recover(motors, x, y, orientation, pairing.teacher_x, pairing.teacher_y, decisions)
+        return recover(pairing, motors, own, decisions)
     if behaviour == Behaviour.PUSH_FOOD and not decisions.has_gripper:
         return motors  # On an arc, food would slip away to the side.
-    return follow(
-        motors,
-        x,
-        y,
-        orientation,
-        pairing.teacher_x,
-        pairing.teacher_y,
-        pairing.teacher_orientation,
-        decisions,
-    )
+    return follow(pairing, motors, own, decisions)
+
+
+def follow(pairing: Any, motors: Motors, own: Any, decisions: DecisionValues) -> Motors:
+    """Bend the learner's way towards the teacher; arguments as for `lead`.
+
+    Changes the difference of the wheels and never their mean: the learner "does not alter its speed". Nothing
+    changes for wheels that do not go forward, at about the same place, or in about the same direction.
+    """
+    mean = (motors.left + motors.right) / 2
+    if mean <= 0.0:
+        return motors
+    if length(pairing.teacher_x - own.x, pairing.teacher_y - own.y) <= decisions.same_place:
+        return motors
+    if abs(turn_to(pairing.teacher_orientation, own.orientation)) <= decisions.same_heading:
+        return motors
+    return _arc(pairing, motors, mean, own, decisions)
+
+
+def recover(pairing: Any, motors: Motors, own: Any, decisions: DecisionValues) -> Motors:
+    """The arc at nominal speed by which a separated learner comes back while the teacher waits."""
+    speed = decisions.recovery_speed
+    return _arc(pairing, Motors(speed, speed, motors.arm, motors.jaw), speed, own, decisions)
+
+
+def _arc(pairing: Any, motors: Motors, mean: float, own: Any, decisions: DecisionValues) -> Motors:
+    error = turn_to(bearing_of(pairing.teacher_x - own.x, pairing.teacher_y - own.y), own.orientation)
+    limit = min(mean, MAX_SPEED - mean)
+    turn = max(-limit, min(limit, (motors.right - motors.left) / 2 + decisions.following_gain * error))
+    return Motors(mean - turn, mean + turn, motors.arm, motors.jaw)
 
 
 def rounds_since_done(before: int, all_done: bool) -> int:

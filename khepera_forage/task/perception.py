@@ -4,11 +4,11 @@ import math
 from typing import Any, NamedTuple
 
 from khepera_forage.geometry.plane import bearing_of, length, to_nearest_wall, turn_to
-from khepera_forage.robots.khepera import Motors, Senses
+from khepera_forage.robots.khepera import Senses
 from khepera_forage.task.arena_map import ArenaMap, NextWaypoint, is_within, path_home
 from khepera_forage.task.decisions import ALONG_PATH, LAST_DISTANCE, DecisionValues
-from khepera_forage.task.food_tracking import FoodTracker, can_explore, update_food
-from khepera_forage.task.states import FoodType, StateVector
+from khepera_forage.task.food_tracking import KnownFood, can_explore, update_food
+from khepera_forage.task.states import FoodType, State, StateVector, classify
 from khepera_forage.vision.scene import Region, Scene
 
 
@@ -73,6 +73,15 @@ class RawData(NamedTuple):
     food_waypoint_y: float
 
 
+class Marker(NamedTuple):
+    """What perception needs of the region of a robot's marker, see `vision.scene.Region`."""
+
+    x: float
+    y: float
+    orientation: int
+    found: bool
+
+
 def own_region(scene: Scene, arena: ArenaMap, holes: int) -> Region | None:
     """The robot's own marker: the region with as many holes in its own enclosure; None before it was ever seen."""
     for region in scene.regions:
@@ -82,100 +91,44 @@ def own_region(scene: Scene, arena: ArenaMap, holes: int) -> Region | None:
 
 
 def perceive(
-    tracker: Any,
-    foods: Any,
-    chosen: Any,
-    links: Any,
+    known: KnownFood,
+    own: Any,
     regions: Any,
-    could_explore: bool,
     senses: Senses,
-    applied: Motors,
-    x: float,
-    y: float,
-    orientation: int,
-    tracked: bool,
+    exploring: bool,
     arena: ArenaMap,
     decisions: DecisionValues,
-) -> tuple[RawData, StateVector]:
+) -> tuple[RawData, StateVector, State]:
     """What one robot perceives at the end of a round, after which its food is accounted for.
 
-    The way home counts as straight as long as it is not asked for, see `look_up_path_home`.
+    The way home counts as straight until a behaviour uses it, see `behaviours.path_home_for`.
 
     Args:
-        tracker: The `FoodTracker` record of its arena; so are the next three arguments.
-        foods: `FoodObject` records.
-        chosen: `ChosenWaypoint` records.
-        links: `Link` records.
+        known: Of the food of its arena; changed in place.
+        own: Its `Marker`, or the whole region.
         regions: Tracked regions of food.
-        could_explore: Whether the robot could explore food a round ago (`can_explore`).
         senses: What the robot reports now.
-        applied: The motors in between, as applied.
-        x: Of its marker's region.
-        y: Of its marker's region.
-        orientation: Of its marker's region.
-        tracked: Whether that region is tracked now.
+        exploring: Whether the robot could explore food a round ago (`can_explore`), and has stood still since.
         arena: Its arena.
         decisions: `DecisionValues`.
     """
-    still = applied.left == 0 and applied.right == 0
-    update_food(
-        tracker,
-        foods,
-        chosen,
-        links,
-        regions,
-        arena,
-        x,
-        y,
-        orientation,
-        senses.object_presence != 0,
-        could_explore and still and can_explore(senses),
-        senses.arm,
-        decisions,
-    )
+    update_food(known, regions, own, senses, exploring and can_explore(senses), arena, decisions)
     way = arena.home_x, arena.home_y, 0.0
-    if perceives_paths(decisions) and paths_home_can_bend(foods, arena):
-        way = path_home(x, y, tracker, foods, chosen, arena)
-    raw = raw_data(senses, x, y, orientation, tracked, tracker, way, arena)
-    return raw, state_vector(raw, without_food(tracker, arena, decisions), decisions)
+    if perceives_paths(decisions) and paths_home_can_bend(known, arena):
+        way = path_home(own.x, own.y, known, arena)
+    raw = raw_data(senses, own, known.tracker, way, arena)
+    vector = state_vector(raw, known.tracker.last_distance, arena.diagonal, decisions)
+    return raw, vector, classify(vector, arena.home_radius, decisions)
 
 
-def paths_home_can_bend(foods: Any, arena: ArenaMap) -> bool:
+def paths_home_can_bend(known: KnownFood, arena: ArenaMap) -> bool:
     """Whether a way home may lead around walls or past poison."""
-    return len(arena.paths.corners) > 0 or bool(foods[0].may_be_poisonous)
+    return len(arena.paths.corners) > 0 or bool(known.objects[0].may_be_poisonous)
 
 
-def look_up_path_home(
-    raw: RawData, tracker: Any, foods: Any, chosen: Any, arena: ArenaMap
-) -> tuple[float, float]:
-    """Bearing and length of the way home around walls and past poison: `home_bearing` and `home_path` of raw data."""
-    x, y, path = path_home(raw.x, raw.y, tracker, foods, chosen, arena)
-    bearing = turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation)
-    return bearing, path if path > raw.home_distance else raw.home_distance
-
-
-def raw_data(
-    senses: Senses,
-    x: float,
-    y: float,
-    orientation: int,
-    tracked: bool,
-    tracker: Any,
-    to_home: NextWaypoint,
-    arena: ArenaMap,
-) -> RawData:
-    """Raw data of one robot, after the food tracker has accounted for the round.
-
-    Args:
-        senses: As for `perceive`; so are the other arguments without a description.
-        x: Likewise.
-        y: Likewise.
-        orientation: Likewise.
-        tracked: Likewise.
-        tracker: Likewise.
-        to_home: The way home.
-        arena: Likewise.
-    """
+def raw_data(senses: Senses, own: Any, tracker: Any, to_home: NextWaypoint, arena: ArenaMap) -> RawData:
+    """Raw data of one robot, after the food tracker has accounted for the round; arguments as for `perceive`."""
+    x, y, orientation = own.x, own.y, own.orientation
     near = senses.proximity
     home_waypoint_x, home_waypoint_y, home_path = to_home
     wall_x, wall_y = to_nearest_wall(x, y, arena.walls)
@@ -191,7 +144,7 @@ def raw_data(
         x,
         y,
         orientation,
-        tracked,
+        own.found,
         tracker.food_seen,
         tracker.food_x,
         tracker.food_y,
@@ -213,23 +166,27 @@ def raw_data(
     )
 
 
-def state_vector(raw: RawData, distance_without_food: float, decisions: DecisionValues) -> StateVector:
-    """The five attributes of section 4.3, distances rounded to whole pixels.
+def state_vector(raw: RawData, last_distance: float, diagonal: int, decisions: DecisionValues) -> StateVector:
+    """The five attributes of section 4.3, distances rounded to whole pixels and not above the arena's diagonal.
 
     Args:
         raw: What is perceived now.
-        distance_without_food: Pixels: the food distance where there is no candidate, see `without_food`.
+        last_distance: To the last candidate food, pixels, see `FoodTracker`.
+        diagonal: Of the arena, pixels: the food distance where there is no candidate, and none is remembered.
         decisions: `DecisionValues`.
     """
     by_path = perceives_paths(decisions)
+    home = raw.home_path if by_path else raw.home_distance
     food = raw.food_path if by_path else raw.food_distance
-    food = food if raw.food_seen else distance_without_food
+    if not raw.food_seen:
+        remembers = decisions.no_food_distance == LAST_DISTANCE and last_distance >= 0.0
+        food = last_distance if remembers else float(diagonal)
     return StateVector(
         1 if raw.object_presence else 0,
-        int((raw.home_path if by_path else raw.home_distance) + 0.5),
+        min(int(home + 0.5), diagonal),
         raw.food_type,
         raw.arm,
-        int(food + 0.5),
+        min(int(food + 0.5), diagonal),
     )
 
 
@@ -237,15 +194,3 @@ def perceives_paths(decisions: DecisionValues) -> bool:
     """Whether the distances of the state vector are lengths of paths around walls."""
     along: bool = decisions.distances == ALONG_PATH
     return along
-
-
-def without_food(tracker: FoodTracker, arena: ArenaMap, decisions: DecisionValues) -> float:
-    """RobotFoodDistance where there is no candidate food, in pixels (4.3).
-
-    Args:
-        tracker: The `FoodTracker` record.
-        arena: The arena.
-        decisions: `DecisionValues`.
-    """
-    known = decisions.no_food_distance == LAST_DISTANCE and tracker.last_distance >= 0.0
-    return tracker.last_distance if known else arena.diagonal

@@ -313,7 +313,7 @@ def test_recorded_moments_are_those_of_the_experience_file() -> None:
         experience, rows = train(env, np.random.SeedSequence(seed), teacher=teacher, callback=teacher)
         moments = teacher.moments
         assert rows[-1].complete
-        assert [state_vector(moment.raw, DIAGONAL, DEFAULT_VALUES) for moment in moments] == list(
+        assert [state_vector(moment.raw, -1.0, DIAGONAL, DEFAULT_VALUES) for moment in moments] == list(
             experience.vectors
         )
         assert [moment.heard for moment in moments] == list(experience.behaviours)

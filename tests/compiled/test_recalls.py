@@ -72,7 +72,7 @@ def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decision
     batch = env.batch
     arithmetic = decisions.distance_arithmetic
     imitators = [
-        NearestNeighbourImitator(int(batch.shown["diagonal"][0]), arithmetic=arithmetic).fit(*part)
+        NearestNeighbourImitator(env.get_attr("diagonal")[0], arithmetic=arithmetic).fit(*part)
         for part in experience
     ]
     over = np.zeros(worlds, np.bool_)
@@ -96,7 +96,7 @@ def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decision
             conflicts[i] += neighbours.conflict
             if actions[i] != right:
                 wrong[i, right] += 1
-                far = batch.shown["robot_food_distance"][i] > decisions.close_to_food
+                far = batch.foragers.vector.robot_food_distance[i] > decisions.close_to_food
                 without_food[i] += actions[i] == Behaviour.ORIENT_WITH_FOOD and far
         observation, _, terminated, truncated, infos = env.step(actions)
         for i in np.flatnonzero((terminated | truncated) & ~over).tolist():

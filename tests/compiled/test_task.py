@@ -81,7 +81,7 @@ def _check_same(compiled: Any, python: Any) -> None:
     assert _close(mine.raw[1:], other.raw[1:])
     for name in ("held", "type_in_gripper", "delivered", "poison_home", "deliverable", "food_seen"):
         assert getattr(mine.tracker, name) == getattr(other.tracker, name), name
-    for ours, theirs in zip(mine.tracker.foods, other.tracker.foods, strict=True):
+    for ours, theirs in zip(mine.food.objects, other.food.objects, strict=True):
         assert _close((ours.x, ours.y), (theirs.x, theirs.y))
         for name in ("type", "known", "delivered", "carried"):
             assert getattr(ours, name) == getattr(theirs, name), name

@@ -1,7 +1,6 @@
 """Choosing a backend: errors, and what environments offer on either backend."""
 
 import sys
-from dataclasses import replace
 from importlib.util import find_spec
 from typing import Any
 
@@ -27,7 +26,7 @@ def test_sixteen_foods_are_possible_on_every_backend(backend: str) -> None:
     decisions = Decisions(food_spacing=40)
     env: Any = gym.make(_id("Rectangle"), backend=backend, foods=16, decisions=decisions)
     env.reset(seed=0)
-    assert len(env.unwrapped.layout.foods) == len(env.unwrapped.forager.tracker.foods) == 16
+    assert len(env.unwrapped.layout.foods) == len(env.unwrapped.forager.food.objects) == 16
 
 
 @pytest.mark.parametrize("name", NAMES[::3])
@@ -61,7 +60,7 @@ def test_compiled_environment_offers_what_that_on_pymunk_offers(name: str) -> No
         for attribute in OF_FORAGER:
             assert getattr(other, attribute) == getattr(one, attribute), attribute
         # Only labels of tracks differ: on pymunk the marker has the first one.
-        assert replace(other.tracker, links=[]) == replace(one.tracker, links=[])
+        assert other.food._replace(links=[]) == one.food._replace(links=[])
         assert other.raw == one.raw
         for behaviour in Behaviour:
             assert other.motors_for(behaviour) == pytest.approx(one.motors_for(behaviour))

@@ -36,7 +36,7 @@ def make(name: str, **kwargs: Any) -> Any:
 
 def begun(env: Any, seed: int | None = None, options: Any = None) -> Begun:
     env.reset(seed=seed, options=options)
-    return Begun(env.layout, [int(food.type) for food in env.forager.tracker.foods])
+    return Begun(env.layout, [int(food.type) for food in env.forager.food.objects])
 
 
 @pytest.mark.parametrize(
@@ -113,7 +113,7 @@ def test_training_seed_decides_this_episode_and_those_that_follow() -> None:
         episodes = []
         for seed in (5, None, None):
             env.reset(seed=seed)
-            types = [[food.type for food in forager.tracker.foods] for forager in env.foragers]
+            types = [[food.type for food in forager.food.objects] for forager in env.foragers]
             assert types[0] == types[1], "corresponding food"
             episodes.append((env.world.poses(), env.world.food_places(), types[0]))
         runs.append(episodes)

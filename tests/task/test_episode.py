@@ -74,7 +74,7 @@ def test_part_is_done_outside_home_with_food_delivered_and_poison_left_with_the_
     changes: dict[str, int], types: list[FoodType], delivered: int, done: bool
 ) -> None:
     foods = [FoodObject(0, 0, known=food_type) for food_type in types]
-    tracker = FoodTracker(delivered=delivered, deliverable=len(types) - types.count(X), foods=foods)
+    tracker = FoodTracker(delivered=delivered, deliverable=len(types) - types.count(X))
     vector = OUTSIDE_HOME._replace(**changes)
     assert has_done_its_part(tracker, foods, vector, HOME_RADIUS, DEFAULT_VALUES) is done
 

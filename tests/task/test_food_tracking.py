@@ -49,22 +49,22 @@ def held(env: Any) -> int | None:
 
 def check_links(env: Any) -> None:
     """Every region in view is linked to the food object that really lies there; so is food in the gripper."""
-    tracker = env.forager.tracker
+    food = env.forager.food
     for region in env.world.camera.look().regions:
-        k = None if region.holes or not region.found else linked_food(tracker, region.label)
+        k = None if region.holes or not region.found else linked_food(food, region.label)
         if k is not None:
             place = env.world.food_places()[k]
             assert math.dist(place[:2], (region.x * MM_PER_PIXEL, region.y * MM_PER_PIXEL)) < 10
     number = held(env)
-    known = FoodType.UNKNOWN if number is None else tracker.foods[number].known
-    assert number is None or tracker.type_in_gripper == known
+    known = FoodType.UNKNOWN if number is None else food.objects[number].known
+    assert number is None or food.tracker.type_in_gripper == known
     assert env.forager.raw.food_type == known
 
 
 def check_deliveries(env: Any) -> None:
     """What counts as delivered lies at home, within a pixel, and is not what the gripper holds."""
     for k, food in enumerate(env.world.food_places()):
-        if env.forager.tracker.foods[k].delivered:
+        if env.forager.food.objects[k].delivered:
             assert held(env) != k
             assert not food.lifted
             assert math.dist(food[:2], env.arena.home) <= env.arena.home_radius + MM_PER_PIXEL
@@ -81,41 +81,41 @@ def test_two_food_objects_keep_their_types_under_laboratory_noise(seed: int, dec
         check_deliveries(env)
 
     until(env, lambda env: is_finished(env.forager.tracker), limit=1200, check=check)
-    foods = env.forager.tracker.foods
+    foods = env.forager.food.objects
     assert [food.known for food in foods] == [food.type for food in foods]
     assert [is_collected(food) for food in foods] == [food.type != FoodType.POISONOUS for food in foods]
 
 
 def test_food_is_delivered_once_it_is_set_down_at_home_and_the_robot_is_clear() -> None:
     env = forage("Corridor", noise="none", food_types="PICKABLE")
-    tracker = env.forager.tracker
+    food = env.forager.food
     until(env, lambda env: env.world.food_places()[0].lifted)
     # Into the home, and further in it, without releasing the food.
     for behaviour, rounds in ((B.GO_HOME, 60), (B.RELEASE_FOOD, 4)):
         for _ in range(rounds):
             env.step(int(behaviour))
-            assert not tracker.foods[0].delivered
+            assert not food.objects[0].delivered
             check_deliveries(env)
     assert math.dist(env.world.food_places()[0][:2], CORRIDOR.home) < CORRIDOR.home_radius
     until(env, lambda env: not env.world.food_places()[0].lifted, limit=60)
-    assert not tracker.foods[0].delivered, "still in the gripper"
-    until(env, lambda env: env.forager.tracker.foods[0].delivered, limit=60, check=check_deliveries)
+    assert not food.objects[0].delivered, "still in the gripper"
+    until(env, lambda env: env.forager.food.objects[0].delivered, limit=60, check=check_deliveries)
     assert env.forager.senses.object_presence == 0
     label = next(region.label for region in env.world.camera.look().regions if region.holes == 0)
-    assert label in labels_of_no_candidates(tracker)
+    assert label in labels_of_no_candidates(food)
     assert not env.forager.raw.food_seen, "delivered food is no candidate"
     assert env.forager.vector.robot_food_distance == env.diagonal
 
 
 def test_poison_brought_home_is_counted_separately() -> None:
     env = forage("Rectangle", noise="none", food_types="POISONOUS")
-    tracker = env.forager.tracker
-    until(env, lambda env: FoodType.POISONOUS in known_types(env.forager.tracker))
+    food, tracker = env.forager.food, env.forager.tracker
+    until(env, lambda env: FoodType.POISONOUS in known_types(food))
     for behaviour, rounds in ((B.PICK_UP_FOOD, 25), (B.GO_HOME, 110), (B.RELEASE_FOOD, 60)):
         for _ in range(rounds):
             *_, info = env.step(int(behaviour))
         assert any(food.lifted for food in env.world.food_places()) == (behaviour != B.RELEASE_FOOD)
-    assert sorted(delivered(tracker)) == [False, True]
+    assert sorted(delivered(food)) == [False, True]
     assert (tracker.poison_home, tracker.delivered, tracker.deliverable) == (1, 0, 1)
     assert (info["poison_home"], info["delivered"]) == (1, 0)
-    assert not any(map(is_collected, tracker.foods))
+    assert not any(map(is_collected, food.objects))

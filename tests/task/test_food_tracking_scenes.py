@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from khepera_forage.envs.layouts import arena_map_of, tracker_of
+from khepera_forage.envs.layouts import arena_map_of, known_food
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.sim.arena import Point
 from khepera_forage.task.decisions import Decisions
@@ -39,10 +39,9 @@ class Story:
 
     def __init__(self, food_type: FoodType = FoodType.PICKABLE, **decisions: Any) -> None:
         self.decisions = Decisions.from_changes(decisions, V0_1).values()
-        self.tracker = tracker_of(
-            [Point(x * MM_PER_PIXEL, y * MM_PER_PIXEL) for x, y in (FIRST, SECOND)], ARENA
-        )
-        for food in self.tracker.foods:
+        self.food = known_food([Point(x * MM_PER_PIXEL, y * MM_PER_PIXEL) for x, y in (FIRST, SECOND)])
+        self.tracker = self.food.tracker
+        for food in self.food.objects:
             food.type = food_type
         self.senses = EMPTY
         self.round((20, 60), EMPTY, region(1, FIRST), region(2, SECOND))
@@ -56,22 +55,8 @@ class Story:
         orientation: int = 0,
     ) -> None:
         own = region(0, robot, holes=2)._replace(orientation=orientation)
-        perceive(
-            self.tracker,
-            self.tracker.foods,
-            self.tracker.chosen,
-            self.tracker.links,
-            (own, *foods),
-            can_explore(self.senses),
-            senses,
-            motors,
-            own.x,
-            own.y,
-            own.orientation,
-            own.found,
-            ARENA,
-            self.decisions,
-        )
+        exploring = can_explore(self.senses) and motors.left == motors.right == 0
+        perceive(self.food, own, (own, *foods), senses, exploring, ARENA, self.decisions)
         self.senses = senses
 
     def explore_first(self) -> None:
@@ -92,10 +77,10 @@ def test_nearest_food_is_a_candidate_of_the_own_arena() -> None:
     regions = region(3, beyond), region(4, (41.0, 60.0), holes=1), region(2, SECOND), region(1, FIRST)
     story.round((40, 50), EMPTY, *regions)
     assert nearest_of(story) == FIRST
-    story.tracker.foods[0].delivered = True
+    story.food.objects[0].delivered = True
     story.round((40, 50), EMPTY, *regions)
     assert nearest_of(story) == SECOND
-    story.tracker.foods[1].known = FoodType.POISONOUS
+    story.food.objects[1].known = FoodType.POISONOUS
     story.round((40, 50), EMPTY, *regions)
     assert nearest_of(story) is None
     assert (story.tracker.food_x, story.tracker.food_y) == (0.0, 0.0)
@@ -106,7 +91,7 @@ def test_nearest_food_may_be_a_lost_region_or_one_that_shows_no_food_object() ->
     story.round((40, 50), EMPTY, region(1, FIRST, found=False), region(2, SECOND))
     assert nearest_of(story) == FIRST
     story.round((40, 50), EMPTY, region(1, FIRST), region(2, SECOND), region(9, (42.0, 52.0)))
-    assert linked_food(story.tracker, 9) is None
+    assert linked_food(story.food, 9) is None
     assert nearest_of(story) == (42.0, 52.0)
 
 
@@ -116,9 +101,9 @@ def test_what_turns_up_beside_the_gripper_is_not_the_food_in_it() -> None:
     story.explore_first()
     shoved = (72.0, 52.0)
     story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(8, shoved))
-    assert linked_food(story.tracker, 8) == 1
-    assert known_types(story.tracker) == [FoodType.PICKABLE, FoodType.UNKNOWN]
-    first, second = story.tracker.foods
+    assert linked_food(story.food, 8) == 1
+    assert known_types(story.food) == [FoodType.PICKABLE, FoodType.UNKNOWN]
+    first, second = story.food.objects
     assert (second.x, second.y) == shoved
     assert math.hypot(first.x - shoved[0], first.y - shoved[1]) < math.dist(SECOND, shoved)
 
@@ -165,12 +150,12 @@ def test_last_distance_is_forgotten_once_poison_is_known() -> None:
     """Otherwise a robot that has backed off poison would count as next to food, and orient again, for ever."""
     story = Story(no_food_distance="last one known")
     story.round((44, 40), EMPTY, region(1, FIRST), region(2, SECOND))
-    story.tracker.foods[0].known = FoodType.POISONOUS
+    story.food.objects[0].known = FoodType.POISONOUS
     story.round((44, 40), EMPTY, region(1, FIRST), region(2, SECOND))
     assert story.tracker.last_distance == pytest.approx(math.dist((44, 40), SECOND)), (
         "the other one is a candidate"
     )
-    story.tracker.foods[1].delivered = True
+    story.food.objects[1].delivered = True
     story.round((20, 40), EMPTY, region(1, FIRST), region(2, SECOND))
     assert story.tracker.last_distance == -1
 
@@ -191,7 +176,7 @@ def test_food_in_the_gripper_is_the_object_that_lay_there() -> None:
     types = [story.tracker.type_in_gripper]
     story.explore_first()
     types.append(story.tracker.type_in_gripper)
-    assert known_types(story.tracker) == [FoodType.PUSHABLE, FoodType.UNKNOWN]
+    assert known_types(story.food) == [FoodType.PUSHABLE, FoodType.UNKNOWN]
     story.round((50, 40), EMPTY, region(1, FIRST), region(2, SECOND))
     types.append(story.tracker.type_in_gripper)
     assert types == [FoodType.UNKNOWN, FoodType.PUSHABLE, FoodType.UNKNOWN], "not before a whole round"
@@ -216,7 +201,7 @@ def test_food_is_identified_only_in_a_still_round_with_arm_down_and_jaw_open(
     story = Story()
     for senses in (before, after):
         story.round((63, 40), senses, region(1, FIRST, found=False), region(2, SECOND), motors=motors)
-    assert known_types(story.tracker) == [FoodType.UNKNOWN] * 2
+    assert known_types(story.food) == [FoodType.UNKNOWN] * 2
 
 
 def test_gripped_food_that_is_seen_at_home_is_not_delivered() -> None:
@@ -224,10 +209,10 @@ def test_gripped_food_that_is_seen_at_home_is_not_delivered() -> None:
     story.explore_first()
     at_home = (HOME[0] - 2, HOME[1])
     story.round((at_home[0] - 11, at_home[1]), GRIPPED, region(1, at_home), region(2, SECOND))
-    assert delivered(story.tracker) == [False, False]
+    assert delivered(story.food) == [False, False]
     story.round((at_home[0] - 20, at_home[1]), EMPTY, region(1, at_home), region(2, SECOND))
-    assert delivered(story.tracker) == [True, False]
-    assert labels_of_no_candidates(story.tracker) == {1}
+    assert delivered(story.food) == [True, False]
+    assert labels_of_no_candidates(story.food) == {1}
     assert not is_finished(story.tracker)
 
 
@@ -238,8 +223,8 @@ def test_carried_food_is_recognised_while_its_old_track_remains() -> None:
     lingering = region(1, FIRST, found=False)
     story.round((63, 55), GRIPPED, lingering, region(2, SECOND))
     story.round((50, 55), EMPTY, lingering, region(2, SECOND), region(3, (74, 55)))
-    assert linked_food(story.tracker, 3) == 0
-    assert linked_food(story.tracker, 2) == 1
+    assert linked_food(story.food, 3) == 0
+    assert linked_food(story.food, 2) == 1
 
 
 def test_carried_food_is_recognised_where_it_was_set_down() -> None:
@@ -249,26 +234,26 @@ def test_carried_food_is_recognised_where_it_was_set_down() -> None:
     drop = (SECOND[0] + 2, SECOND[1] - 8)
     story.round((drop[0] - 11.6, drop[1]), GRIPPED)
     story.round((drop[0] - 25, drop[1]), EMPTY, region(3, drop))
-    assert linked_food(story.tracker, 3) == 0
+    assert linked_food(story.food, 3) == 0
     story.round((drop[0] - 25, drop[1]), EMPTY, region(3, drop), region(4, SECOND))
-    assert linked_food(story.tracker, 4) == 1
+    assert linked_food(story.food, 4) == 1
 
 
 def test_poison_that_was_lost_for_a_while_stays_poison() -> None:
     story = Story(FoodType.POISONOUS)
     story.explore_first()
     story.round((40, 40), EMPTY, region(1, FIRST), region(2, SECOND))
-    assert labels_of_no_candidates(story.tracker) == {1}, "poison, and no longer held"
+    assert labels_of_no_candidates(story.food) == {1}, "poison, and no longer held"
     story.round((40, 40), EMPTY, region(2, SECOND))
     assert nearest_of(story) == SECOND
     story.round((40, 40), EMPTY, region(2, SECOND), region(5, FIRST))
-    assert labels_of_no_candidates(story.tracker) == {5}
+    assert labels_of_no_candidates(story.food) == {5}
     assert story.tracker.deliverable == 1
 
 
 def test_poison_in_the_gripper_stays_the_nearest_food() -> None:
     story = Story(FoodType.POISONOUS)
     story.explore_first()
-    assert labels_of_no_candidates(story.tracker) == set()
+    assert labels_of_no_candidates(story.food) == set()
     assert story.tracker.type_in_gripper == FoodType.POISONOUS
     assert nearest_of(story) == FIRST

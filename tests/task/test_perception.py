@@ -32,7 +32,7 @@ def perceived(scene: Scene, tracker: FoodTracker, senses: Senses = SENSES) -> Ra
     own = own_region(scene, ARENA, 2)
     assert own is not None
     home = ARENA.home_x, ARENA.home_y, 0.0
-    return raw_data(senses, own.x, own.y, own.orientation, own.found, tracker, home, ARENA)
+    return raw_data(senses, own, tracker, home, ARENA)
 
 
 def test_own_region_has_the_markers_holes_in_the_own_arena_in_any_order() -> None:
@@ -74,7 +74,7 @@ def test_state_vector_has_whole_pixels_and_the_diagonal_without_food(
 ) -> None:
     tracker = FoodTracker(food_seen=True, food_x=food_x, food_y=food_y) if seen else FoodTracker()
     vector = state_vector(
-        perceived(Scene((region(0, x, y, 2),)), tracker), ARENA.diagonal, Decisions().values()
+        perceived(Scene((region(0, x, y, 2),)), tracker), -1.0, ARENA.diagonal, Decisions().values()
     )
     assert all(type(value) is int or isinstance(value, FoodType) for value in vector)
     assert abs(vector.robot_home_distance - math.dist((x, y), (110, 23))) <= 0.5

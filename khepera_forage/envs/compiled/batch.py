@@ -1,13 +1,14 @@
 """`CompiledBatch`: recalls in many compiled worlds, stepped together."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from khepera_forage.compilation import entry, rule, share_out
+from khepera_forage.compilation import entry, share_out
 from khepera_forage.counter_rng import key_of, keys_of
 from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import COMPILED, FoodOdds, checked_decisions, timing_of, whole_number
@@ -24,10 +25,9 @@ from khepera_forage.envs.compiled.step import (
     world_of,
 )
 from khepera_forage.envs.layouts import arena_map_of, given_places, no_room
-from khepera_forage.envs.recalls import Forager, Shown
+from khepera_forage.envs.recalls import Forager
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.noise import Noise
-from khepera_forage.records import dtype_of
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.compiled.world import CompiledWorld
@@ -35,16 +35,13 @@ from khepera_forage.sim.sensing import marker_region
 from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.episode import penalty, score
-from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
+from khepera_forage.task.episode import Episode, ForagerState
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, KnownFood, Link
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import State, StateVector
 
 _LEAST = 512
 """Worlds for which another thread pays."""
-
-
-shown_dtype = dtype_of(Shown)
 
 
 class CompiledBatch:
@@ -63,7 +60,6 @@ class CompiledBatch:
     Attributes:
         worlds: Their records.
         largest_diagonal: Of all arenas in which an episode may take place, in pixels.
-        shown: `Shown` records, one a world, as of the last step or restart.
 
     Raises:
         ValueError: An argument out of range.
@@ -91,7 +87,6 @@ class CompiledBatch:
         self._arenas = PreparedArenas(pool)
         self._places = np.zeros(self.num_worlds, np.int64)
         self.worlds = new_worlds(self.num_worlds, foods)
-        self.shown = np.zeros(self.num_worlds, shown_dtype)
         self._random, self._free = given_records(None, None, foods), np.ones(1, np.bool_)
 
     @property
@@ -139,25 +134,23 @@ class CompiledBatch:
                 given = given_records(
                     *given_places(self._arenas.arena(place), self.foods, options), self.foods
                 )
-        some, shown, count = (
-            WorldRecords(*(part[worlds] for part in self.worlds)),
-            self.shown[worlds],
-            len(worlds),
-        )
-        self._run(some, places, np.zeros((count, 1)), np.ones(count, np.bool_), given, shown)
+        some, count = WorldRecords(*(part[worlds] for part in self.worlds)), len(worlds)
+        self._run(some, places, np.zeros((count, 1)), np.ones(count, np.bool_), given)
         for part, begun in zip(self.worlds, some, strict=True):
             part[worlds] = begun
-        self._places[worlds], self.shown[worlds] = places, shown
+        self._places[worlds] = places
 
-    def step(self, actions: ArrayLike, waiting: ArrayLike) -> NDArray[Any]:
-        """One round in every world, and what it has brought.
+    @property
+    def foragers(self) -> Any:
+        """`ForagerState` records, one a world, as an array with the fields as attributes."""
+        return self.worlds.foragers[:, 0].view(np.recarray)
+
+    def step(self, actions: ArrayLike, waiting: ArrayLike) -> None:
+        """One round in every world.
 
         Args:
             actions: One behaviour a world, or four numbers in -1..1, shape (worlds, 4).
             waiting: Worlds that begin a new episode instead.
-
-        Returns:
-            `shown`, which the next step overwrites.
 
         Raises:
             ValueError: An arena has no room for a new episode.
@@ -167,13 +160,12 @@ class CompiledBatch:
         new = waits.nonzero()[0]
         if len(new):
             self._places[new] = self._next_arenas(new)
-        self._run(self.worlds, self._places, given, waits, self._random, self.shown)
-        return self.shown
+        self._run(self.worlds, self._places, given, waits, self._random)
 
     def stepper(self, actions: NDArray[np.float64]) -> Callable[[], None]:
         """A function that steps all worlds by what the array `actions` holds when it is called; no world may wait."""
         waiting = np.zeros(self.num_worlds, np.bool_)
-        given = self._arguments(self.worlds, self._places, actions, waiting, self._random, self.shown)
+        given = self._arguments(self.worlds, self._places, actions, waiting, self._random)
         return partial(_step_worlds, 0, self.num_worlds, *given)
 
     def _run(self, worlds: WorldRecords, places: NDArray[np.int64], *given: Any) -> None:
@@ -191,11 +183,10 @@ class CompiledBatch:
         actions: NDArray[np.float64],
         waiting: NDArray[np.bool_],
         given: tuple[NDArray[Any], NDArray[Any]],
-        shown: NDArray[Any],
     ) -> tuple[Any, ...]:
         """Those of `_step_worlds` after the first two."""
         blocks, settings = self._arenas.blocks, self._settings
-        return *worlds, blocks, places, settings, actions, waiting, *given, shown, self._free
+        return *worlds, blocks, places, settings, actions, waiting, *given, self._free
 
     def _next_arenas(self, worlds: NDArray[np.int64]) -> NDArray[np.int64]:
         """Places of the arenas of the next episodes of some worlds."""
@@ -239,7 +230,6 @@ def _step_worlds(
     waiting: Any,
     given_start: Any,
     given_food_places: Any,
-    shown: Any,
     free: Any,
 ) -> None:
     """One round in the worlds from `first` to `last`: an action, or the start of an episode where they wait for one.
@@ -262,32 +252,6 @@ def _step_worlds(
         else:
             command_action(world, arena, settings[0], actions[i])
         carry_out(world, arena, settings[0])
-        _show(world, shown[i], arena.numbers[0].map_diagonal)
-
-
-@rule
-def _show(world: WorldRecords, shown: Any, diagonal: float) -> None:
-    """Write what environments show of a world."""
-    robot, forager = world.robots[0], world.foragers[0]
-    raw, vector, episode, tracker = forager.raw, forager.vector, forager.episode, forager.tracker
-    lost = penalty(tracker.delivered, tracker.deliverable)
-    shown.reward, shown.terminated, shown.truncated = episode.reward, episode.terminated, episode.truncated
-    shown.score, shown.penalty = score(episode.correct, episode.steps, lost), lost
-    shown.correct, shown.steps = episode.correct, episode.steps
-    shown.delivered, shown.poison_home = tracker.delivered, tracker.poison_home
-    shown.state = forager.state
-    shown.x, shown.y, shown.orientation = raw.x, raw.y, robot.marker_heading
-    shown.object_presence, shown.food_type = vector.object_presence, vector.food_type
-    shown.robot_home_distance = min(vector.robot_home_distance, int(diagonal))
-    shown.robot_food_distance = min(vector.robot_food_distance, int(diagonal))
-    shown.arms_height, shown.arm, shown.jaw = vector.arms_height, raw.arm, raw.jaw
-    shown.tracked, shown.food_seen = int(raw.tracked), int(raw.food_seen)
-    shown.food_x, shown.food_y, shown.type_in_gripper = raw.food_x, raw.food_y, raw.food_type
-    shown.home_x, shown.home_y, shown.home_radius = raw.home_x, raw.home_y, raw.home_radius
-    shown.wall_distance, shown.wall_bearing = raw.wall_distance, raw.wall_bearing
-    shown.diagonal = int(diagonal)
-    for k in range(6):
-        shown.proximity[k] = raw.proximity[k]
 
 
 _FIRST = np.zeros(1, np.int64)
@@ -325,7 +289,7 @@ class CompiledRecalls:
         """Make the episodes that follow repeatable, bit for bit."""
         self._batch.seed([seed], _FIRST)
 
-    def begin(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Shown:
+    def begin(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> ForagerState:
         """Begin the next episode.
 
         Args:
@@ -339,17 +303,13 @@ class CompiledRecalls:
         self._enter()
         # The robot has stood still for one round, so it is still where it started.
         self.layout = Layout(self.world.poses(), tuple(Point(x, y) for x, y, _ in self.world.food_places()))
-        return self.shown()
+        return state_of(self._batch.worlds.foragers[0, 0])
 
-    def step(self, action: Sequence[float]) -> Shown:
+    def step(self, action: Sequence[float]) -> ForagerState:
         """One round under the number of a behaviour, or four numbers in -1..1."""
         self._actions[len(action)][0] = action
         self._steppers[len(action)]()
-        return self.shown()
-
-    def shown(self) -> Shown:
-        """What environments show of the last round."""
-        return Shown._make(self._batch.shown.item())
+        return state_of(self._batch.worlds.foragers[0, 0])
 
     def _enter(self) -> None:
         """Make arena and bodies those of the world."""
@@ -365,6 +325,14 @@ class CompiledRecalls:
         self._enter()  # a copied world shows, and steps, records of its own
 
 
+def state_of(record: Any) -> ForagerState:
+    """The record of a compiled robot at its task, in Python's numbers."""
+    (proximity, *numbers), vector, state, behaviour, number, episode, tracker = record.item()
+    raw = RawData(tuple(proximity.tolist()), *numbers)
+    known = raw, StateVector(*vector), State(state)
+    return ForagerState(*known, behaviour, number, Episode(*episode), FoodTracker(*tracker))
+
+
 def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forager:
     """The robot of a compiled world at its task, as it is now.
 
@@ -373,19 +341,18 @@ def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forag
         arena: Its arena.
         decisions: Of the task.
     """
-    record, arena_map = world.foragers[0], arena_map_of(arena)
-    tracker = FoodTracker(*record["tracker"].item())
-    tracker.foods = [FoodObject(*food.item()) for food in world.objects]
-    tracker.links = [Link(*link.item()) for link in world.links]
-    tracker.chosen = [ChosenWaypoint(*chosen.item()) for chosen in world.chosen]
-    robot = SimulatedKhepera(world.robots[0])
+    robot, now = SimulatedKhepera(world.robots[0]), state_of(world.foragers[0])
+    food = KnownFood(
+        now.tracker,
+        [FoodObject(*food.item()) for food in world.objects],
+        [Link(*link.item()) for link in world.links],
+        [ChosenWaypoint(*chosen.item()) for chosen in world.chosen],
+    )
     values = decisions.values(robot.has_gripper)
-    forager = Forager(robot, arena_map, decisions.recall_marker, tracker, values)
+    forager = Forager(robot, arena_map_of(arena), decisions.recall_marker, food, values)
     forager.own = marker_region(0, world.robots[0])
-    numbers = (tuple(value.tolist()) if hasattr(value, "tolist") else value for value in record["raw"].item())
-    forager.raw = RawData._make(numbers)
-    forager.vector = StateVector(*record["vector"].item())
-    forager.state = State(int(record["state"]))
+    for field in fields(ForagerState):
+        setattr(forager, field.name, getattr(now, field.name))
     return forager
 
 

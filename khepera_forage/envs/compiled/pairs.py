@@ -206,8 +206,8 @@ def carry_out_pair(
     Returns:
         Whether the attempt has ended.
     """
-    robots, teacher = len(sides.settings), worlds.robots[first, 0]
-    begins = teacher.first_frame
+    robots, teacher = len(sides.settings), worlds.foragers[first, 0]
+    begins = worlds.robots[first, 0].first_frame
     for j in range(robots):
         world, settings, arena = (
             world_of(worlds, first + j),
@@ -226,19 +226,10 @@ def carry_out_pair(
     done, longest = True, 0
     decisions, teacher_map = sides.settings[0].decisions, map_of(arena_at(sides.blocks, sides.places[0]))
     for j in range(robots):
-        robot, forager = worlds.robots[first + j, 0], worlds.foragers[first + j, 0]
+        forager = worlds.foragers[first + j, 0]
         if j > 0:
-            update_pairing(
-                pairings[j],
-                robot.marker_x,
-                robot.marker_y,
-                map_of(arena_at(sides.blocks, sides.places[j])),
-                teacher.marker_x,
-                teacher.marker_y,
-                teacher.marker_heading,
-                teacher_map,
-                decisions,
-            )
+            own_map = map_of(arena_at(sides.blocks, sides.places[j]))
+            update_pairing(pairings[j], forager.raw, own_map, teacher.raw, teacher_map, decisions)
             longest = max(longest, pairings[j].separated_rounds)
         done &= has_done_its_part(
             forager.tracker, worlds.objects[first + j], forager.vector, teacher_map.home_radius, decisions
@@ -254,11 +245,10 @@ def carry_out_pair(
 @rule
 def _command_learner(world: WorldRecords, arena: Any, settings: Any, pairing: Any, behaviour: int) -> None:
     """Command what a behaviour commands, bent towards the teacher (4.5.2)."""
-    robot, forager = world.robots[0], world.foragers[0]
+    forager = world.foragers[0]
     forager.behaviour = behaviour
-    own = motors_of(world, map_of(arena), settings, behaviour)
-    x, y, orientation = robot.marker_x, robot.marker_y, robot.marker_heading
-    drive(world, lead(pairing, own, behaviour, x, y, orientation, settings.decisions))
+    motors = motors_of(world, map_of(arena), settings, behaviour)
+    drive(world, lead(pairing, motors, behaviour, forager.raw, settings.decisions))
 
 
 @entry
@@ -340,8 +330,7 @@ class PairedBatch:
         self._actions = np.full((self.num_envs, robots), _WAIT)
         self._waiting, self._free = np.ones(self.num_envs, np.bool_), np.ones(self.num_envs, np.bool_)
         self._keys: NDArray[np.uint64] | None = None
-        self._diagonal = arena_map_of(self._arenas[0]).diagonal
-        self._space = observation_box(self._diagonal)
+        self._space = observation_box(arena_map_of(self._arenas[0]).diagonal)
 
     def observation_space(self, agent: str) -> spaces.Box:
         """The space of one row of an agent's observations."""
@@ -456,7 +445,6 @@ class PairedBatch:
         rows = np.empty((*self._actions.shape, 7), np.int64)
         for k, name in enumerate(vectors.dtype.names):
             rows[..., k] = self._of_robots(vectors[name])
-        rows[..., (1, 4)] = np.minimum(rows[..., (1, 4)], self._diagonal)
         rows[..., 5], rows[..., 6] = self._actions[:, :1], separated
         rows[:, 0, 5] = _WAIT
         return {agent: rows[:, j] for j, agent in enumerate(self.possible_agents)}

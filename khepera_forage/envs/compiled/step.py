@@ -1,12 +1,10 @@
 """One round of one compiled world at its task.
 
-A round is `command` (a behaviour, or motors), then `carry_out`: `sim.compiled.world.advance` moves the bodies, senses
-and takes a frame; `_perceive` calls the rules of `task`; `end_step` accounts for the round. `begin` starts an
-episode, whose first frame is taken by the first round.
+A round is `command_behaviour` or `command_action`, then `carry_out`. `begin` starts an episode, whose first frame is
+taken by the first round.
 """
 
 import math
-from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,10 +32,10 @@ from khepera_forage.task import (
     states,
 )
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_path_home
-from khepera_forage.task.episode import Episode, begin_episode, end_step
-from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link, can_explore
-from khepera_forage.task.perception import RawData, look_up_path_home, perceive
+from khepera_forage.task.behaviours import behaviour_of_motors, command, decode_motors, path_home_for
+from khepera_forage.task.episode import ForagerState, begin_episode, end_step
+from khepera_forage.task.food_tracking import FoodObject, KnownFood, Link, can_explore
+from khepera_forage.task.perception import Marker, RawData, perceive
 from khepera_forage.task.placement import (
     Place,
     Start,
@@ -46,38 +44,10 @@ from khepera_forage.task.placement import (
     food_type_key,
     layout_key,
 )
-from khepera_forage.task.states import Behaviour, StateVector, classify
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 register(paths, footprint)
 register(arena_map, behaviours, episode, food_tracking, pairing, perception, placement, states)
-
-
-@dataclass(slots=True)
-class ForagerState:
-    """One robot at its task.
-
-    Attributes:
-        raw: The raw data of the last round.
-        vector: The state vector of the last round.
-        state: What the teacher classifies the state vector as.
-        behaviour: What was decided on.
-        correct: Whether the teacher would have decided the same.
-        begins: Whether the last frame was the first of its episode.
-        number: Episodes of this world that began since it was seeded.
-        episode: The account of its episode.
-        tracker: The food tracker of its arena.
-    """
-
-    raw: RawData
-    vector: StateVector
-    state: int = 0
-    behaviour: int = 0
-    correct: bool = False
-    begins: bool = False
-    number: int = 0
-    episode: Episode = field(default_factory=Episode)
-    tracker: FoodTracker = field(default_factory=FoodTracker)
 
 
 forager_dtype, object_dtype, link_dtype, chosen_dtype, start_dtype, place_dtype = map(
@@ -144,9 +114,6 @@ def world_of(worlds: WorldRecords, i: int) -> WorldRecords:
         worlds.links[i],
         worlds.chosen[i],
     )
-
-
-_WAIT = Behaviour.WAIT.value
 
 
 @rule
@@ -222,24 +189,21 @@ def command_behaviour(world: WorldRecords, arena: ArenaRecords, settings: Any, b
 
 @rule
 def command_action(world: WorldRecords, arena: ArenaRecords, settings: Any, action: Any) -> None:
-    """Command the motors of an action, four numbers in -1..1.
-
-    The behaviour is then the state if they are what the teacher would command, and WAIT otherwise.
-    """
+    """Command the motors of an action, four numbers in -1..1."""
     forager = world.foragers[0]
     given = decode_motors(action[0], action[1], action[2], action[3])
-    same = same_motors(given, motors_of(world, map_of(arena), settings, forager.state), settings.decisions)
-    forager.behaviour = forager.state if same else _WAIT
+    correct = motors_of(world, map_of(arena), settings, forager.state)
+    forager.behaviour = behaviour_of_motors(given, forager.state, correct, settings.decisions)
     drive(world, given)
 
 
 @rule
 def motors_of(world: WorldRecords, arena: ArenaMap, settings: Any, behaviour: int) -> Motors:
-    """What a behaviour commands now. The way home is looked up only where the behaviour uses it."""
-    raw, tracker, decisions = world.foragers[0].raw, world.foragers[0].tracker, settings.decisions
-    known = not world.robots[0].first_frame  # before, nothing is perceived
-    if known and uses_path_home(behaviour, raw, world.objects, arena, decisions):
-        raw.home_bearing, raw.home_path = look_up_path_home(raw, tracker, world.objects, world.chosen, arena)
+    """What a behaviour commands now."""
+    raw, decisions = world.foragers[0].raw, settings.decisions
+    food = KnownFood(world.foragers[0].tracker, world.objects, world.links, world.chosen)
+    if not world.robots[0].first_frame:  # before, nothing is perceived
+        raw.home_bearing, raw.home_path = path_home_for(behaviour, raw, food, arena, decisions)
     return command(behaviour, raw, decisions)
 
 
@@ -257,46 +221,27 @@ def drive(world: WorldRecords, motors: Motors) -> None:
 def carry_out(world: WorldRecords, arena: ArenaRecords, settings: Any) -> None:
     """One round, once the motors are commanded; and what it is worth."""
     robot, forager, numbers = world.robots[0], world.foragers[0], arena.numbers[0]
-    forager.correct = forager.behaviour == forager.state
-    forager.begins = robot.first_frame
-    could_explore = can_explore(robot.senses)
+    correct, begins = forager.behaviour == forager.state, robot.first_frame
+    exploring = can_explore(robot.senses) and robot.left == 0.0 and robot.right == 0.0
     everything = Enclosure(
         world.robots, world.foods, world.tracks, world.detections, arena.walls, arena.corners
     )
     advance(everything, numbers.anchor_x, numbers.anchor_y, settings.constants)
-    _perceive(world, map_of(arena), settings, could_explore)
-    if forager.begins:
-        begin_episode(forager.episode, forager.tracker)
-    else:
-        end_step(forager.episode, forager.tracker, forager.correct, settings.limit)
-
-
-@rule
-def _perceive(world: WorldRecords, arena: ArenaMap, settings: Any, could_explore: bool) -> None:
-    """Track the food; then raw data, state vector and state."""
-    robot, forager, decisions = world.robots[0], world.foragers[0], settings.decisions
-    raw, vector = perceive(
-        forager.tracker,
-        world.objects,
-        world.chosen,
-        world.links,
-        world.tracks,
-        could_explore,
-        robot.senses,
-        Motors(robot.left, robot.right, 0, 0),
-        robot.marker_x,
-        robot.marker_y,
-        int(robot.marker_heading),
-        robot.marker_found,
-        arena,
-        decisions,
+    food = KnownFood(forager.tracker, world.objects, world.links, world.chosen)
+    own = Marker(robot.marker_x, robot.marker_y, int(robot.marker_heading), robot.marker_found)
+    raw, vector, state = perceive(
+        food, own, world.tracks, robot.senses, exploring, map_of(arena), settings.decisions
     )
     _write_raw(forager.raw, raw)
     written = forager.vector
     written.object_presence, written.robot_home_distance = vector.object_presence, vector.robot_home_distance
     written.food_type, written.arms_height = vector.food_type, vector.arms_height
     written.robot_food_distance = vector.robot_food_distance
-    forager.state = classify(vector, arena.home_radius, decisions).value
+    forager.state = state.value
+    if begins:
+        begin_episode(forager.episode, forager.tracker)
+    else:
+        end_step(forager.episode, forager.tracker, correct, settings.limit)
 
 
 @rule

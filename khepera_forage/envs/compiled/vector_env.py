@@ -19,13 +19,14 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.compiled.batch import CompiledBatch, bodies_of, forager_of
 from khepera_forage.envs.recall import episode_info
 from khepera_forage.envs.rendering import Screen, View, recall_view
-from khepera_forage.envs.wheels_env import WheelsEnv
+from khepera_forage.envs.wheels_env import WheelsEnv, raw_data_of
 from khepera_forage.noise import Noise
 from khepera_forage.policies.teacher import APPLICABLE
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import StateVector
 
 Observation = dict[str, NDArray[Any]]
 Infos = dict[str, Any]
@@ -141,8 +142,7 @@ class RecallVectorEnv(VectorEnv):
         self._seeded = True
         self.batch.restart(worlds, options)
         self._over[worlds] = False
-        shown = self.batch.shown
-        return self._observation(shown), self._infos(shown, _marked(worlds, self))
+        return self._observation(), self._infos(_marked(worlds, self))
 
     def step(
         self, actions: ArrayLike
@@ -159,28 +159,29 @@ class RecallVectorEnv(VectorEnv):
                 f"the episode of world {np.flatnonzero(self._over)[0]} has ended; call "
                 "reset(options={'reset_mask': terminations | truncations})"
             )
-        shown = self.batch.step(self._checked(actions), self._over)
+        self.batch.step(self._checked(actions), self._over)
+        episode = self.batch.foragers.episode
         rewards, terminated, truncated = (
-            shown[name].copy() for name in ("reward", "terminated", "truncated")
+            np.array(getattr(episode, name)) for name in ("reward", "terminated", "truncated")
         )
         if self._longest is not None:
-            truncated |= shown["steps"] >= self._longest
+            truncated |= episode.steps >= self._longest
         self._over = terminated | truncated
-        observation = self._observation(shown)
+        observation = self._observation()
         if self.autoreset_mode != AutoresetMode.SAME_STEP or not self._over.any():
-            infos = self._infos(shown, np.ones(self.num_envs, np.bool_))
+            infos = self._infos(np.ones(self.num_envs, np.bool_))
             return observation, rewards, terminated, truncated, infos
         worlds = np.flatnonzero(self._over)
-        final_obs, final_infos = observation, self._infos(shown, self._over)
+        final_obs, final_infos = observation, self._infos(self._over)
         self.batch.restart(worlds)
         self._over = np.zeros(self.num_envs, np.bool_)
-        infos = self._infos(shown, np.ones(self.num_envs, np.bool_))
+        infos = self._infos(np.ones(self.num_envs, np.bool_))
         single = np.full(self.num_envs, None, dtype=object)
         for world in worlds.tolist():
             single[world] = {name: values[world] for name, values in final_obs.items()}
         infos |= {"final_obs": single, "_final_obs": _marked(worlds, self)}
         infos |= {"final_info": final_infos, "_final_info": _marked(worlds, self)}
-        return self._observation(shown), rewards, terminated, truncated, infos
+        return self._observation(), rewards, terminated, truncated, infos
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """A picture of each world; None without a `render_mode`, with a warning.
@@ -217,8 +218,7 @@ class RecallVectorEnv(VectorEnv):
         records, arena, decisions = batch.world(world), batch.arenas[world], batch.decisions
         bodies = bodies_of(records, arena, self._noise, decisions)
         forager = forager_of(records, arena, decisions)
-        info = {name: batch.shown[name][world].item() for name in ("steps", "score", "delivered")}
-        return recall_view(arena, bodies, forager, info, batch.limit, None, None)
+        return recall_view(arena, bodies, forager, batch.limit, None, None)
 
     def get_attr(self, name: str) -> tuple[Any, ...]:
         """An attribute of the single environment, one value a world; see `call`."""
@@ -266,8 +266,8 @@ class RecallVectorEnv(VectorEnv):
         """
 
     @abstractmethod
-    def _observation(self, shown: NDArray[Any]) -> Observation:
-        """What the policy gets to know, from `Shown` records, in fresh arrays."""
+    def _observation(self) -> Observation:
+        """What the policy gets to know, in fresh arrays."""
 
     def _require_first_reset(self) -> None:
         if not self._seeded:
@@ -285,17 +285,9 @@ class RecallVectorEnv(VectorEnv):
             )
         return mask
 
-    def _infos(self, shown: NDArray[Any], mask: NDArray[np.bool_]) -> Infos:
+    def _infos(self, mask: NDArray[np.bool_]) -> Infos:
         """The infos of the single environment in Gymnasium's vector form, of the worlds of a mask."""
-        infos = episode_info(
-            shown["state"].copy(),
-            pose_of(shown),
-            *(
-                shown[name].copy()
-                for name in ("score", "penalty", "correct", "steps", "delivered", "poison_home")
-            ),
-        )
-        infos["correct_behaviour"] = infos["state"].copy()
+        infos = {name: values.copy() for name, values in episode_info(self.batch.foragers).items()}
         if not mask.all():
             for values in infos.values():
                 values[~mask] = 0
@@ -306,11 +298,6 @@ def _marked(worlds: NDArray[np.int64], env: RecallVectorEnv) -> NDArray[np.bool_
     mask = np.zeros(env.num_envs, np.bool_)
     mask[worlds] = True
     return mask
-
-
-def pose_of(shown: NDArray[Any]) -> NDArray[np.float64]:
-    """X and y in pixels and orientation in degrees, one row a world."""
-    return np.stack([shown[name] for name in ("x", "y", "orientation")], axis=1)
 
 
 class BehavioursVectorEnv(RecallVectorEnv):
@@ -336,15 +323,16 @@ class BehavioursVectorEnv(RecallVectorEnv):
             ResetNeeded: Before the first reset.
         """
         self._require_first_reset()
-        shown = self.batch.shown
-        masks: NDArray[np.bool_] = APPLICABLE[shown["object_presence"], shown["food_type"]]
+        vector = self.batch.foragers.vector
+        masks: NDArray[np.bool_] = APPLICABLE[vector.object_presence, vector.food_type]
         return masks
 
     def call(self, name: str) -> tuple[Any, ...]:  # noqa: D102 (that of the class above)
         return tuple(self.action_masks()) if name == "action_masks" else super().call(name)
 
-    def _observation(self, shown: NDArray[Any]) -> Observation:
-        observation = {name: shown[name].copy() for name in self.single_observation_space}  # type: ignore[attr-defined]
+    def _observation(self) -> Observation:
+        vector = self.batch.worlds.foragers["vector"][:, 0]
+        observation = {name: vector[name].copy() for name in StateVector._fields}
         for name in ("robot_home_distance", "arms_height", "robot_food_distance"):
             observation[name] = observation[name][:, None]
         return observation
@@ -364,20 +352,5 @@ class WheelsVectorEnv(RecallVectorEnv):
             )
         return given
 
-    def _observation(self, shown: NDArray[Any]) -> Observation:
-        def rows(*names: str) -> NDArray[np.float64]:
-            return np.stack([shown[name] for name in names], axis=1)
-
-        return {
-            "proximity": shown["proximity"].copy(),
-            "arm": shown["arm"][:, None].copy(),
-            "jaw": shown["jaw"][:, None].copy(),
-            "object_presence": shown["object_presence"].copy(),
-            "pose": pose_of(shown),
-            "tracked": shown["tracked"].copy(),
-            "food_seen": shown["food_seen"].copy(),
-            "food": rows("food_x", "food_y"),
-            "food_type": shown["type_in_gripper"].copy(),
-            "home": rows("home_x", "home_y", "home_radius"),
-            "wall": rows("wall_distance", "wall_bearing"),
-        }
+    def _observation(self) -> Observation:
+        return raw_data_of(self.batch.foragers.raw)

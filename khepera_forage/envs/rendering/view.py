@@ -1,8 +1,8 @@
 """Content of a picture as plain values, and how environments fill them in, without drawing anything."""
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from khepera_forage.envs.recalls import Forager
 from khepera_forage.envs.training_episode import TrainingEpisode
@@ -97,7 +97,6 @@ def recall_view(
     arena: Arena,
     world: World,
     forager: Forager,
-    info: Mapping[str, Any],
     limit: int,
     executed: Behaviour | None,
     confidence: tuple[float, ...] | None,
@@ -108,7 +107,6 @@ def recall_view(
         arena: Where the robot forages.
         world: Its bodies, and the camera.
         forager: The robot at its task.
-        info: The environment's info.
         limit: Steps of an episode, at most.
         executed: The last behaviour executed.
         confidence: Confidence level of each behaviour, if the robot is an imitator.
@@ -119,10 +117,10 @@ def recall_view(
         robots=(robot._replace(executed=executed, confidence=confidence),),
         foods=_food_views(world, (forager,)),
         regions=world.camera.look().regions,
-        step=info["steps"],
+        step=forager.episode.steps,
         limit=limit,
-        score=info["score"],
-        delivered=info["delivered"],
+        score=forager.episode.score,
+        delivered=forager.tracker.delivered,
         title=f"Recall in the {arena.name.replace('_', ' ')}",
     )
 
@@ -140,7 +138,7 @@ def training_view(
         limit: Rounds of an episode, at most.
     """
     foragers, poses = attempt.foragers, world.poses()
-    done = [Behaviour(action) if attempt.steps > 0 else None for action in attempt.actions]
+    done = [Behaviour(forager.behaviour) if attempt.steps > 0 else None for forager in foragers]
     robots = []
     for i, agent in enumerate(agents):
         name = agent.replace("_", " ") if i > 0 and len(agents) > 2 else agent.replace("_0", "")
@@ -176,7 +174,7 @@ def _robot_view(name: str, forager: Forager, pose: Pose) -> RobotView:
 
 def _food_views(world: World, foragers: Sequence[Forager]) -> tuple[FoodView, ...]:
     """The views of all food, with the type and delivery status in the food tracker of its arena's robot."""
-    known = [food for forager in foragers for food in forager.tracker.foods]
+    known = [food for forager in foragers for food in forager.food.objects]
     return tuple(
         FoodView(place.x, place.y, FoodType(food.known), place.lifted, food.delivered)
         for place, food in zip(world.food_places(), known, strict=True)

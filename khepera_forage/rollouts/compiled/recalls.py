@@ -31,7 +31,7 @@ from khepera_forage.rollouts.compiled.imitators import clear, draw_label, neares
 from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions, decisions_text
-from khepera_forage.task.episode import DecisionCounts, count_decision, penalty, score
+from khepera_forage.task.episode import DecisionCounts, count_decision
 from khepera_forage.task.food_tracking import is_collected
 from khepera_forage.task.states import NUM_BEHAVIOURS, Behaviour, State
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -308,7 +308,7 @@ def _decide(world: WorldRecords, diagonal: float, decisions: Any, memories: Memo
 
     Args:
         world: The world.
-        diagonal: Of its arena, pixels. No distance seems longer to an imitator, as in `BehavioursEnv`.
+        diagonal: Of its arena, pixels.
         decisions: `DecisionValues`.
         memories: Of all imitators.
         policy: The `_Policy` record; changed in place.
@@ -333,7 +333,7 @@ def _imitate(
 ) -> int:
     """The behaviour of an imitator. A state vector that stays is not searched for again."""
     presence, food_type, arm = vector.object_presence, vector.food_type, vector.arms_height
-    home, food = min(vector.robot_home_distance, diagonal), min(vector.robot_food_distance, diagonal)
+    home, food = vector.robot_home_distance, vector.robot_food_distance
     query = (plane_key(presence, food_type, arm) * _BEYOND + home) * _BEYOND + food
     votes = policy.votes
     if policy.query != query:
@@ -354,8 +354,7 @@ def _record(world: WorldRecords, policy: Any, outcome: Any) -> None:
     """Write down what became of a recall."""
     episode, tracker = world.foragers[0].episode, world.foragers[0].tracker
     outcome.steps, outcome.correct = episode.steps, episode.correct
-    outcome.penalty = penalty(tracker.delivered, tracker.deliverable)
-    outcome.score = score(episode.correct, episode.steps, outcome.penalty)
+    outcome.penalty, outcome.score = episode.penalty, episode.score
     outcome.delivered, outcome.poison_home = tracker.delivered, tracker.poison_home
     outcome.deliverable = tracker.deliverable
     outcome.ties, outcome.conflicts = policy.ties, policy.conflicts

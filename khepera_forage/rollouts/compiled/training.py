@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import keys_of, random_bits
 from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
-from khepera_forage.envs.compiled.arenas import arena_at
 from khepera_forage.envs.compiled.pairs import (
     Sides,
     carry_out_pair,
@@ -249,7 +248,6 @@ def _train(
         pairings: Two `Pairing` records; that of the learner counts.
         actions: Two behaviours.
     """
-    diagonal = int(arena_at(sides.blocks, sides.places[1]).numbers[0].map_diagonal)
     attempt, pairing, teacher, learner = (
         attempts[0],
         pairings[1],
@@ -266,7 +264,7 @@ def _train(
                 # The learner hears the teacher's decision in the same round, and executes it.
                 behaviour = teacher_says(teacher.state, pairing.separated or worlds.robots[0, 0].first_frame)
                 if behaviour != _WAIT:
-                    _record_vector(learner.vector, behaviour, rows[number, vectors], diagonal)
+                    _record_vector(learner.vector, behaviour, rows[number, vectors])
                     vectors += 1
                 actions[0] = actions[1] = behaviour
                 ended = carry_out_pair(worlds, 0, sides, attempt, pairings, actions)
@@ -280,11 +278,10 @@ def _train(
 
 
 @rule
-def _record_vector(vector: Any, behaviour: int, row: Any, diagonal: int) -> None:
+def _record_vector(vector: Any, behaviour: int, row: Any) -> None:
     """Record the learner's own state vector with the behaviour heard."""
-    row[0], row[1] = vector.object_presence, min(vector.robot_home_distance, diagonal)
-    row[2], row[3] = vector.food_type, vector.arms_height
-    row[4], row[HEARD] = min(vector.robot_food_distance, diagonal), behaviour
+    row[0], row[1], row[2] = vector.object_presence, vector.robot_home_distance, vector.food_type
+    row[3], row[4], row[HEARD] = vector.arms_height, vector.robot_food_distance, behaviour
 
 
 def _trained(
