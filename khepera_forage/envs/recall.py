@@ -93,7 +93,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             from khepera_forage.envs.compiled.batch import CompiledRecalls  # needs numba
 
             self._recalls = CompiledRecalls(*settings, robot)
-        self.largest_diagonal = self._recalls.largest_diagonal
+        self.largest_diagonal = self._recalls.diagonal
         """Of all arenas in which an episode may take place, in pixels."""
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)

@@ -8,18 +8,21 @@ import numpy as np
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import (
+    COMPILED,
+    PYMUNK,
     FoodOdds,
     arenas_of,
+    check_backend,
     check_round_duration,
     food_odds,
     have_grippers,
     timing_of,
 )
 from khepera_forage.envs.layouts import arena_map_of, given_layout, known_food
-from khepera_forage.noise import Noise
+from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.khepera import Motors, Robot, Senses
 from khepera_forage.robots.model import KHEPERA, model_of
-from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.arena import Arena, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import Simulation
 from khepera_forage.sim.world import Layout, World
@@ -116,27 +119,122 @@ def perceive_all(foragers: Sequence[Forager], scene: Scene) -> None:
                 share_identified(forager.food.objects, other.food.objects)
 
 
-class WorldRecalls:
+class ForagingWorld:
+    """The arenas of an environment, and a world of robots that forage in one of them, or in copies of it.
+
+    Args:
+        markers: Holes of each robot's marker.
+        arena: As for the environments; so are the next five.
+        noise: The laboratory's troubles by default.
+        food_types: One type, or odds by type.
+        world: Another world than a simulated one, with an arena for each robot.
+        decisions: Of the task.
+        backend: What simulates the bodies, "pymunk" or "compiled".
+        robot: Kind of the simulated robots.
+
+    Attributes:
+        world: Bodies and camera of the present episode.
+        arenas: One for each robot; those of the present episode, and before the first, of the first arena.
+        diagonal: The largest of all arenas in which an episode may take place, in pixels.
+
+    Raises:
+        ValueError: An argument is not allowed, or the world does not fit.
+    """
+
+    world: World
+    arenas: tuple[Arena, ...]
+
+    def __init__(
+        self,
+        markers: tuple[int, ...],
+        arena: Arenas,
+        noise: Noise | str | None,
+        food_types: FoodOdds,
+        world: World | None,
+        decisions: Decisions,
+        backend: str,
+        robot: str,
+    ) -> None:
+        self._model, self._backend = model_of(robot), check_backend(backend)
+        self._markers, self._noise, self._decisions = markers, checked_noise(noise), decisions
+        self._odds = food_odds(food_types, self._model.has_gripper if world is None else have_grippers(world))
+        self._number = -1
+        if world is None:
+            self._pool: ArenaPool | None = ArenaPool(arena, decisions)
+            self._enter(0, self._pool[0])
+            self.diagonal = self._pool.diagonal
+        else:
+            check_round_duration(world, decisions)
+            self._pool, self.world = None, world
+            self.arenas = arenas_of(world, len(markers))
+            self.diagonal = arena_map_of(self.arenas[0]).diagonal
+
+    @property
+    def backend(self) -> str:
+        """What simulates the bodies: "pymunk", "compiled", or "laboratory" for real or virtual robots."""
+        if self._pool is not None:
+            return self._backend
+        return PYMUNK if isinstance(self.world, PymunkWorld) else "laboratory"
+
+    @property
+    def arena(self) -> Arena:
+        """The arena of the first robot."""
+        return self.arenas[0]
+
+    def arena_of(self, key: int, episode: int) -> Arena:
+        """The first robot's arena in an episode.
+
+        Args:
+            key: From `counter_rng.key_of`.
+            episode: Its number.
+        """
+        return self.arena if self._pool is None else self._pool[self._pool.number(key, episode)]
+
+    def enter(self, key: int, episode: int) -> None:
+        """Let an episode take place in its arena, in a world of its own if the arena is another one."""
+        if self._pool is not None:
+            self._enter(self._pool.number(key, episode), self.arena_of(key, episode))
+
+    def _enter(self, number: int, arena: Arena) -> None:
+        if number == self._number:
+            return
+        kind: type[Simulation] = PymunkWorld
+        if self._backend == COMPILED:
+            from khepera_forage.sim.compiled.world import CompiledWorld  # needs numba
+
+            kind = CompiledWorld
+        count = len(self._markers)
+        self.arenas, self._number = copies(arena, count) if count > 1 else (arena,), number
+        timing = timing_of(self._decisions)
+        self.world = kind(self.arenas, self._markers, self._noise, timing=timing, model=self._model)
+
+    def foragers(self, layout: Layout, key: int, episode: int) -> list[Forager]:
+        """The robots at their task, at the start of an episode in this layout."""
+        count = len(layout.foods) // len(self.arenas)
+        foragers = []
+        for i, robot in enumerate(self.world.robots):
+            food = known_food(layout.foods[i * count : (i + 1) * count])
+            draw_food_types(food.objects, food_type_key(key, episode), self._odds)
+            values, holes = self._decisions.values(robot.has_gripper), self.world.markers[i]
+            foragers.append(Forager(robot, arena_map_of(self.arenas[i]), holes, food, values))
+        return foragers
+
+
+class WorldRecalls(ForagingWorld):
     """Recalls one after another in a `World`.
 
     Args:
-        arena: As for the environments; so are the next five.
+        arena: As for `ForagingWorld`; so are the arguments without a description.
         foods: Food objects.
         limit: Steps after which an episode ends.
-        noise: The laboratory's troubles by default.
-        food_types: One type, or odds by type.
-        decisions: Of the task.
-        world: In which everything takes place; by default simulated on pymunk.
-        robot: Kind of the simulated robot.
+        noise: Likewise.
+        food_types: Likewise.
+        decisions: Likewise.
+        world: Likewise.
+        robot: Likewise.
 
     Attributes:
-        arena: That of the present episode; before the first, the first one.
-        world: Bodies and camera of the present episode.
         layout: Where everything stood when the episode began.
-        largest_diagonal: Of all arenas in which an episode may take place, in pixels.
-
-    Raises:
-        ValueError: An argument out of range, or a world that does not fit.
     """
 
     layout: Layout
@@ -152,27 +250,11 @@ class WorldRecalls:
         world: World | None = None,
         robot: str = KHEPERA.name,
     ) -> None:
-        self._model = model_of(robot)
-        self._foods, self._limit, self._noise, self._decisions = foods, limit, noise, decisions
-        gripper = self._model.has_gripper if world is None else have_grippers(world)
-        self._odds, self._values = food_odds(food_types, gripper), decisions.values()
-        self.world: World
-        if world is None:
-            self._pool: ArenaPool | None = ArenaPool(arena, decisions)
-            self._enter(self._pool[0])
-            self.largest_diagonal = self._pool.diagonal
-        else:
-            check_round_duration(world, decisions)
-            self._pool, self.world = None, world
-            (self.arena,) = arenas_of(world, 1)
-            self.largest_diagonal = arena_map_of(self.arena).diagonal
+        markers = (decisions.recall_marker,)
+        super().__init__(markers, arena, noise, food_types, world, decisions, PYMUNK, robot)
+        self._foods, self._limit, self._values = foods, limit, decisions.values()
         self._key, self._episodes, self._fresh = 0, 0, True
         self._forager: Forager | None = None
-
-    @property
-    def backend(self) -> str:
-        """What simulates the bodies: "pymunk", or "laboratory" for real or virtual robots."""
-        return "pymunk" if isinstance(self.world, PymunkWorld) else "laboratory"
 
     @property
     def forager(self) -> Forager:
@@ -195,23 +277,17 @@ class WorldRecalls:
             ValueError: Options that are unknown or place something off the free floor.
         """
         key, number = self._key, self._episodes
-        arena = self.arena if self._pool is None else self._pool[self._pool.number(key, number)]
+        arena = self.arena_of(key, number)
         layout = given_layout(arena, self._foods, options or {}, layout_key(key, number), self._values)
         # Noise goes on from episode to episode, as in compiled worlds.
         rounds = 0 if self._fresh or not isinstance(self.world, Simulation) else self.world.rounds
-        if arena is not self.arena:
-            self._enter(arena)
+        self.enter(key, number)
         self.layout, self._episodes, self._fresh = layout, number + 1, False
         if isinstance(self.world, Simulation):
             self.world.begin(key, rounds, layout)
         else:
             self.world.reset(rng.spawn(1)[0], layout)
-        arena_map = arena_map_of(self.arena)
-        food = known_food(layout.foods)
-        draw_food_types(food.objects, food_type_key(key, number), self._odds)
-        robot = self.world.robots[0]
-        values = self._decisions.values(robot.has_gripper)
-        self._forager = Forager(robot, arena_map, self.world.markers[0], food, values)
+        (self._forager,) = self.foragers(layout, key, number)
         self._forager.perceive(self.world.camera.look())
         begin_episode(self._forager.episode, self._forager.tracker)
         return self._forager
@@ -240,11 +316,3 @@ class WorldRecalls:
         finally:
             end_step(forager.episode, forager.tracker, correct, self._limit)
         return forager
-
-    def _enter(self, arena: Arena) -> None:
-        """Let the coming episode take place in an arena, in a world of its own."""
-        self.arena = arena
-        markers = (self._decisions.recall_marker,)
-        self.world = PymunkWorld(
-            [arena], markers, self._noise, timing=timing_of(self._decisions), model=self._model
-        )

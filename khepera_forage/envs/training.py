@@ -22,6 +22,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.world import LOST, World
+from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.states import Behaviour, behaviour_number
 
@@ -164,7 +165,7 @@ class TrainingEnv(AECEnv[str, Any, Any]):
     @property
     def home_radius(self) -> int:
         """Of every home, in pixels."""
-        return self._paired.home_radius
+        return whole_pixels(self.arenas[0].home_radius)
 
     @property
     def foragers(self) -> list[Forager]:
@@ -239,7 +240,7 @@ class TrainingEnv(AECEnv[str, Any, Any]):
         attempt = self._begun
         if not self.agents:
             raise ResetNeeded(
-                f"the episode ended after {attempt.steps} rounds; call reset() to start another"
+                f"the episode ended after {attempt.account.rounds} rounds; call reset() to start another"
             )
         agent = self.agent_selection
         if self.terminations[agent] or self.truncations[agent]:
@@ -287,18 +288,17 @@ class TrainingEnv(AECEnv[str, Any, Any]):
     def _round(self, attempt: TrainingEpisode) -> None:
         """Everybody's commands take effect together."""
         try:
-            rewards = attempt.round()
+            over = attempt.round()
         except LOST as lost:
             self._cut_short(lost)
             return
-        complete = attempt.complete
-        over = attempt.over(complete)
+        complete = attempt.account.complete
         if over:
             self.world.stop()
-        self.rewards = dict(zip(self.agents, rewards, strict=True))
+        self.rewards = {agent: attempt.foragers[i].episode.reward for i, agent in enumerate(self.agents)}
         self.terminations = dict.fromkeys(self.agents, complete)
         self.truncations = dict.fromkeys(self.agents, over and not complete)
-        self.infos = {agent: attempt.info(i, complete) for i, agent in enumerate(self.agents)}
+        self.infos = {agent: attempt.info(i) for i, agent in enumerate(self.agents)}
         if self.render_mode == "human":
             self.render()
 

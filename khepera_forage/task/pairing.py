@@ -109,26 +109,45 @@ def _arc(pairing: Any, motors: Motors, mean: float, own: Any, decisions: Decisio
     return Motors(mean - turn, mean + turn, motors.arm, motors.jaw)
 
 
-def rounds_since_done(before: int, all_done: bool) -> int:
-    """For how many rounds the robots have done their part (`episode.has_done_its_part`): counted from the first one.
+@dataclass(slots=True)
+class AttemptState:
+    """An attempt at a training episode under way, and how an operator goes about it.
 
-    Args:
-        before: This number a round ago.
-        all_done: Whether all robots have done their part now.
+    Attributes:
+        number: Of the next attempt of a compiled world.
+        rounds: So far.
+        since_done: For how many rounds the robots have done their part, counted from the first one.
+        complete: Whether all robots delivered and left home, and the operator has ended the episode (5.3).
+        limit: Rounds after which an attempt is out of time.
+        patience: Rounds of separation after which an attempt is given up.
+        error: Standard deviation with which something is put on its mark, mm.
+        heading_error: Of a robot's heading, radians.
     """
-    return before + 1 if all_done or before > 0 else 0
+
+    number: int = 0
+    rounds: int = 0
+    since_done: int = 0
+    complete: bool = False
+    limit: int = 600
+    patience: int = 100
+    error: float = 0.0
+    heading_error: float = 0.0
 
 
-def is_complete(since_done: int, decisions: DecisionValues) -> bool:
-    """Whether a training episode is complete: an operator ends it some rounds after the robots have done their part.
+def end_round(attempt: Any, all_done: bool, separated_rounds: int, decisions: DecisionValues) -> bool:
+    """Account for a round of an attempt, which an operator ends some rounds after the robots have done their part.
 
     Args:
-        since_done: From `rounds_since_done`.
+        attempt: The `AttemptState` record; changed in place.
+        all_done: Whether all robots have done their part now (`episode.has_done_its_part`).
+        separated_rounds: For how many rounds a learner has been separated.
         decisions: `DecisionValues`.
+
+    Returns:
+        Whether the attempt has ended: complete, out of time, or separated for too long (5.3.1).
     """
-    return since_done > decisions.rounds_after_training
-
-
-def attempt_ends(complete: bool, rounds: int, limit: int, separated_rounds: int, patience: int) -> bool:
-    """Whether an attempt at a training episode has ended: complete, out of time, or separated for too long (5.3.1)."""
-    return complete or rounds >= limit or separated_rounds >= patience
+    if all_done or attempt.since_done > 0:
+        attempt.since_done += 1
+    attempt.complete = attempt.since_done > decisions.rounds_after_training
+    out_of_time = attempt.rounds >= attempt.limit
+    return bool(attempt.complete or out_of_time or separated_rounds >= attempt.patience)

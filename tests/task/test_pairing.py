@@ -11,11 +11,11 @@ from khepera_forage.robots.khepera import MAX_SPEED, Motors
 from khepera_forage.sim.arena import copies
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions, DecisionValues
 from khepera_forage.task.pairing import (
+    AttemptState,
     Pairing,
+    end_round,
     follow,
-    is_complete,
     recover,
-    rounds_since_done,
     update_pairing,
 )
 from khepera_forage.task.perception import Marker
@@ -106,8 +106,9 @@ def test_pairing_counts_separations_and_their_rounds(separation: float) -> None:
 def test_training_is_complete_some_rounds_after_the_robots_have_done_their_part() -> None:
     for rounds in (0, 3):
         decisions = Decisions(rounds_after_training=rounds).values()
-        since, complete = 0, []
+        attempt, complete = AttemptState(), []
         for done in (False, True, False, False, True, True):
-            since = rounds_since_done(since, done)
-            complete.append(is_complete(since, decisions))
+            ended = end_round(attempt, done, 0, decisions)
+            assert ended == attempt.complete
+            complete.append(ended)
         assert complete == [number > rounds for number in range(6)]

@@ -276,7 +276,7 @@ class CompiledRecalls:
     ) -> None:
         self._batch = CompiledBatch(1, arena, foods, limit, noise, food_types, decisions, robot)
         self._noise, self._decisions = noise, decisions
-        self.largest_diagonal = self._batch.largest_diagonal
+        self.diagonal = self._batch.largest_diagonal
         self._actions = {count: np.zeros((1, count)) for count in (1, 4)}
         self._enter()
 

@@ -7,7 +7,6 @@ learners hear, where the teacher is, and the types of corresponding food.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,11 +41,10 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import has_done_its_part
 from khepera_forage.task.food_tracking import share_identified
 from khepera_forage.task.pairing import (
+    AttemptState,
     Pairing,
-    attempt_ends,
-    is_complete,
+    end_round,
     lead,
-    rounds_since_done,
     update_pairing,
 )
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key, place_by_hand
@@ -74,31 +72,6 @@ class Sides(NamedTuple):
     settings: Any
     marks: Any
     food_marks: Any
-
-
-@dataclass(slots=True)
-class AttemptState:
-    """An attempt at a training episode under way, and how an operator goes about it.
-
-    Attributes:
-        number: Of the next attempt.
-        rounds: So far.
-        since_done: For how many rounds the robots have done their part.
-        complete: Whether all robots delivered and left home (5.3).
-        limit: Rounds after which an attempt is out of time.
-        patience: Rounds of separation after which an attempt is given up.
-        error: Standard deviation with which something is put on its mark, mm.
-        heading_error: Of a robot's heading, radians.
-    """
-
-    number: int = 0
-    rounds: int = 0
-    since_done: int = 0
-    complete: bool = False
-    limit: int = 600
-    patience: int = 100
-    error: float = 0.0
-    heading_error: float = 0.0
 
 
 def paired_sides(
@@ -237,9 +210,7 @@ def carry_out_pair(
     if begins:
         return False
     attempt.rounds += 1
-    attempt.since_done = rounds_since_done(attempt.since_done, done)
-    attempt.complete = is_complete(attempt.since_done, decisions)
-    return bool(attempt_ends(attempt.complete, attempt.rounds, attempt.limit, longest, attempt.patience))
+    return bool(end_round(attempt, done, longest, decisions))
 
 
 @rule

@@ -138,7 +138,7 @@ def training_view(
         limit: Rounds of an episode, at most.
     """
     foragers, poses = attempt.foragers, world.poses()
-    done = [Behaviour(forager.behaviour) if attempt.steps > 0 else None for forager in foragers]
+    done = [Behaviour(forager.behaviour) if attempt.account.rounds > 0 else None for forager in foragers]
     robots = []
     for i, agent in enumerate(agents):
         name = agent.replace("_", " ") if i > 0 and len(agents) > 2 else agent.replace("_0", "")
@@ -150,7 +150,7 @@ def training_view(
         robots=tuple(robots),
         foods=_food_views(world, foragers),
         regions=world.camera.look().regions,
-        step=attempt.steps,
+        step=attempt.account.rounds,
         limit=limit,
         delivered=sum(forager.tracker.delivered for forager in foragers),
         title=f"Training in the {arenas[0].name.replace('_', ' ')}",
