@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.arguments import motor_action
 from khepera_forage.envs.training import TrainingEnv, makers
-from khepera_forage.envs.training_episode import HEARD, TrainingEpisode
+from khepera_forage.envs.training_episode import TrainingEpisode
 from khepera_forage.envs.wheels_env import raw_data_of
 from khepera_forage.policies.features import raw_data_space
+from khepera_forage.policies.policy import HEARD
 from khepera_forage.task.behaviours import decode_motors
 from khepera_forage.task.states import Behaviour
 

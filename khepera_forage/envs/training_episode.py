@@ -26,9 +26,6 @@ from khepera_forage.task.placement import layout_key
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 
-HEARD = 5
-"""Where the behaviour heard is in an observation; whether the robot is separated follows it."""
-
 
 def observation_box(diagonal: int) -> spaces.Box:
     """The space of what `TrainingEpisode.observe` returns.

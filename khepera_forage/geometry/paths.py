@@ -224,32 +224,10 @@ def _squared_distance(x: float, y: float, wall: Any) -> float:
     return dx * dx + dy * dy
 
 
-def is_straight(
-    x: float, y: float, to_x: float, to_y: float, past_home: bool, chosen: Any, walls: Any, paths: PathTables
-) -> bool:
-    """Whether the straight way is clear, as `is_clear`; if not, `next_waypoint` says where to drive.
-
-    Args:
-        x: As for `is_clear`; so are the others.
-        y: Of the one place.
-        to_x: Of the other place.
-        to_y: Of the other place.
-        past_home: Whether the way must pass the home at its berth.
-        chosen: The `ChosenWaypoint` record of this way; changed in place.
-        walls: In pixels.
-        paths: What is prepared of the arena.
-    """
-    chosen.blocked = is_blocked(x, y, to_x, to_y, walls, paths)
-    if chosen.blocked:
-        return False
-    chosen.x = chosen.y = math.inf
-    return not (past_home and crosses_home(x, y, to_x, to_y, paths))
-
-
 def next_waypoint(
     x: float, y: float, to_x: float, to_y: float, past_home: bool, chosen: Any, walls: Any, paths: PathTables
 ) -> tuple[float, float, float]:
-    """Where to drive next on the shortest path to a place to which the way is not straight.
+    """Where to drive next on the shortest path to a place: to the place itself if the straight way is clear.
 
     Args:
         x: Of the robot.
@@ -257,13 +235,18 @@ def next_waypoint(
         to_x: Of the place.
         to_y: Of the place.
         past_home: As for `is_clear`. Without, the place is the home.
-        chosen: The `ChosenWaypoint` record of this way, after `is_straight`; changed in place.
+        chosen: The `ChosenWaypoint` record of this way; changed in place.
         walls: In pixels.
         paths: What is prepared of the arena.
 
     Returns:
         x and y of the waypoint, and the length of the path, which is infinite where there is none.
     """
+    chosen.blocked = is_blocked(x, y, to_x, to_y, walls, paths)
+    if not chosen.blocked:
+        chosen.x = chosen.y = math.inf
+        if not (past_home and crosses_home(x, y, to_x, to_y, paths)):
+            return to_x, to_y, length(to_x - x, to_y - y)
     if not _is_kept(x, y, past_home, chosen, walls, paths):
         number, rest = _choose_waypoint(x, y, to_x, to_y, past_home, walls, paths)
         if number < 0:

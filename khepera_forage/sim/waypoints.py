@@ -22,7 +22,6 @@ from khepera_forage.geometry.paths import (
     PathTables,
     Spot,
     has_path,
-    is_clear,
     next_waypoint,
     shortest_length,
 )
@@ -144,7 +143,7 @@ def way_out(arena: Arena) -> tuple[float, float]:
         return (x1 + x2) / 2, (y1 + y2) / 2
     here = Spot(home.x / MM_PER_PIXEL, home.y / MM_PER_PIXEL)
     there = Spot(start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL)
-    x, y, _ = _next_place(here, there, True, pixel_walls(arena), paths)
+    x, y, _ = next_waypoint(*here, *there, True, ChosenWaypoint(), pixel_walls(arena), paths)
     return x * MM_PER_PIXEL, y * MM_PER_PIXEL
 
 
@@ -172,7 +171,7 @@ def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
     end = Spot(goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL)
     here, path = Spot(start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL), [start]
     while here != end:
-        x, y, length = _next_place(here, end, past_home, walls, paths)
+        x, y, length = next_waypoint(*here, *end, past_home, ChosenWaypoint(), walls, paths)
         if length == math.inf or len(path) > len(paths.waypoints) + 1:
             raise ValueError(
                 f"{arena.name}: there is no way from ({start.x:g}, {start.y:g}) to ({goal.x:g}, {goal.y:g}) mm that is "
@@ -181,15 +180,6 @@ def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
         here = Spot(x, y)
         path.append(goal if here == end else Point(x * MM_PER_PIXEL, y * MM_PER_PIXEL))
     return tuple(path)
-
-
-def _next_place(
-    here: Spot, there: Spot, past_home: bool, walls: Any, paths: PathTables
-) -> tuple[float, float, float]:
-    """Where to drive next, in pixels, and the length of the path; infinite without one."""
-    if is_clear(*here, *there, past_home, walls, paths):
-        return *there, math.dist(here, there)
-    return next_waypoint(*here, *there, past_home, ChosenWaypoint(), walls, paths)
 
 
 def check_paths(arena: Arena) -> None:

@@ -7,7 +7,7 @@ shove home before it. Both go straight, or around walls (`geometry.paths`). Plai
 import math
 from typing import Any, NamedTuple
 
-from khepera_forage.geometry.paths import PathTables, has_path, is_straight, next_waypoint
+from khepera_forage.geometry.paths import PathTables, has_path, next_waypoint
 from khepera_forage.geometry.plane import clearance, length
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.task.states import FoodType
@@ -119,32 +119,10 @@ def path_home(x: float, y: float, known: Any, arena: ArenaMap) -> NextWaypoint:
     to_x, to_y, paths, walls = arena.home_x, arena.home_y, arena.paths, arena.walls
     way = to_x, to_y, 0.0
     if len(paths.corners) > 0:
-        if is_straight(x, y, to_x, to_y, False, chosen, walls, paths):
-            way = to_x, to_y, length(to_x - x, to_y - y)
-        else:
-            way = drivable(next_waypoint(x, y, to_x, to_y, False, chosen, walls, paths), to_x, to_y)
+        way = drivable(next_waypoint(x, y, to_x, to_y, False, chosen, walls, paths), to_x, to_y)
     if held < 0 or not is_poison_about(held, known.objects):
         return way
     return *past_poison(x, y, way[0], way[1], held, known.objects, arena), way[2]
-
-
-def path_to_food(x: float, y: float, to_x: float, to_y: float, chosen: Any, arena: ArenaMap) -> NextWaypoint:
-    """The way past the home from a place to food.
-
-    Args:
-        x: Of the robot, pixels.
-        y: Of the robot, pixels.
-        to_x: Of the food's region.
-        to_y: Of the food's region.
-        chosen: The `ChosenWaypoint` record of the way to this food object; changed in place.
-        arena: Its arena.
-    """
-    paths, walls = arena.paths, arena.walls
-    if len(paths.corners) == 0:
-        return to_x, to_y, 0.0
-    if is_straight(x, y, to_x, to_y, True, chosen, walls, paths):
-        return to_x, to_y, length(to_x - x, to_y - y)
-    return next_waypoint(x, y, to_x, to_y, True, chosen, walls, paths)
 
 
 def drivable(way: NextWaypoint, to_x: float, to_y: float) -> NextWaypoint:

@@ -11,9 +11,10 @@ import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from khepera_forage.geometry.paths import next_waypoint
 from khepera_forage.geometry.plane import heading_of, length
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, BARRIER, JAW_OPEN, Senses
-from khepera_forage.task.arena_map import ArenaMap, drivable, is_within, path_to_food
+from khepera_forage.task.arena_map import ArenaMap, drivable, is_within
 from khepera_forage.task.decisions import (
     HIDES_ALL_FOOD,
     IN_GRIPPER,
@@ -348,7 +349,9 @@ def find_nearest(
                 if number == excluded or not is_candidate(foods[number], number == held):
                     continue
                 if len(arena.paths.corners) > 0:
-                    to_x, to_y, length = path_to_food(x, y, track.x, track.y, known.chosen[1 + number], arena)
+                    to_x, to_y, length = next_waypoint(
+                        x, y, track.x, track.y, True, known.chosen[1 + number], arena.walls, arena.paths
+                    )
                     squared = min(length, _NO_PATH) ** 2
                     if squared >= best:
                         continue

@@ -12,7 +12,8 @@ from khepera_forage.envs.compiled import pairs
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
-from khepera_forage.rollouts.compiled.training import HEARD, Trained, train_learners
+from khepera_forage.policies.policy import HEARD
+from khepera_forage.rollouts.compiled.training import Trained, train_learners
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import train
 from khepera_forage.sim.arena import Arena, Pose, copies

@@ -10,8 +10,9 @@ from scipy import stats
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
+from khepera_forage.policies.policy import HEARD
 from khepera_forage.rollouts.compiled import training
-from khepera_forage.rollouts.compiled.training import HEARD, train_learners
+from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError, train
 from khepera_forage.task.states import Behaviour

@@ -22,7 +22,6 @@ from khepera_forage.envs.compiled.batch import given_records
 from khepera_forage.envs.compiled.step import (
     WorldRecords,
     carry_out,
-    command_behaviour,
     drive,
     motors_of,
     new_worlds,
@@ -187,10 +186,12 @@ def carry_out_pair(
             sides.settings[j],
             arena_at(sides.blocks, sides.places[j]),
         )
-        if j == 0:
-            command_behaviour(world, arena, settings, actions[0])
-        else:
-            _command_learner(world, arena, settings, pairings[j], actions[j])
+        forager = world.foragers[0]
+        forager.behaviour = actions[j]
+        motors = motors_of(world, map_of(arena), settings, actions[j])
+        if j > 0:
+            motors = lead(pairings[j], motors, actions[j], forager.raw, settings.decisions)
+        drive(world, motors)
         carry_out(world, arena, settings)
         # What one identifies, the next ones know at once, and the others a round later.
         for other in range(robots):
@@ -211,15 +212,6 @@ def carry_out_pair(
         return False
     attempt.rounds += 1
     return bool(end_round(attempt, done, longest, decisions))
-
-
-@rule
-def _command_learner(world: WorldRecords, arena: Any, settings: Any, pairing: Any, behaviour: int) -> None:
-    """Command what a behaviour commands, bent towards the teacher (4.5.2)."""
-    forager = world.foragers[0]
-    forager.behaviour = behaviour
-    motors = motors_of(world, map_of(arena), settings, behaviour)
-    drive(world, lead(pairing, motors, behaviour, forager.raw, settings.decisions))
 
 
 @entry

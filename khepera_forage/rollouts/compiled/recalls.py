@@ -86,46 +86,34 @@ class Episodes(NamedTuple):
 
 
 @dataclass(slots=True)
-class _Policy:
-    """The policy of a recall, its latest votes, and what it decided.
+class _Recall:
+    """One recall: its policy with the latest votes, and what became of it, as in `Episodes`.
 
     Attributes:
-        number: Of a memory, or one of the policies above.
+        policy: Number of a memory, or one of the policies above.
         query: State vector of the votes below, as one number; -1 without votes.
         total: Number of votes.
-        ties: Rounds in which several experience vectors were equally near.
-        conflicts: Rounds with a tie between different behaviours.
-        counts: Its decisions by state.
         votes: For each behaviour.
     """
 
-    number: int = TEACHER
+    policy: int = TEACHER
     query: int = -1
     total: int = 0
+    votes: list[int] = field(default_factory=lambda: [0] * NUM_BEHAVIOURS)
     ties: int = 0
     conflicts: int = 0
     counts: DecisionCounts = field(default_factory=DecisionCounts)
-    votes: list[int] = field(default_factory=lambda: [0] * NUM_BEHAVIOURS)
-
-
-@dataclass(slots=True)
-class _Outcome:
-    """What became of one recall; the attributes are those of `Episodes`."""
-
+    deliverable: int = 0
+    delivered: int = 0
+    poison_home: int = 0
     score: float = 0.0
     penalty: float = 0.0
     steps: int = 0
     correct: int = 0
-    delivered: int = 0
-    poison_home: int = 0
-    deliverable: int = 0
-    ties: int = 0
-    conflicts: int = 0
-    counts: DecisionCounts = field(default_factory=DecisionCounts)
     start: list[float] = field(default_factory=lambda: [0.0] * 3)
 
 
-_policy_dtype, _outcome_dtype = dtype_of(_Policy), dtype_of(_Outcome)
+_recall_dtype = dtype_of(_Recall)
 
 
 class Recalls:
@@ -186,28 +174,31 @@ class Recalls:
         keys = _keys(seed, count)
         arenas.forget(np.zeros(0, np.int64))
         places = arenas.of_episodes(keys, np.zeros(count, np.int64))
-        outcomes = np.zeros(count, _outcome_dtype)
+        recalls = np.zeros(count, _recall_dtype)
+        recalls["policy"], recalls["query"] = policies, -1
         food_places, collected = np.zeros((count, foods, 2)), np.zeros((count, foods), np.bool_)
         free = np.ones(1, np.bool_)
         share_out(
             _run_recalls,
             count,
             *(arenas.blocks, places, self._settings, memories),
-            *(keys, policies, *given_records(None, None, foods), outcomes, food_places, collected, free),
-            scratch=lambda: (new_worlds(1, foods), np.zeros(1, _policy_dtype)),
+            *(keys, *given_records(None, None, foods), recalls, food_places, collected, free),
+            scratch=lambda: (new_worlds(1, foods),),
             least=_LEAST,
         )
         if not free[0]:
             names = {arenas.arena(place).name for place in np.unique(places).tolist()}
             raise no_room(names.pop() if len(names) == 1 else "an arena", foods)
-        counts = outcomes["counts"]
+        counts = recalls["counts"]
         return Episodes(
             foods=food_places,
             food_delivered=collected,
             rounds_by_state=counts["by_state"].copy(),
             wrong_by_state=counts["wrong_by_state"].copy(),
             orient_without_food=counts["orient_without_food"].copy(),
-            **{name: outcomes[name].copy() for name in outcomes.dtype.names or () if name != "counts"},
+            **{
+                name: recalls[name].copy() for name in Episodes._fields if name in (recalls.dtype.names or ())
+            },
         )
 
 
@@ -257,53 +248,41 @@ def _run_recalls(
     settings: Any,
     memories: Memories,
     keys: Any,
-    policies: Any,
     given_start: Any,
     given_food_places: Any,
-    outcomes: Any,
+    recalls: Any,
     food_places: Any,
     collected: Any,
     free: Any,
     worlds: WorldRecords,
-    policy_records: Any,
 ) -> None:
     """Run the recalls from `first` to `last`, one after the other in the only one of `worlds`."""
-    world, policy = world_of(worlds, 0), policy_records[0]
-    episode = world.foragers[0].episode
+    world = world_of(worlds, 0)
+    episode, tracker = world.foragers[0].episode, world.foragers[0].tracker
     for number in range(first, last):
         arena = arena_at(blocks, places[number])
         world.robots[0].key, world.robots[0].round = keys[number], 0
         world.foragers[0].number = 0
         if not begin(world, arena, settings[0], given_start[0], given_food_places):
             free[0] = False
-        outcome, start = outcomes[number], world.starts[0]
-        outcome.start[0], outcome.start[1], outcome.start[2] = start.x, start.y, start.heading
+        recall, start = recalls[number], world.starts[0]
+        recall.start[0], recall.start[1], recall.start[2] = start.x, start.y, start.heading
         for k in range(len(world.places)):
             food_places[number, k, 0], food_places[number, k, 1] = world.places[k].x, world.places[k].y
-        _reset(policy, policies[number])
         begun, diagonal = False, arena.numbers[0].map_diagonal
         while not (begun and (episode.terminated or episode.truncated)):
             # The first round takes the first frame; nothing is perceived before.
-            behaviour = _decide(world, diagonal, settings[0].decisions, memories, policy) if begun else 0
+            behaviour = _decide(world, diagonal, settings[0].decisions, memories, recall) if begun else 0
             command_behaviour(world, arena, settings[0], behaviour)
             carry_out(world, arena, settings[0])
             begun = True
-        _record(world, policy, outcome)
+        _record(recall, episode, tracker)
         for k in range(len(world.places)):
             collected[number, k] = is_collected(world.objects[k])
 
 
 @rule
-def _reset(policy: Any, number: int) -> None:
-    """Begin with another policy, which has not decided anything."""
-    policy.number, policy.query = number, -1
-    policy.ties = policy.conflicts = policy.counts.orient_without_food = 0
-    for state in range(len(policy.counts.by_state)):
-        policy.counts.by_state[state] = policy.counts.wrong_by_state[state] = 0
-
-
-@rule
-def _decide(world: WorldRecords, diagonal: float, decisions: Any, memories: Memories, policy: Any) -> int:
+def _decide(world: WorldRecords, diagonal: float, decisions: Any, memories: Memories, recall: Any) -> int:
     """The policy's behaviour, which is counted.
 
     Args:
@@ -311,57 +290,51 @@ def _decide(world: WorldRecords, diagonal: float, decisions: Any, memories: Memo
         diagonal: Of its arena, pixels.
         decisions: `DecisionValues`.
         memories: Of all imitators.
-        policy: The `_Policy` record; changed in place.
+        recall: The `_Recall` record; changed in place.
     """
     forager, robot = world.foragers[0], world.robots[0]
     behaviour = int(forager.state)  # states and behaviours correspond one to one (4.4.1)
-    if policy.number != TEACHER:
+    if recall.policy != TEACHER:
         chance = upper(draw(robot, DRAW_POLICY))
-        if policy.number == UNIFORM:
+        if recall.policy == UNIFORM:
             behaviour = int(chance * BEHAVIOURS)
-        elif policy.number == WITHOUT_ORIENTING:
+        elif recall.policy == WITHOUT_ORIENTING:
             behaviour = _SEARCH_FOR_FOOD if forager.state == _NEXT_TO_FOOD else int(forager.state)
         else:
-            behaviour = _imitate(forager.vector, int(diagonal), decisions, memories, policy, chance)
-    count_decision(policy.counts, forager.state, behaviour, forager.vector.robot_food_distance, decisions)
+            behaviour = _imitate(forager.vector, int(diagonal), decisions, memories, recall, chance)
+    count_decision(recall.counts, forager.state, behaviour, forager.vector.robot_food_distance, decisions)
     return behaviour
 
 
 @rule
 def _imitate(
-    vector: Any, diagonal: int, decisions: Any, memories: Memories, policy: Any, chance: float
+    vector: Any, diagonal: int, decisions: Any, memories: Memories, recall: Any, chance: float
 ) -> int:
     """The behaviour of an imitator. A state vector that stays is not searched for again."""
     presence, food_type, arm = vector.object_presence, vector.food_type, vector.arms_height
     home, food = vector.robot_home_distance, vector.robot_food_distance
     query = (plane_key(presence, food_type, arm) * _BEYOND + home) * _BEYOND + food
-    votes = policy.votes
-    if policy.query != query:
+    votes = recall.votes
+    if recall.query != query:
         clear(votes)
         seen = presence, home, food_type, arm, food
-        _, policy.total = nearest_votes(
-            memories, policy.number, seen, diagonal, votes, decisions.distance_arithmetic
+        _, recall.total = nearest_votes(
+            memories, recall.policy, seen, diagonal, votes, decisions.distance_arithmetic
         )
-        policy.query = query
-    behaviour = int(draw_label(votes, policy.total, chance))
-    policy.ties += 1 if policy.total > 1 else 0
-    policy.conflicts += 1 if votes[behaviour] < policy.total else 0
+        recall.query = query
+    behaviour = int(draw_label(votes, recall.total, chance))
+    recall.ties += 1 if recall.total > 1 else 0
+    recall.conflicts += 1 if votes[behaviour] < recall.total else 0
     return behaviour
 
 
 @rule
-def _record(world: WorldRecords, policy: Any, outcome: Any) -> None:
+def _record(recall: Any, episode: Any, tracker: Any) -> None:
     """Write down what became of a recall."""
-    episode, tracker = world.foragers[0].episode, world.foragers[0].tracker
-    outcome.steps, outcome.correct = episode.steps, episode.correct
-    outcome.penalty, outcome.score = episode.penalty, episode.score
-    outcome.delivered, outcome.poison_home = tracker.delivered, tracker.poison_home
-    outcome.deliverable = tracker.deliverable
-    outcome.ties, outcome.conflicts = policy.ties, policy.conflicts
-    outcome.counts.orient_without_food = policy.counts.orient_without_food
-    for state in range(len(policy.counts.by_state)):
-        outcome.counts.by_state[state] = policy.counts.by_state[state]
-        outcome.counts.wrong_by_state[state] = policy.counts.wrong_by_state[state]
+    recall.steps, recall.correct = episode.steps, episode.correct
+    recall.penalty, recall.score = episode.penalty, episode.score
+    recall.delivered, recall.poison_home = tracker.delivered, tracker.poison_home
+    recall.deliverable = tracker.deliverable
 
 
 def _keys(seed: int | NDArray[np.int64], count: int) -> NDArray[np.uint64]:

@@ -20,6 +20,7 @@ from khepera_forage.envs.compiled.step import WorldRecords, new_worlds
 from khepera_forage.envs.layouts import no_room_on_marks
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise, checked_noise
+from khepera_forage.policies.policy import HEARD
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import Decisions
@@ -33,8 +34,6 @@ _LEAST = 8
 """Training episodes for which another thread pays."""
 
 
-HEARD = 5
-"""Column of the behaviour heard in an experience vector, behind the five attributes."""
 attempt_dtype = np.dtype(
     [("complete", "?"), *((name, "i4") for name in ("rounds", "vectors", "separations"))], align=True
 )
