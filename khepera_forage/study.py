@@ -42,7 +42,7 @@ from khepera_forage.figures import save
 from khepera_forage.files import NamingFile, replacing
 from khepera_forage.option_values import OneLineParser, given_path, processes, progress, whole_number
 from khepera_forage.rollouts.row_files import write_rows
-from khepera_forage.task.decision_versions import PRESENT
+from khepera_forage.task.decision_versions import CURRENT
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -428,7 +428,7 @@ def machine() -> str:
     versions = ", ".join(f"{name} {version(name)}" for name in _LIBRARIES)
     load = f", load average {os.getloadavg()[0]:.1f} at the end" if hasattr(os, "getloadavg") else ""
     computer = f"{_processor()}, {os.cpu_count()} cores{load}"
-    return f"{computer}; Python {platform.python_version()}, {versions}; decisions {PRESENT}."
+    return f"{computer}; Python {platform.python_version()}, {versions}; decisions {CURRENT}."
 
 
 def _processor() -> str:

@@ -86,11 +86,6 @@ def food_odds(food_types: FoodOdds, has_gripper: bool = True) -> tuple[float, ..
     return tuple(odds.get(food_type, 0.0) / total for food_type in _DRAWABLE)
 
 
-def have_grippers(world: World) -> bool:
-    """Whether all robots of a world that a user gave can pick up food."""
-    return all(robot.has_gripper for robot in world.robots)
-
-
 def checked_decisions(decisions: Any) -> Decisions:
     """The decisions that a user gave, by default ours.
 
@@ -153,30 +148,23 @@ def timing_of(decisions: Decisions) -> Timing:
     )
 
 
-def arenas_of(world: World, count: int) -> tuple[Arena, ...]:
+def arenas_of(world: World, count: int, decisions: Decisions) -> tuple[Arena, ...]:
     """The arenas of a world that a user gave, one a robot.
 
     Raises:
-        ValueError: Not as many robots and arenas as the environment needs.
-    """
-    if not len(world.arenas) == len(world.markers) == count:
-        raise ValueError(
-            f"world has {len(world.markers)} robots in {len(world.arenas)} arenas; allowed: {count}, one in each"
-        )
-    return tuple(world.arenas)
-
-
-def check_round_duration(world: World, decisions: Decisions) -> None:
-    """Check that a round of a world that a user gave lasts as long as the decisions say.
-
-    Raises:
-        ValueError: It lasts longer or shorter.
+        ValueError: Not as many robots and arenas as the environment needs, or rounds that do not last as long as the
+            decisions say.
     """
     if not math.isclose(world.round_duration, decisions.round_duration):
         raise ValueError(
             f"a round of this world lasts {world.round_duration:g} s, and decision round_duration is "
             f"{decisions.round_duration:g} s; allowed: the same (in a laboratory, `period` of lab.toml)"
         )
+    if not len(world.arenas) == len(world.markers) == count:
+        raise ValueError(
+            f"world has {len(world.markers)} robots in {len(world.arenas)} arenas; allowed: {count}, one in each"
+        )
+    return tuple(world.arenas)
 
 
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:

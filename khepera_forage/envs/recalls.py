@@ -13,9 +13,7 @@ from khepera_forage.envs.arguments import (
     FoodOdds,
     arenas_of,
     check_backend,
-    check_round_duration,
     food_odds,
-    have_grippers,
     timing_of,
 )
 from khepera_forage.envs.layouts import arena_map_of, given_layout, known_food
@@ -157,16 +155,18 @@ class ForagingWorld:
     ) -> None:
         self._model, self._backend = model_of(robot), check_backend(backend)
         self._markers, self._noise, self._decisions = markers, checked_noise(noise), decisions
-        self._odds = food_odds(food_types, self._model.has_gripper if world is None else have_grippers(world))
+        grippers = (
+            [self._model.has_gripper] if world is None else [robot.has_gripper for robot in world.robots]
+        )
+        self._odds = food_odds(food_types, all(grippers))
         self._number = -1
         if world is None:
             self._pool: ArenaPool | None = ArenaPool(arena, decisions)
             self._enter(0, self._pool[0])
             self.diagonal = self._pool.diagonal
         else:
-            check_round_duration(world, decisions)
             self._pool, self.world = None, world
-            self.arenas = arenas_of(world, len(markers))
+            self.arenas = arenas_of(world, len(markers), decisions)
             self.diagonal = arena_map_of(self.arenas[0]).diagonal
 
     @property

@@ -15,15 +15,17 @@ from pettingzoo.utils.env import AECEnv, ParallelEnv
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import PYMUNK, FoodOdds, checked_decisions, whole_number
-from khepera_forage.envs.recalls import Forager
+from khepera_forage.envs.layouts import arenas_with_marks, training_layout
+from khepera_forage.envs.recalls import Forager, ForagingWorld
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, training_view
-from khepera_forage.envs.training_episode import PairedArenas, TrainingEpisode, observation_box
-from khepera_forage.noise import Noise
+from khepera_forage.envs.training_episode import TrainingEpisode, observation_box
+from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.world import LOST, World
 from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.task.placement import layout_key
 from khepera_forage.task.states import Behaviour, behaviour_number
 
 __all__ = ["TEACHER", "TrainingEnv"]
@@ -113,8 +115,10 @@ class TrainingEnv(AECEnv[str, Any, Any]):
         self.patience = self.decisions.patience if patience is None else whole_number("patience", patience, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)
-        self._paired = PairedArenas(
-            learners + 1, arena, noise, food_types, world, self.decisions, backend, robot
+        self._noise = checked_noise(noise)
+        markers = (1,) + (2,) * learners  # the teacher has the marker of one hole
+        self._paired = ForagingWorld(
+            markers, arena, self._noise, food_types, world, self.decisions, backend, robot
         )
         self.np_random: np.random.Generator | None = None
         self._generator: np.random.Generator | None = None
@@ -210,7 +214,11 @@ class TrainingEnv(AECEnv[str, Any, Any]):
             self._key = key_of(int(self.np_random.integers(2**62)) if seed is None else seed)
             self._episode = -1
         self._episode += 1
-        foragers = self._paired.start(self.np_random, self._key, self._episode, options or {})
+        self._paired.enter(self._key, self._episode)
+        marked = arenas_with_marks(self.arenas, options or {})
+        layout = training_layout(marked, self._noise, layout_key(self._key, self._episode))
+        self.world.reset(self.np_random.spawn(1)[0], layout)
+        foragers = self._paired.foragers(layout, self._key, self._episode)
         self._attempt = TrainingEpisode(self.world, foragers, self.max_cycles, self.patience, self.decisions)
         self.agents = self.possible_agents[:]
         self.rewards = dict.fromkeys(self.agents, 0.0)

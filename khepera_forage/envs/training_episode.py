@@ -1,15 +1,14 @@
 """One attempt at a training episode, round by round: what `TrainingEnv` wraps in PettingZoo's form (4.5, 5.3)."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from khepera_forage.envs.layouts import arenas_with_marks, training_layout
-from khepera_forage.envs.recalls import Forager, ForagingWorld, perceive_all
+from khepera_forage.envs.recalls import Forager, perceive_all
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import World
@@ -22,7 +21,6 @@ from khepera_forage.task.pairing import (
     lead,
     update_pairing,
 )
-from khepera_forage.task.placement import layout_key
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 
@@ -146,38 +144,3 @@ class TrainingEpisode:
         if i == 0:
             return motors
         return lead(self.pairings[i], motors, behaviour, forager.raw, forager.decisions)
-
-
-class PairedArenas(ForagingWorld):
-    """A world of paired arenas, the teacher's first, and the start of each attempt in it.
-
-    Args:
-        robots: The teacher, with the marker of one hole, and its learners.
-        arguments: The others of `ForagingWorld`; corresponding food of all arenas is of one type.
-    """
-
-    def __init__(self, robots: int, *arguments: Any) -> None:
-        super().__init__((1,) + (2,) * (robots - 1), *arguments)
-
-    def start(
-        self, rng: np.random.Generator, key: int, episode: int, options: Mapping[str, Any]
-    ) -> list[Forager]:
-        """Put every robot and food object on its mark, as well as the operator of `noise` can.
-
-        Args:
-            rng: Gives the world a generator of its own.
-            key: From `counter_rng.key_of`; layouts and food types follow from key and episode.
-            episode: Number of the attempt.
-            options: `start` and `foods`, as of `TrainingEnv.reset`.
-
-        Returns:
-            The robots at their task, the teacher first.
-
-        Raises:
-            ValueError: Options that are unknown or place something off the free floor.
-        """
-        self.enter(key, episode)
-        marked = arenas_with_marks(self.arenas, options)
-        layout = training_layout(marked, self._noise, layout_key(key, episode))
-        self.world.reset(rng.spawn(1)[0], layout)
-        return self.foragers(layout, key, episode)

@@ -83,6 +83,22 @@ _JAW_SHUT = JAW_ON_FOOD + 3.0
 _ARM_SETTLED = ARM_DOWN - 3
 _STALLED = ARM_ON_FLOOR - 1
 """Position of an arm that has come down on something and stopped just above the floor."""
+_CAREFUL = 8.0
+"""Speed units in front of an obstacle, and back from one."""
+_ON_THE_SPOT = 35.0
+"""Degrees off course beyond which a robot turns on the spot rather than in an arc."""
+_SWING = (FINGER_TIP + FOOD_RADIUS + 5.0) / MM_PER_PIXEL
+"""Pixels that a robot turning on the spot with its gripper and food needs to the walls."""
+_AROUND_HOME = 6.0
+"""Pixels by which a searching robot passes its home."""
+_AT_RIM = 2.0
+"""Pixels: a robot this near to its home is about to be in it, and a way this near leads through it."""
+_SQUARE = 40.0
+"""Degrees of detour from which the home counts as squarely in the way."""
+_OBSTACLE = 150
+"""Infra-red reading (about 32 mm) from which a robot turns aside."""
+_BLOCKED = 600
+"""Infra-red reading (about 14 mm) in front from which it backs off."""
 
 
 # Numbers of the behaviours: looking up members of an enum would take a quarter of `command`.
@@ -375,17 +391,20 @@ def _bearing_of_pushed(raw: RawData) -> float:
     return (45.0 * (near[1] - near[4]) + 10.0 * (near[2] - near[3])) / sides if sides > 0 else 0.0
 
 
-def same_motors(one: Motors, other: Motors, decisions: DecisionValues) -> bool:
-    """Whether two commands are the same for a robot, which may have no gripper."""
-    a, b = applicable(one), applicable(other)
-    wheels = a.left == b.left and a.right == b.right
-    return wheels and (not decisions.has_gripper or (a.arm == b.arm and a.jaw == b.jaw))
-
-
 def behaviour_of_motors(motors: Motors, state: int, correct: Motors, decisions: DecisionValues) -> int:
-    """The behaviour that motors amount to: the teacher's for the state if it commands the same, and WAIT otherwise."""
-    # States and behaviours correspond one to one (4.4.1).
-    return int(state) if same_motors(motors, correct, decisions) else Behaviour.WAIT.value
+    """The behaviour that motors amount to: the teacher's if it commands the same in this state, and WAIT otherwise.
+
+    Args:
+        motors: As commanded.
+        state: A `State`; states and behaviours correspond one to one (4.4.1).
+        correct: What the teacher would command.
+        decisions: `DecisionValues`: without a gripper only wheels count.
+    """
+    a, b = applicable(motors), applicable(correct)
+    same = a.left == b.left and a.right == b.right
+    if decisions.has_gripper:
+        same = same and a.arm == b.arm and a.jaw == b.jaw
+    return int(state) if same else Behaviour.WAIT.value
 
 
 def decode_motors(left: float, right: float, arm: float, jaw: float) -> Motors:
@@ -399,24 +418,6 @@ def decode_motors(left: float, right: float, arm: float, jaw: float) -> Motors:
     """
     position = math.floor((ARM_DOWN + ARM_RAISED) / 2 - arm * (ARM_DOWN - ARM_RAISED) / 2 + 0.5)
     return Motors(left * MAX_SPEED, right * MAX_SPEED, position, JAW_CLOSED if jaw > 0 else JAW_OPEN)
-
-
-_CAREFUL = 8.0
-"""Speed units in front of an obstacle, and back from one."""
-_ON_THE_SPOT = 35.0
-"""Degrees off course beyond which a robot turns on the spot rather than in an arc."""
-_SWING = (FINGER_TIP + FOOD_RADIUS + 5.0) / MM_PER_PIXEL
-"""Pixels that a robot turning on the spot with its gripper and food needs to the walls."""
-_AROUND_HOME = 6.0
-"""Pixels by which a searching robot passes its home."""
-_AT_RIM = 2.0
-"""Pixels: a robot this near to its home is about to be in it, and a way this near leads through it."""
-_SQUARE = 40.0
-"""Degrees of detour from which the home counts as squarely in the way."""
-_OBSTACLE = 150
-"""Infra-red reading (about 32 mm) from which a robot turns aside."""
-_BLOCKED = 600
-"""Infra-red reading (about 14 mm) in front from which it backs off."""
 
 
 def is_home_across(raw: RawData) -> bool:

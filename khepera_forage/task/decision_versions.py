@@ -7,7 +7,7 @@ defaults of `Decisions`; before a next version changes them, this module must ke
 from collections.abc import Mapping
 from typing import Any
 
-PRESENT = "v1"
+CURRENT = "v1"
 """Name of the default decisions."""
 
 V0_1: Mapping[str, Any] = {

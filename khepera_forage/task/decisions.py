@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
-from khepera_forage.task.decision_versions import PRESENT, V0_1
+from khepera_forage.task.decision_versions import CURRENT, V0_1
 
 
 class Field(NamedTuple):
@@ -422,7 +422,7 @@ EXACT, FLOATS_32, FLOATS_64 = _numbers_of("distance_arithmetic")
 
 _SEPARATOR = ";"
 _FIRST = "v0.1"
-VERSIONS = {_FIRST: Decisions.v0_1(), PRESENT: DEFAULT_DECISIONS}
+VERSIONS = {_FIRST: Decisions.v0_1(), CURRENT: DEFAULT_DECISIONS}
 """All versions by name, the oldest first."""
 _ALLOWED = ", ".join(map(repr, VERSIONS))
 
@@ -461,7 +461,7 @@ def decisions_from_words(words: Sequence[str]) -> Decisions:
     Raises:
         ValueError: An unknown version, or as for `Decisions.parse`.
     """
-    base, assignments = _split(words, PRESENT)
+    base, assignments = _split(words, CURRENT)
     return Decisions.parse(assignments, base)
 
 
