@@ -155,10 +155,8 @@ class ForagingWorld:
     ) -> None:
         self._model, self._backend = model_of(robot), check_backend(backend)
         self._markers, self._noise, self._decisions = markers, checked_noise(noise), decisions
-        grippers = (
-            [self._model.has_gripper] if world is None else [robot.has_gripper for robot in world.robots]
-        )
-        self._odds = food_odds(food_types, all(grippers))
+        kinds: Any = [self._model] if world is None else world.robots
+        self._odds = food_odds(food_types, all(kind.has_gripper for kind in kinds))
         self._number = -1
         if world is None:
             self._pool: ArenaPool | None = ArenaPool(arena, decisions)
@@ -204,9 +202,10 @@ class ForagingWorld:
 
             kind = CompiledWorld
         count = len(self._markers)
-        self.arenas, self._number = copies(arena, count) if count > 1 else (arena,), number
+        arenas = copies(arena, count) if count > 1 else (arena,)
         timing = timing_of(self._decisions)
-        self.world = kind(self.arenas, self._markers, self._noise, timing=timing, model=self._model)
+        self.world = kind(arenas, self._markers, self._noise, timing=timing, model=self._model)
+        self.arenas, self._number = arenas, number
 
     def foragers(self, layout: Layout, key: int, episode: int) -> list[Forager]:
         """The robots at their task, at the start of an episode in this layout."""
