@@ -303,13 +303,13 @@ class CompiledRecalls:
         self._enter()
         # The robot has stood still for one round, so it is still where it started.
         self.layout = Layout(self.world.poses(), tuple(Point(x, y) for x, y, _ in self.world.food_places()))
-        return state_of(self._batch.worlds.foragers[0, 0])
+        return state_of(self._batch.worlds)
 
     def step(self, action: Sequence[float]) -> ForagerState:
         """One round under the number of a behaviour, or four numbers in -1..1."""
         self._actions[len(action)][0] = action
         self._steppers[len(action)]()
-        return state_of(self._batch.worlds.foragers[0, 0])
+        return state_of(self._batch.worlds)
 
     def _enter(self) -> None:
         """Make arena and bodies those of the world."""
@@ -325,12 +325,11 @@ class CompiledRecalls:
         self._enter()  # a copied world shows, and steps, records of its own
 
 
-def state_of(record: Any) -> ForagerState:
-    """The record of a compiled robot at its task, in Python's numbers."""
-    (proximity, *numbers), vector, state, behaviour, number, episode, tracker = record.item()
-    raw = RawData(tuple(proximity.tolist()), *numbers)
-    known = raw, StateVector(*vector), State(state)
-    return ForagerState(*known, behaviour, number, Episode(*episode), FoodTracker(*tracker))
+def state_of(world: WorldRecords) -> ForagerState:
+    """The robot of a compiled world at its task, in Python's numbers."""
+    raw, vector, state, behaviour, number, episode, tracker = world.foragers.item(0)
+    seen = RawData._make(raw), StateVector._make(vector)
+    return ForagerState(*seen, state, behaviour, number, Episode(*episode), FoodTracker(*tracker))
 
 
 def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forager:
@@ -341,7 +340,7 @@ def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forag
         arena: Its arena.
         decisions: Of the task.
     """
-    robot, now = SimulatedKhepera(world.robots[0]), state_of(world.foragers[0])
+    robot, now = SimulatedKhepera(world.robots[0]), state_of(world)
     food = KnownFood(
         now.tracker,
         [FoodObject(*food.item()) for food in world.objects],
@@ -353,6 +352,8 @@ def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forag
     forager.own = marker_region(0, world.robots[0])
     for field in fields(ForagerState):
         setattr(forager, field.name, getattr(now, field.name))
+    forager.raw = RawData._make((tuple(map(int, now.raw.proximity)), *now.raw[1:]))
+    forager.state = State(now.state)
     return forager
 
 
