@@ -86,9 +86,8 @@ def reproduce_command(arguments: argparse.Namespace) -> None:
         comparison=not arguments.no_comparison,
         fresh=arguments.fresh,
     )
-    print(page.read_text(encoding="utf-8"))
     print((arguments.out / SUMMARY).read_text(encoding="utf-8"))
-    print(f"Tables, figures and rows are in {arguments.out}")
+    print(f"Page ({page.name}), tables, figures and rows are in {arguments.out}")
 
 
 @command(
