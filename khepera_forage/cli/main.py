@@ -65,7 +65,7 @@ def _open_streams() -> None:
 
 
 def _run(argv: Sequence[str] | None) -> int:
-    argv = sys.argv[1:] if argv is None else argv
+    argv = (sys.argv[1:] if argv is None else argv) or ["--help"]
     try:
         arguments = _parser(argv).parse_args(argv)
     except SystemExit as stop:

@@ -37,7 +37,6 @@ writes its page to a folder of the results' folder. Such an experiment, a pseudo
 
     khepera-forage reproduce --replications 1 --decision next_to_food=20 --out pseudo
     khepera-forage infer --tables pseudo/recalls.csv"""
-_COLUMNS = ("decision", "default", "allowed", "thesis")
 
 
 @command(
@@ -131,11 +130,12 @@ def infer_command(arguments: argparse.Namespace) -> int:
 def decisions_command(arguments: argparse.Namespace) -> None:
     """List what the thesis leaves open, with our decisions and their reasons."""
     rows = decision_table()
-    widths = [max(map(len, column)) for column in zip(_COLUMNS, *(row[:4] for row in rows), strict=True)]
-    print(_line(_COLUMNS, widths))
-    for row in rows:
-        print(f"{_line(row[:4], widths)}\n    {row.meaning}")
-
-
-def _line(cells: tuple[str, ...], widths: list[int]) -> str:
-    return "  ".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True)).rstrip()
+    lines = [
+        ("decision", "default", "thesis", "allowed"),
+        *((row.name, row.default, row.section, row.allowed) for row in rows),
+    ]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    for number, line in enumerate(lines):
+        print("  ".join(map(str.ljust, line, widths)).rstrip())
+        if number:
+            print(f"    {rows[number - 1].meaning}")
