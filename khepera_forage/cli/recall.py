@@ -195,6 +195,8 @@ def watch_command(arguments: argparse.Namespace) -> None:
 
         watch = _watch_training if is_training else _watch_recall
         print(watch(env, arguments, record))
+        if film is not None and (next(number) - 1) % arguments.every:
+            frames.append(env.render())  # how it ended, also between two frames
     if film is not None:
         save_film(frames, film, fps=1 / (decisions.round_duration * arguments.every))
         print(f"{film}: {len(frames)} frames")
