@@ -294,7 +294,7 @@ class Laboratory:
             if not robot.model.has_gripper:
                 constants = constants_of(Noise.none(), timing, model=robot.model)
                 sense(states, number, foods, arena.wall_records, constants)
-                shown = SimulatedKhepera(states[number]).sense()
+                shown = SimulatedKhepera(states, number).sense()
                 robot.note_surroundings(
                     shown.object_presence != 0, None if robot.model.infra_reds else shown.proximity
                 )

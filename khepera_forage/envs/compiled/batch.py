@@ -378,7 +378,7 @@ def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forag
     tracker.foods = [FoodObject(*food.item()) for food in world.objects]
     tracker.links = [Link(*link.item()) for link in world.links]
     tracker.chosen = [ChosenWaypoint(*chosen.item()) for chosen in world.chosen]
-    robot = SimulatedKhepera(world.robots[0])
+    robot = SimulatedKhepera(world.robots, 0)
     values = decisions.values(robot.has_gripper)
     forager = Forager(robot, arena_map, decisions.recall_marker, tracker, values)
     forager.own = marker_region(0, world.robots[0])
