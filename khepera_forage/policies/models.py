@@ -361,10 +361,11 @@ def completed(policy: Any, env: Any) -> Policy:
     Raises:
         TypeError: As `as_policy`, like ValueError.
     """
-    found, env = as_policy(policy), env.unwrapped
+    found = as_policy(policy)
     if isinstance(found, Teacher):
-        return Teacher(found.home_radius or env.home_radius, found.decisions or env.decisions)
+        own = Teacher.of(env)
+        return Teacher(found.home_radius or own.home_radius, found.decisions or own.decisions)
     if getattr(found, "diagonal", 0) is None:
         found = copy.copy(found)
-        found.diagonal = getattr(env, "diagonal", None)  # type: ignore[attr-defined]
+        found.diagonal = getattr(env.unwrapped, "diagonal", None)  # type: ignore[attr-defined]
     return found

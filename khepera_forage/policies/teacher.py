@@ -61,8 +61,14 @@ class Teacher:
 
         Args:
             env: One of ours, wrapped or not. If it has several arenas, for that of the present episode.
+
+        Raises:
+            TypeError: Another environment, or a batch.
         """
-        return cls(env.unwrapped.home_radius, env.unwrapped.decisions)
+        own = getattr(env, "unwrapped", env)
+        if not hasattr(own, "home_radius"):
+            raise TypeError(f"env is {env!r}; allowed: one environment of this package, not a batch")
+        return cls(own.home_radius, own.decisions)
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
         """The behaviour for the state that the observed state vector stands for; WAIT for a separated learner.

@@ -171,6 +171,7 @@ def test_recall_takes_an_agent_without_rng_and_a_seed_of_numpy() -> None:
         ),
         (lambda: ModelPolicy(Fixed(0), hold=0), "hold is 0; allowed: a whole number of at least 1"),
         (lambda: recall(THREE, Teacher(), seed=0), "env is 3; allowed: Corridor-v1"),
+        (lambda: Teacher.of(THREE), "env is 3; allowed: one environment of this package, not a batch"),
         (lambda: train(THREE, 0), "env is 3; allowed: a TrainingEnv"),
         (lambda: recall_env(THREE), "arena is 3; allowed: an Arena"),
         (lambda: gym.make(NAME, food_types={"PICKABLE": "a"}), "odds of PICKABLE are 'a'; allowed: a number"),
