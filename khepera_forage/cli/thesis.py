@@ -15,7 +15,7 @@ from khepera_forage.cli.options import (
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, processes, whole_number
-from khepera_forage.study import Count, add_study_arguments, completed, finish
+from khepera_forage.study import SMOKE_TEST, Count, add_study_arguments, completed, finish
 from khepera_forage.task.decisions import decision_table
 from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, SUMMARY, reproduce
 
@@ -85,6 +85,8 @@ def reproduce_command(arguments: argparse.Namespace) -> None:
         comparison=not arguments.no_comparison,
         fresh=arguments.fresh,
     )
+    if arguments.quick:
+        print(SMOKE_TEST)
     print((arguments.out / SUMMARY).read_text(encoding="utf-8"))
     print(f"Page ({page.name}), tables, figures and rows are in {arguments.out}")
 

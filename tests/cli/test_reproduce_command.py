@@ -27,7 +27,8 @@ def printed(out: Path, capsys: pytest.CaptureFixture[str], *arguments: str) -> s
 def test_reproduce_ends_with_a_summary_of_both_decisions(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    _, end = printed(tmp_path, capsys).split("Summary\n")
+    start, end = printed(tmp_path, capsys).split("Summary\n")
+    assert "smoke test" in start
     page = (tmp_path / "thesis.md").read_text(encoding="utf-8")
     assert page.startswith("# The thesis's experiments, repeated")
     assert "| v0.1: score (%) |" in page
