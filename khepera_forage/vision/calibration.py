@@ -8,6 +8,7 @@ of 5 mm on the floor, x to the right and y up.
 import math
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
@@ -34,6 +35,10 @@ distortion."""
 _STEP = 0.01
 """Pixels over which the Jacobian is measured."""
 _KEYS = ("picture", "floor", "camera", "lens", "size", "tags")
+LENS_POINTS = (8, 14)
+"""Points from which k1 of the lens is fitted, and from which k2 is fitted, too."""
+_GAIN = 0.9
+"""Ratio of held-out errors below which another coefficient of the lens is taken."""
 _FLAT = 0.01
 """Three points are taken for collinear when the triangle's height is less than this share of its longest side."""
 
@@ -65,56 +70,42 @@ class Lens:
         return math.hypot(*self.size) / 2
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.k1) and math.isfinite(self.k2)):
-            raise ValueError(f"calibration lens is {(self.k1, self.k2)}; allowed: two finite numbers")
-        if not shows_every_point_once(self.k1, self.k2):
-            raise ValueError(
-                f"calibration lens is {(self.k1, self.k2)}; allowed: a distortion that shows every point once "
-                "(k1 above -0.14 if k2 is 0)"
-            )
+        k, r = (self.k1, self.k2), 0.0
+        if not all(map(math.isfinite, k)):
+            raise ValueError(f"calibration lens is {k}; allowed: two finite numbers")
+        while r * self._ratio(r * r) < 1.0:
+            r += 0.01
+            if self._slope(r) <= _LEAST_SLOPE or r > 3:
+                raise ValueError(
+                    f"calibration lens is {k}; allowed: a distortion that shows every point once "
+                    "(k1 above -0.14 if k2 is 0)"
+                )
 
     def straightened(self, u: float, v: float) -> Point:
         """Where a lens without distortion would show what this one shows at (u, v), in pixels."""
-        return straightened(u, v, self.k1, self.k2, self.size)
+        x, y = self.size[0] / 2, self.size[1] / 2
+        r = shown = math.hypot(u - x, v - y) / self.unit
+        if shown == 0:
+            return u, v
+        for _ in range(_REPEATS):  # Newton's method
+            step = (r * self._ratio(r * r) - shown) / max(self._slope(r), _LEAST_SLOPE)
+            r -= step
+            if abs(step) < _CONVERGED:
+                break
+        return x + (u - x) * r / shown, y + (v - y) * r / shown
 
     def distorted(self, u: float, v: float) -> Point:
         """Where this lens shows what a lens without distortion would show at (u, v): the inverse of `straightened`."""
         x, y = self.size[0] / 2, self.size[1] / 2
-        ratio = _ratio(((u - x) ** 2 + (v - y) ** 2) / self.unit**2, self.k1, self.k2)
+        ratio = self._ratio(((u - x) ** 2 + (v - y) ** 2) / self.unit**2)
         return x + (u - x) * ratio, y + (v - y) * ratio
 
+    def _ratio(self, r_squared: float) -> float:
+        """Apparent distance from the middle as a multiple of the distance r."""
+        return 1 + r_squared * (self.k1 + r_squared * self.k2)
 
-def straightened(u: float, v: float, k1: float, k2: float, size: Size) -> Point:
-    """`Lens.straightened` for any coefficients."""
-    x, y, unit = size[0] / 2, size[1] / 2, math.hypot(*size) / 2
-    r = shown = math.hypot(u - x, v - y) / unit
-    if shown == 0:
-        return u, v
-    for _ in range(_REPEATS):  # Newton's method
-        step = (r * _ratio(r * r, k1, k2) - shown) / max(_slope(r, k1, k2), _LEAST_SLOPE)
-        r -= step
-        if abs(step) < _CONVERGED:
-            break
-    return x + (u - x) * r / shown, y + (v - y) * r / shown
-
-
-def shows_every_point_once(k1: float, k2: float) -> bool:
-    """Whether a lens, anywhere in the picture, shows a point further out if it lies further out; see `Lens`."""
-    r = 0.0
-    while r * _ratio(r * r, k1, k2) < 1.0:
-        r += 0.01
-        if _slope(r, k1, k2) <= _LEAST_SLOPE or r > 3:
-            return False
-    return True
-
-
-def _ratio(r_squared: float, k1: float, k2: float) -> float:
-    """Apparent distance from the middle as a multiple of the distance r."""
-    return 1 + r_squared * (k1 + r_squared * k2)
-
-
-def _slope(r: float, k1: float, k2: float) -> float:
-    return 1 + r * r * (3 * k1 + 5 * k2 * r * r)
+    def _slope(self, r: float) -> float:
+        return 1 + r * r * (3 * self.k1 + 5 * self.k2 * r * r)
 
 
 class Jacobian(NamedTuple):
@@ -136,7 +127,7 @@ class Calibration:
     """Maps points of the picture to points on the floor, and back.
 
     Four points of the picture and the same four points on the floor determine a homography, after the lens is
-    corrected; `calibration_fit` computes both from more points. The top of an object with a height appears further from
+    corrected; `fit_calibration` computes both from more points. The top of an object with a height appears further from
     the point below the camera than it is. With the camera's position and height known, this parallax is corrected:
     p_floor = c + (p - c) * (1 - height / camera height).
 
@@ -382,7 +373,7 @@ def _checked_points(name: str, value: object, form: str) -> tuple[tuple[float, .
         if one == other:
             raise ValueError(f"calibration {name} has the point {one} twice; allowed: four different points")
     for three in combinations(points, 3):
-        if on_a_line(*three):
+        if _on_a_line(*three):
             raise ValueError(
                 f"calibration {name} points {', '.join(map(str, three))} lie on a line; "
                 "allowed: no three points on one line"
@@ -390,7 +381,7 @@ def _checked_points(name: str, value: object, form: str) -> tuple[tuple[float, .
     return points
 
 
-def on_a_line(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> bool:
+def _on_a_line(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> bool:
     """Whether three points lie on a line, or nearly."""
     longest = max(math.dist(p, q), math.dist(q, r), math.dist(r, p))
     return abs(_cross(p, q, r)) <= _FLAT * longest * longest
@@ -399,3 +390,148 @@ def on_a_line(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> boo
 def _cross(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> float:
     """Twice the signed area of a triangle, positive when its corners turn from x towards y."""
     return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+
+
+class CalibrationFit(NamedTuple):
+    """A calibration and its errors.
+
+    A calibration fits the points that it was computed from, the better the fewer they are. The error elsewhere is
+    therefore measured with each point held out: by the calibration from all others, with the same kind of lens.
+
+    Attributes:
+        calibration: From all points.
+        residuals: Distance in mm of each point from the calibration's estimate of it.
+        held_out: The same of held-out points; nan if the others determine no calibration, and empty for four points.
+        held_out_without_lens: The same without a lens.
+        coverage: Share of the picture that lies within the points' convex hull.
+    """
+
+    calibration: Calibration
+    residuals: tuple[float, ...]
+    held_out: tuple[float, ...]
+    held_out_without_lens: tuple[float, ...]
+    coverage: float
+
+
+def fit_calibration(
+    picture: Sequence[Point],
+    floor: Sequence[Point],
+    camera: tuple[float, float, float] | None = None,
+    size: Size = DEFAULT_SIZE,
+) -> CalibrationFit:
+    """Fit a calibration: exactly to four points, by least squares to more.
+
+    The lens is fitted to at least `LENS_POINTS` points, and used if it is possible and lowers the held-out error.
+
+    Args:
+        picture: Four or more points (u, v) in pixels.
+        floor: The same points in mm.
+        camera: Position x, y and height of the camera in mm; None corrects no parallax.
+        size: Width and height of the picture.
+
+    Raises:
+        ValueError: The points fit no camera.
+        ImportError: OpenCV is not installed.
+    """
+    import cv2
+
+    hull = cv2.convexHull(np.array(picture, np.float32))
+    coverage = cv2.contourArea(hull) / (size[0] * size[1])
+    if len(picture) == 4:
+        calibration = Calibration(tuple(picture), tuple(floor), camera, size=size)
+        return CalibrationFit(calibration, distances(calibration, picture, floor), (), (), coverage)
+    calibration = _fitted(picture, floor, 0, camera, size)
+    plain = best = _held_out(picture, floor, 0, size)
+    for coefficients, least in enumerate(LENS_POINTS, start=1):
+        if len(picture) < least:
+            break
+        with suppress(ValueError):  # errors of clicks can make a distortion fit best that no lens has
+            with_lens = _fitted(picture, floor, coefficients, camera, size)
+            errors = _held_out(picture, floor, coefficients, size)
+            if root_mean_square(errors) < _GAIN * root_mean_square(best):
+                calibration, best = with_lens, errors
+    return CalibrationFit(calibration, distances(calibration, picture, floor), best, plain, coverage)
+
+
+def distances(
+    calibration: Calibration, picture: Sequence[Point], floor: Sequence[Point]
+) -> tuple[float, ...]:
+    """Distance in mm of each place on the floor from where the calibration maps its point of the picture."""
+    return tuple(
+        math.dist([MM_PER_PIXEL * c for c in calibration.to_region(u, v)], place)
+        for (u, v), place in zip(picture, floor, strict=True)
+    )
+
+
+def root_mean_square(errors: Sequence[float]) -> float:
+    """Root of the mean square of the errors that are known; nan without any."""
+    known = [error for error in errors if not math.isnan(error)]
+    return math.sqrt(sum(error * error for error in known) / len(known)) if known else math.nan
+
+
+def _fitted(
+    picture: Sequence[Point],
+    floor: Sequence[Point],
+    coefficients: int,
+    camera: tuple[float, float, float] | None,
+    size: Size,
+) -> Calibration:
+    """The calibration that fits five or more points best, with some coefficients of the lens."""
+    import cv2
+
+    corners = Calibration.identity(size=size).picture
+    lens = _lens(picture, floor, coefficients, size) if coefficients else None
+    points, ends = (
+        np.array(group if lens is None else [lens.straightened(u, v) for u, v in group])
+        for group in (picture, corners)
+    )
+    # A homography fits better than OpenCV's pose: pixels need not be square, nor measured places exact.
+    matrix, _ = cv2.findHomography(points, np.array(floor))
+    if matrix is None:
+        raise ValueError(
+            f"calibration points {list(picture)} fit no camera; allowed: points all over the picture"
+        )
+    places = cv2.perspectiveTransform(ends[None], matrix)[0].tolist()
+    return Calibration(corners, tuple(map(tuple, places)), camera, lens, size)
+
+
+def _lens(picture: Sequence[Point], floor: Sequence[Point], coefficients: int, size: Size) -> Lens:
+    """The lens that fits points best.
+
+    Raises:
+        ValueError: No lens is like that.
+    """
+    import cv2
+
+    unit = math.hypot(*size) / 2
+    matrix = np.array([[unit, 0, size[0] / 2], [0, unit, size[1] / 2], [0, 0, 1]])
+    places = np.zeros((1, len(floor), 3), np.float32)
+    places[0, :, :2] = (np.array(floor) - np.mean(floor, axis=0)) / 1000
+    flags = cv2.CALIB_USE_INTRINSIC_GUESS | cv2.CALIB_FIX_PRINCIPAL_POINT | cv2.CALIB_ZERO_TANGENT_DIST
+    flags |= cv2.CALIB_FIX_K3 | (cv2.CALIB_FIX_K2 if coefficients == 1 else 0)
+    points = np.array([picture], np.float32)
+    try:
+        _, matrix, k, *_ = cv2.calibrateCamera(places, points, size, matrix, np.zeros(5), flags=flags)  # type: ignore[call-overload] # typed as lists
+    except cv2.error as error:
+        raise ValueError(f"calibration points {list(picture)} fit no lens") from error
+    ratio = unit * unit / float(matrix[0, 0] * matrix[1, 1])
+    k1, k2, *_ = k.ravel().tolist()
+    return Lens(k1 * ratio, k2 * ratio * ratio, size)
+
+
+def _held_out(
+    picture: Sequence[Point], floor: Sequence[Point], coefficients: int, size: Size
+) -> tuple[float, ...]:
+    """Distance in mm of each place from the estimate by a fit to all others; nan if they determine none."""
+    errors: list[float] = []
+    for i in range(len(picture)):
+        points, places = ([*group[:i], *group[i + 1 :]] for group in (picture, floor))
+        # They do if no three of some four lie on a line.
+        if all(
+            any(_on_a_line(*three) for three in combinations(four, 3)) for four in combinations(points, 4)
+        ):
+            errors.append(math.nan)
+            continue
+        calibration = _fitted(points, places, coefficients, None, size)
+        errors += distances(calibration, picture[i : i + 1], floor[i : i + 1])
+    return tuple(errors)

@@ -1,13 +1,22 @@
 """ArUco tags on robots, food and the floor: found by OpenCV at the full resolution of the picture."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.vision.association import Detection
-from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.calibration import (
+    DEFAULT_SIZE,
+    Calibration,
+    CalibrationFit,
+    Point,
+    Size,
+    distances,
+    fit_calibration,
+)
 from khepera_forage.vision.scene import MM_PER_PIXEL, place_text
 from khepera_forage.vision.segmentation import Frame
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -223,6 +232,60 @@ def find_floor_tags(grey: Frame, ids: Sequence[int]) -> dict[int, Corners]:
                 raise ValueError(f"tag {tag} is seen twice; allowed: each id once on the floor")
             found.setdefault(tag, corners)
     return found
+
+
+def fit_to_tags(
+    tags: Mapping[int, Corners],
+    places: Mapping[int, Point],
+    side: float,
+    camera: tuple[float, float, float] | None = None,
+    size: Size = DEFAULT_SIZE,
+) -> CalibrationFit:
+    """Fit a calibration to tags that lie on the floor, turned as you like; it remembers the tags' pixels.
+
+    Residuals are those of the tags' middles, and held-out errors those of a fit to the middles alone.
+
+    Args:
+        tags: Corners in the picture, by id.
+        places: Middle on the floor in mm, by id; tags without a place are ignored.
+        side: Of a tag in mm.
+        camera: As for `fit_calibration`.
+        size: Width and height of the picture.
+
+    Raises:
+        ValueError: Fewer than four of the tags are seen, or they fit no camera.
+    """
+    seen = sorted(set(tags) & set(places))
+    if len(seen) < 4:
+        missing = ", ".join(map(str, sorted(set(places) - set(tags))))
+        raise ValueError(
+            f"{len(seen)} of {len(places)} floor tags are seen, without {missing}; allowed: at least four"
+        )
+    middles = [middle(tags[tag]) for tag in seen]
+    floor = [places[tag] for tag in seen]
+    by_middles = fit_calibration(middles, floor, camera, size)
+    first = by_middles.calibration
+    points, corners = list[Point](), list[Point]()
+    for tag in seen:
+        # With the turn of a tag known, its corners are points, too.
+        pixels = [(u, v) for u, v in tags[tag].tolist()]
+        (ax, ay), (bx, by), (cx, cy), (dx, dy) = (first.to_region(u, v) for u, v in pixels)
+        turn = math.atan2(by - ay + cy - dy, bx - ax + cx - dx)
+        cos, sin = math.cos(turn) * side / 2, math.sin(turn) * side / 2
+        x, y = places[tag]
+        points += pixels
+        corners += [
+            (x + right * cos - ahead * sin, y + right * sin + ahead * cos)
+            for right, ahead in ((-1, 1), (1, 1), (1, -1), (-1, -1))
+        ]
+    fit = fit_calibration(points, corners, camera, size)
+    calibration = replace(fit.calibration, tags=dict(zip(seen, middles, strict=True)))
+    return fit._replace(
+        calibration=calibration,
+        residuals=distances(calibration, middles, floor),
+        held_out=by_middles.held_out,
+        held_out_without_lens=by_middles.held_out_without_lens,
+    )
 
 
 def _closing_kernel(size: float, scale: float) -> NDArray[np.uint8]:

@@ -9,8 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.vision.calibration import Calibration, Lens
-from khepera_forage.vision.calibration_fit import CalibrationFit, fit_calibration, root_mean_square
+from khepera_forage.vision.calibration import (
+    Calibration,
+    CalibrationFit,
+    Lens,
+    fit_calibration,
+    root_mean_square,
+)
 from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import SceneRenderer, only_region, position_error, random_marker
 
@@ -161,9 +166,11 @@ def fit_through(
 ) -> tuple[CalibrationFit, float]:
     """A fit to points of the picture, and its greatest error in mm anywhere in the picture."""
     rng = np.random.default_rng(seed)
-    true = Calibration(
-        PLAIN.picture, ((50.0, 2370.0), (3150.0, 2440.0), (3230.0, -20.0), (-20.0, 20.0)), lens=lens
-    )
+    # What a camera with a focal length of 700 pixels, 3.5 m above the floor, shows at the corners of the picture.
+    turn, _ = cv2.Rodrigues(np.array((0.03, -0.02, 0.04)))
+    rays = np.column_stack((np.array(PLAIN.picture) - (320, 240), np.full(4, 700.0))) @ turn
+    corners = (3500 * rays[:, :2] / rays[:, 2:] * (1, -1) + (1600, 1200)).tolist()
+    true = Calibration(PLAIN.picture, tuple(map(tuple, corners)), lens=lens)
     picture = [(640 * across, 480 * down) for across, down in shares]
     floor = [(5 * x, 5 * y) for x, y in (true.to_region(u, v) for u, v in picture)]
     clicks = [(u + e, v + f) for (u, v), (e, f) in zip(picture, rng.normal(0, noise, (99, 2)), strict=False)]

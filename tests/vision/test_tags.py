@@ -7,9 +7,8 @@ import pytest
 
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.calibration_fit import fit_to_tags
 from khepera_forage.vision.shapes import GRID_HOLES
-from khepera_forage.vision.tags import find_floor_tags
+from khepera_forage.vision.tags import find_floor_tags, fit_to_tags
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.tracker_settings import TrackerSettings
 from tests.vision.tag_scenes import Picture, Pose, Scene, errors, grid_sheet, places, tag_sheet
