@@ -48,6 +48,9 @@ _SOFTNESS, _SPREAD = 1.25, 0.2
 _NOT_SATURATED, _SATURATED = 240.0, 0.1
 """Grey level of white below which it is not saturated; and the share of a disc that is saturated in a reflection."""
 _SQUARE = np.ones((3, 3), np.uint8)
+_NEAR_FLOOR, _BRIGHT_AREA = np.ones((7, 7), np.uint8), 0.95
+"""Squares of 8 x 8 pixels, over which light varies little, whose darkest is the floor beside a bright area; and the
+area's least brightness as a multiple of this floor's, as a share of `TrackerSettings.contrast`."""
 _ROUND = 0.98
 """Ratio of the axes from which a shape is taken for a whole disc: at most 1 % of it is then hidden."""
 _STEP, _REACH = 0.25, 2.0
@@ -71,6 +74,8 @@ TROUBLES = {
     "cables": "cables hide the holes of the marker at {place}: lead them elsewhere",
     "holes": "the holes of the marker at {place} are those of no marker in use, or a reflection hides some",
     "reflection": "the bright spot at {place} has no sharp border: it is no food, but a reflection, or out of focus",
+    "bright area": "the area around {place} is much brighter than the floor beside it, and so wide that food on it or "
+    "touching it may not be seen: cover it, or light the floor evenly",
     "bright food": "the bright spot at {place} is brighter than white paper: a reflection",
 }
 """What makes a shape uncertain, with its remedy."""
@@ -109,6 +114,7 @@ class Detector:
         If they do, shapes within `reach` of the places of `tags` (region coordinates) are parts of these.
         """
         self.warnings = {}
+        self._report_bright_area(segmentation)
         least = _MIN_PIECE_AREA * self._food_area
         # The contour's length bounds the area from above and is cheap: most shapes are specks.
         contours = [c for c in outer_contours(segmentation.mask) if len(c) ** 2 >= least]
@@ -227,6 +233,14 @@ class Detector:
         if filled_area(piece) >= _PART * self._marker_area and math.hypot(*size) <= 1.2 * self._diagonal:
             place = self._calibration.to_region(u + 0.5, v + 0.5, self._settings.marker_height)
             self._report("cover", *place)
+
+    def _report_bright_area(self, segmentation: Segmentation) -> None:
+        """Report a bright wall or sheet that is wide enough to be taken for floor."""
+        floor = segmentation.floor
+        contrast = floor / np.maximum(cv2.erode(floor, _NEAR_FLOOR), 1)
+        row, column = np.unravel_index(contrast.argmax(), floor.shape)
+        if contrast[row, column] > _BRIGHT_AREA * self._settings.contrast:
+            self._report("bright area", *self._calibration.to_region(8.0 * column + 4, 8.0 * row + 4))
 
     def _report(self, trouble: str, x: float, y: float) -> None:
         self.warnings[trouble] = TROUBLES[trouble].format(place=place_text(x, y))

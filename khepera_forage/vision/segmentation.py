@@ -106,7 +106,10 @@ def segment(frame: Frame, contrast: float) -> Segmentation:
     thresholds[_BRIGHTEST_FLOOR:] = 255
     rows, columns = frame.shape
     small = cv2.resize(frame, (columns // _REDUCTION, rows // _REDUCTION), interpolation=cv2.INTER_AREA)
-    floor = cv2.medianBlur(small, _MEDIAN_SIZE)
+    edge = _MEDIAN_SIZE // 2
+    # Reflected, so that a bright strip along the border of the picture is less than half there, too.
+    padded = cv2.copyMakeBorder(small, edge, edge, edge, edge, cv2.BORDER_REFLECT_101)
+    floor = np.ascontiguousarray(cv2.medianBlur(padded, _MEDIAN_SIZE)[edge:-edge, edge:-edge])
     threshold = cv2.resize(thresholds[floor], (columns, rows), interpolation=cv2.INTER_LINEAR)
     return Segmentation(frame, floor, cv2.compare(frame, threshold, cv2.CMP_GT))  # type: ignore[arg-type] # uint8
 

@@ -233,6 +233,23 @@ def test_food_that_touches_one_of_three_bright_walls_is_found(width: float, grey
         )
         (food,) = tracker.detect(laboratory.frame((), (place,)))
         assert math.dist((food.x, food.y), (place[0] / 5, place[1] / 5)) < 1
+        assert tracker.detect(laboratory.frame((), ())) == []
+        assert tracker.warnings == {}
+
+
+@pytest.mark.parametrize("grey", [190.0, 225.0])
+@pytest.mark.parametrize("width", [80.0, 140.0])
+def test_food_in_the_corner_of_wide_bright_walls_is_found_or_a_warning_names_the_cause(
+    width: float, grey: float
+) -> None:
+    walls = ((500.0, 500.0, 2700.0, 500.0), (500.0, 500.0, 500.0, 1900.0))
+    laboratory, tracker = Laboratory(replace(LABORATORY, wall=grey, wall_width=width), walls), Tracker()
+    for _ in range(12):
+        x, y = (500 + width / 2 + 17.5 + laboratory.rng.uniform(0, 6, 2)).tolist()
+        found = tracker.detect(laboratory.frame((), ((x, y),)))
+        assert any(math.dist((food.x, food.y), (x / 5, y / 5)) < 1 for food in found) or tracker.warnings[
+            "bright area"
+        ].startswith("the area around (")
 
 
 @pytest.mark.parametrize("grey", [190.0, 225.0])
