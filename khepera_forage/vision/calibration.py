@@ -5,6 +5,7 @@ middle of the pixel in row r and column c is (c + 0.5, r + 0.5). Region coordina
 of 5 mm on the floor, x to the right and y up.
 """
 
+import json
 import math
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
@@ -108,20 +109,6 @@ class Lens:
         return 1 + r * r * (3 * self.k1 + 5 * self.k2 * r * r)
 
 
-class Jacobian(NamedTuple):
-    """Jacobian of the calibration at a point: how region coordinates x, y change with picture coordinates u, v."""
-
-    xu: float
-    xv: float
-    yu: float
-    yv: float
-
-    @property
-    def area(self) -> float:
-        """Square region pixels per square pixel of the picture."""
-        return abs(self.xu * self.yv - self.xv * self.yu)
-
-
 @dataclass(frozen=True, slots=True)
 class Calibration:
     """Maps points of the picture to points on the floor, and back.
@@ -201,10 +188,13 @@ class Calibration:
         tags = {tag: (u * across, v * down) for tag, (u, v) in self.tags.items()}
         return replace(self, picture=picture, size=(width, height), tags=tags)
 
-    def mm_per_pixel(self, u: float | None = None, v: float | None = None) -> float:
-        """Mm of the floor that a pixel shows, by default in the middle of the picture."""
-        middle = self.size[0] / 2 if u is None else u, self.size[1] / 2 if v is None else v
-        return round(MM_PER_PIXEL * math.sqrt(self.jacobian(*middle).area), 6)
+    def scale(self, u: float, v: float, height: float = 0.0) -> float:
+        """Region pixels across a pixel of the picture."""
+        return math.sqrt(abs(np.linalg.det(self.jacobian(u, v, height))))
+
+    def mm_per_pixel(self) -> float:
+        """Mm of the floor that a pixel in the middle of the picture shows."""
+        return round(MM_PER_PIXEL * self.scale(self.size[0] / 2, self.size[1] / 2), 6)
 
     def to_region(self, u: float, v: float, height: float = 0.0) -> Point:
         """Position on the floor, in region coordinates, of an object seen at a point of the picture.
@@ -233,69 +223,29 @@ class Calibration:
         u, v = _transformed(self._to_picture, x, y)
         return (u, v) if self.lens is None else self.lens.distorted(u, v)
 
-    def jacobian(self, u: float, v: float, height: float = 0.0) -> Jacobian:
-        """The Jacobian of `to_region` at a point of the picture."""
-        (x1, y1), (x2, y2) = (self.to_region(u + step, v, height) for step in (-_STEP, _STEP))
-        (x3, y3), (x4, y4) = (self.to_region(u, v + step, height) for step in (-_STEP, _STEP))
-        slopes = (n / (2 * _STEP) for n in (x2 - x1, x4 - x3, y2 - y1, y4 - y3))
-        return Jacobian(*slopes)
-
-    def as_table(self) -> dict[str, object]:
-        """The points, and what else is known, as a table for a TOML file."""
-        table: dict[str, object] = {
-            "size": list(self.size),
-            "picture": [list(point) for point in self.picture],
-            "floor": [list(point) for point in self.floor],
-        }
-        if self.camera is not None:
-            table["camera"] = list(self.camera)
-        if self.lens is not None:
-            table["lens"] = [self.lens.k1, self.lens.k2]
-        if self.tags:
-            table["tags"] = [[tag, u, v] for tag, (u, v) in sorted(self.tags.items())]
-        return table
-
-    @classmethod
-    def from_table(cls, table: Mapping[str, object]) -> "Calibration":
-        """The calibration in a table of a TOML file.
-
-        Raises:
-            ValueError: A key that is missing or unknown, or points that `Calibration` refuses.
-        """
-        unknown = sorted(table.keys() - set(_KEYS))
-        if unknown:
-            raise ValueError(f"calibration key {unknown[0]!r} is unknown; allowed: {', '.join(_KEYS)}")
-        for key in ("picture", "floor"):
-            if key not in table:
-                raise ValueError(
-                    f"calibration has no {key!r}; allowed: four points each for picture and floor"
-                )
-        numbers = table.get("lens")
-        k = None if numbers is None else _checked_numbers("lens", numbers, 2, "(k1, k2)")
-        size = _checked_numbers("size", table.get("size", DEFAULT_SIZE), 2, "(width, height)")
-        entries = table.get("tags", ())
-        if not isinstance(entries, Sequence):
-            raise ValueError(f"calibration tags is {entries!r}; allowed: a list of [id, u, v]")
-        tags = [_checked_numbers("tag", entry, 3, "(id, u, v)") for entry in entries]
-        return cls(
-            table["picture"],  # type: ignore[arg-type] # checked there
-            table["floor"],  # type: ignore[arg-type]
-            table.get("camera"),  # type: ignore[arg-type]
-            None if k is None else Lens(k[0], k[1]),
-            (int(size[0]), int(size[1])),
-            {int(tag): (u, v) for tag, u, v in tags},
+    def jacobian(self, u: float, v: float, height: float = 0.0) -> NDArray[np.float64]:
+        """2 x 2: how `to_region` (rows: x, y) changes with the point of the picture (columns: u, v)."""
+        columns = (
+            np.subtract(self.to_region(u + du, v + dv, height), self.to_region(u - du, v - dv, height))
+            for du, dv in ((_STEP, 0.0), (0.0, _STEP))
         )
+        return np.column_stack(tuple(columns)) / (2 * _STEP)
 
     def save(self, path: str | Path) -> None:
-        """Write the points, and the lens if it distorts, to a TOML file."""
+        """Write the points, and what else is known, to a TOML file."""
+        table: dict[str, object] = {"size": self.size, "picture": self.picture, "floor": self.floor}
         lines = ["# picture: four points in pixels from the upper left corner; floor: the same points in mm."]
+        if self.camera is not None:
+            table["camera"] = self.camera
         if self.lens is not None:
+            table["lens"] = (self.lens.k1, self.lens.k2)
             lines.append(
                 f"# lens: k1 and k2 of OpenCV's radial distortion for a focal length of {self.lens.unit:.0f} pixels."
             )
         if self.tags:
+            table["tags"] = [(tag, *pixel) for tag, pixel in sorted(self.tags.items())]
             lines.append("# tags: id of each floor tag, and the pixel of its middle.")
-        lines += [f"{key} = {value}" for key, value in self.as_table().items()]
+        lines += [f"{key} = {json.dumps(value)}" for key, value in table.items()]
         Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
     @classmethod
@@ -304,10 +254,37 @@ class Calibration:
 
         Raises:
             OSError: The file cannot be read.
-            ValueError: The file is not TOML, or `from_table` refuses it; the message names the file.
+            ValueError: The file is not TOML, a key is missing or unknown, or `Calibration` refuses a value; the message
+                names the file.
         """
         try:
-            return cls.from_table(tomllib.loads(Path(path).read_text(encoding="utf-8")))
+            table = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+            unknown = sorted(table.keys() - set(_KEYS))
+            if unknown:
+                raise ValueError(f"calibration key {unknown[0]!r} is unknown; allowed: {', '.join(_KEYS)}")
+            for key in ("picture", "floor"):
+                if key not in table:
+                    raise ValueError(
+                        f"calibration has no {key!r}; allowed: four points each for picture and floor"
+                    )
+            lens, tags = None, table.get("tags", [])
+            if "lens" in table:
+                k1, k2 = _checked_numbers("lens", table["lens"], 2, "(k1, k2)")
+                lens = Lens(k1, k2)
+            if not isinstance(tags, list):
+                raise ValueError(f"calibration tags is {tags!r}; allowed: a list of [id, u, v]")
+            width, height = _checked_numbers("size", table.get("size", DEFAULT_SIZE), 2, "(width, height)")
+            return cls(
+                table["picture"],
+                table["floor"],
+                table.get("camera"),
+                lens,
+                (int(width), int(height)),
+                {
+                    int(tag): (u, v)
+                    for tag, u, v in (_checked_numbers("tag", tag, 3, "(id, u, v)") for tag in tags)
+                },
+            )
         except ValueError as error:  # includes TOMLDecodeError
             raise ValueError(f"{path}: {error}") from error
 

@@ -250,14 +250,14 @@ class Detector:
     ) -> Detection:
         """The detection of food, or of a marker."""
         height = self._settings.food_height if marker is None else self._settings.marker_height
-        unit = self._calibration.jacobian(moments.u, moments.v, height).area
-        area = filled_area(contour) * unit
+        scale = self._calibration.scale(moments.u, moments.v, height)
+        area = filled_area(contour) * scale**2
         holes = orientation = 0
         if marker is not None:
             holes, orientation = marker.number, round(math.degrees(moments.axis)) % 360
             area -= marker.area
         # The contour runs through the middles of the border pixels; the outline around them is longer by pi.
-        perimeter = (cv2.arcLength(contour, True) + math.pi) * math.sqrt(unit)
+        perimeter = (cv2.arcLength(contour, True) + math.pi) * scale
         column, row = min(contour[:, 0].tolist(), key=lambda pixel: pixel[::-1])
         first = self._calibration.to_region(column + 0.5, row + 0.5, height)
         compactness = perimeter * perimeter / area
@@ -336,8 +336,8 @@ class Detector:
         white.
         """
         if 0 < self._white * patch.floor < _NOT_SATURATED:
-            unit = self._calibration.jacobian(food.u, food.v, self._settings.food_height).area
-            saturated = np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) * unit
+            scale = self._calibration.scale(food.u, food.v, self._settings.food_height)
+            saturated = np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) * scale**2
             if saturated > _SATURATED * math.pi * self._radius**2:
                 return "bright food"
         _, softness = white_and_blur(patch.grey, patch.filled > 0, max(patch.floor, 1))
@@ -352,7 +352,7 @@ class Detector:
         not fit. None if too little of it is visible. `level` is the grey level of the disc.
         """
         jacobian = self._calibration.jacobian(u, v, self._settings.food_height)
-        to_picture = np.linalg.inv(np.array(jacobian).reshape(2, 2))
+        to_picture = np.linalg.inv(jacobian)
         along = np.arange(max(0.0, self._radius - _REACH), self._radius + _REACH, _STEP)
         places = np.array((u, v)) - 0.5 + (_DIRECTIONS @ to_picture.T)[:, None] * along[:, None]
         columns, rows = np.moveaxis(places.astype(np.float32), 2, 0)

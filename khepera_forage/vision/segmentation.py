@@ -174,15 +174,11 @@ def shape_moments(
     uu = moments["mu20"] / mass - _PIXEL_VARIANCE
     vv = moments["mu02"] / mass - _PIXEL_VARIANCE
     uv = moments["mu11"] / mass
-    # The covariance in region coordinates is J C J^T.
     jacobian = calibration.jacobian(u, v, height)
-    xu, xv, yu, yv = jacobian
-    xx = xu * xu * uu + 2 * xu * xv * uv + xv * xv * vv
-    yy = yu * yu * uu + 2 * yu * yv * uv + yv * yv * vv
-    xy = xu * yu * uu + (xu * yv + xv * yu) * uv + xv * yv * vv
+    (xx, xy), (_, yy) = (jacobian @ ((uu, uv), (uv, vv)) @ jacobian.T).tolist()  # the covariance
     mean, spread = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
     if mean <= spread:
         return None
     x, y = calibration.to_region(u, v, height)
-    axis, area = 0.5 * math.atan2(2 * xy, xx - yy), mass / 255 * jacobian.area
+    axis, area = 0.5 * math.atan2(2 * xy, xx - yy), mass / 255 * abs(float(np.linalg.det(jacobian)))
     return ShapeMoments(u, v, x, y, math.sqrt(mean + spread), math.sqrt(mean - spread), axis, area, level)

@@ -202,7 +202,7 @@ class FloorTags:
     def _shifts_near(self, grey: Frame, tag: int) -> list[float]:
         """Distance in mm of a tag from its place, if it is seen near there."""
         u, v = self._calibration.tags[tag]
-        reach = math.ceil(_NEAR * FLOOR_SIZE / self._calibration.mm_per_pixel(u, v))
+        reach = math.ceil(_NEAR * FLOOR_SIZE / MM_PER_PIXEL / self._calibration.scale(u, v))
         left, top = max(0, math.floor(u) - reach), max(0, math.floor(v) - reach)
         part = np.ascontiguousarray(grey[top : math.floor(v) + reach, left : math.floor(u) + reach])
         return [

@@ -248,7 +248,7 @@ class Tracker:
         if under_plate(x * MM_PER_PIXEL, y * MM_PER_PIXEL, radius + _CLEARANCE, plates):
             return False
         u, v = self._resized.to_picture(x, y, food_height)
-        reach = radius / MM_PER_PIXEL / math.sqrt(self._resized.jacobian(u, v, food_height).area)
+        reach = radius / MM_PER_PIXEL / self._resized.scale(u, v, food_height)
         rows, columns = segmentation.frame.shape
         if not (reach <= u <= columns - reach and reach <= v <= rows - reach):
             return False

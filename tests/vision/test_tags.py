@@ -1,6 +1,7 @@
 """Tags and markers of the table of twelve, at the resolutions of webcams; calibrations by tags on the floor."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -181,12 +182,13 @@ def test_floor_tags_calibrate_to_a_millimetre(width: int, height: int) -> None:
     ("shift", "turn"), [((30.0, 10.0), 0.03), ((20.0, 60.0), 0.03), ((20.0, 10.0), 0.06)]
 )
 def test_camera_that_was_knocked_is_noticed_at_the_next_frame(
-    shift: tuple[float, float], turn: float
+    tmp_path: Path, shift: tuple[float, float], turn: float
 ) -> None:
     middles = {tag: pose[:2] for tag, pose in floor_places(2400.0).items()}
     frame = floor_scene(640, 480).frame()
     calibration = fit_to_tags(find_floor_tags(frame, sorted(middles)), middles, 100.0).calibration
-    tracker = Tracker(calibration=Calibration.from_table(calibration.as_table()))
+    calibration.save(tmp_path / "tags.toml")
+    tracker = Tracker(calibration=Calibration.load(tmp_path / "tags.toml"))
     for _ in range(3):
         tracker.update(frame)
         assert "camera moved" not in tracker.warnings
