@@ -27,7 +27,7 @@ from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen
 from khepera_forage.sim.world import FoodPlace, Layout
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.tracked_camera import TrackedCamera
+from khepera_forage.vision.tracker import TrackedCamera
 from khepera_forage.vision.video import CameraLost
 
 CHECK_ROUNDS = 30

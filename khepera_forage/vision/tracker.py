@@ -1,5 +1,9 @@
-"""The tracker: frames become detections; those that count become tracks, and these a scene (3.5)."""
+"""The tracker: frames become detections; those that count become tracks, and these a scene (3.5).
 
+`TrackedCamera` is the real overhead camera.
+"""
+
+import logging
 import math
 from collections.abc import Callable, Collection, Sequence
 
@@ -9,13 +13,22 @@ from khepera_forage.extras import require
 from khepera_forage.robots.khepera import MARKER_WIDTH
 from khepera_forage.vision.association import GATE, Detection, Track, match, may_vanish, start_tracks
 from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.image_quality import measure_quality
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene, place_text
 from khepera_forage.vision.segmentation import Frame, Segmentation, as_grey, segment
 from khepera_forage.vision.shapes import Plate, under_plate
 from khepera_forage.vision.tags import FloorTags, TagDetector
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.video import FrameSource
 
-__all__ = ["Tracker", "TrackerSettings"]
+__all__ = ["TrackedCamera", "Tracker", "TrackerSettings"]
+
+_LOG = logging.getLogger(__name__)
+_URGENT = ("camera moved", "tag twice", "tag size")
+"""Warnings that are logged at once."""
+_LASTING, _CHECK_INTERVAL = 5, 300
+"""Frames after which the others are logged: half a second of rounds; and frames from one check of the picture's quality
+to the next: half a minute."""
 
 _NATIVE = (0.8, 1.25)
 """Region pixels per pixel of a frame between which the frame is used as it is; others are resized to 5 mm a pixel."""
@@ -379,6 +392,69 @@ class Tracks:
         self._regions = [region for _, region in kept]
         self._regions += [_region(track.label, detections[track.detection]) for track in slots]
         return Scene(tuple(self._regions))
+
+
+class TrackedCamera:
+    """A `Camera` that reports the regions which a `Tracker` finds in the frames of a `FrameSource`.
+
+    The scene is empty before the first `reset` or `expose`. The first frame after a reset, and one frame every half
+    minute, is checked by `measure_quality`; what is beyond its limit is logged as a warning, once. What the tracker is
+    uncertain about is logged once in an episode.
+
+    Args:
+        source: Frame source; it is closed with the camera.
+        tracker: A tracker that nothing else uses.
+    """
+
+    def __init__(self, source: FrameSource, tracker: Tracker) -> None:
+        self._source, self._tracker = source, tracker
+        self._until_check = 0
+        self._warned: set[str] = set()
+        self._lasted: dict[str, int] = {}
+        self._logged: set[str] = set()
+
+    def reset(self) -> None:
+        """Forget all tracks, and take the first frame.
+
+        Raises:
+            CameraLost: The source has no more frames.
+        """
+        self._tracker.reset()
+        self._until_check = 0
+        self._lasted, self._logged = {}, set()
+        self.expose()
+
+    def expose(self) -> None:
+        """Take the newest frame, once per round.
+
+        Raises:
+            CameraLost: The source has no more frames; `look` still returns the last scene.
+        """
+        frame, _ = self._source.newest()
+        self._tracker.update(frame)
+        # What the tracker is uncertain about is logged if it lasts or needs the user.
+        found = self._tracker.warnings
+        self._lasted = {name: self._lasted.get(name, 0) + 1 for name in found}
+        for name, text in found.items():
+            if name not in self._logged and (name in _URGENT or self._lasted[name] >= _LASTING):
+                _LOG.warning("camera: %s", text)
+                self._logged.add(name)
+        self._until_check -= 1
+        if self._until_check < 0:
+            self._until_check = _CHECK_INTERVAL
+            found = measure_quality(self._tracker.reduced(frame)).warnings(self._tracker.settings)
+            for name, text in found.items():
+                if name not in self._warned:
+                    _LOG.warning("camera picture %s", text)
+            self._warned = set(found)
+
+    def look(self) -> Scene:
+        """The scene of the last frame; empty before the first."""
+        return self._tracker.scene
+
+    def close(self) -> None:
+        """Close the source; a second call does nothing."""
+        self._source.close()
 
 
 def _distance(one: Region | Detection, other: Region | Detection) -> float:
