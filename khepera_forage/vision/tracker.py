@@ -145,7 +145,6 @@ class Tracker:
         doomed = self._confirmation.doomed(detections, self.scene)
         self.scene = self._tracks.update(detections, visible, doomed)
         self._visible = now
-        self._confirmation.count(self.scene)
         for region in self.scene.regions:
             if region.holes and not region.found:
                 place = place_text(region.x, region.y)
@@ -296,6 +295,8 @@ class Confirmation:
 
     def confirmed(self, detections: Sequence[Detection], scene: Scene) -> list[Detection]:
         """The detections of a frame that count, given the scene before it."""
+        self._found = {r.label: self._found.get(r.label, 0) + r.found for r in scene.regions}
+        self._lost = {r.label: 0 if r.found else self._lost.get(r.label, 0) + 1 for r in scene.regions}
         confirmed, candidates = [], []
         lost_markers = [r for r in scene.regions if r.holes and not r.found]
         for detection in detections:
@@ -310,24 +311,20 @@ class Confirmation:
         self._first, self._candidates = False, candidates
         return confirmed
 
-    def count(self, scene: Scene) -> None:
-        """Use the scene after a frame."""
-        self._found = {r.label: self._found.get(r.label, 0) + r.found for r in scene.regions}
-        self._lost = {r.label: 0 if r.found else self._lost.get(r.label, 0) + 1 for r in scene.regions}
-
     def doomed(self, detections: Sequence[Detection], scene: Scene) -> set[int]:
         """Labels of lost markers that are none, given the detections that count and the scene before them."""
+
+        def is_taken(region: Region) -> bool:
+            """Whether another marker is at its place."""
+            return any(
+                d.holes not in (0, region.holes) and _distance(d, region) < _OVERLAP for d in detections
+            )
+
+        lost = [r for r in scene.regions if r.holes and not r.found]
         return {
             r.label
-            for r in scene.regions
-            if r.holes
-            and (
-                (self._found[r.label] < _YOUNG and self._lost[r.label] >= _LOST)
-                or (
-                    not r.found
-                    and any(d.holes not in (0, r.holes) and _distance(d, r) < _OVERLAP for d in detections)
-                )
-            )
+            for r in lost
+            if is_taken(r) or (self._found[r.label] < _YOUNG and self._lost[r.label] >= _LOST)
         }
 
     def _continues(self, region: Region, detection: Detection) -> bool:
