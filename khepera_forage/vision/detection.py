@@ -105,14 +105,14 @@ class Detector:
     def detect(
         self,
         segmentation: Segmentation,
-        markers: bool = True,
-        tags: Sequence[tuple[float, float]] = (),
-        reach: float = 0.0,
+        tags: Sequence[tuple[float, float]],
+        reach: float,
     ) -> list[Detection]:
         """All food in a frame, and all markers with holes unless robots carry tags.
 
         If they do, shapes within `reach` of the places of `tags` (region coordinates) are parts of these.
         """
+        markers = self._settings.markers != "tags"
         self.warnings = {}
         self._report_bright_area(segmentation)
         least = _MIN_PIECE_AREA * self._food_area

@@ -182,6 +182,8 @@ class FloorTags:
 
     def check(self, grey: Frame) -> dict[str, str]:
         """A warning if the tags have moved; each frame searches a few, and all if these have moved."""
+        if not self._ids:
+            return {}
         chosen = [self._turns[i] for i in range(min(_ROUND, len(self._turns)))]
         self._turns.rotate(-len(chosen))
         shifts = [self._shift(tag, corners) for tag in chosen for corners in self._near(grey, tag)]

@@ -172,8 +172,8 @@ class Tracker:
         for z in (settings.marker_height, settings.food_height):
             calibration.to_region(width / 2, height / 2, z)  # raises an error for heights above the camera
         scale = MM_PER_PIXEL / calibration.mm_per_pixel()
-        self._tags = TagDetector(settings, calibration) if settings.tag_ids else None
-        self._floor_tags = FloorTags(calibration) if calibration.tags else None
+        self._tags = TagDetector(settings, calibration)
+        self._floor_tags = FloorTags(calibration)
         if settings.markers != "tags" and scale < _LEAST_SCALE:
             raise ValueError(
                 f"a pixel in the middle of the picture shows {calibration.mm_per_pixel():.1f} mm of the floor; "
@@ -204,27 +204,23 @@ class Tracker:
     def _detect(self, frame: Frame) -> tuple[list[Detection], Segmentation]:
         grey = self._checked(frame)
         segmentation = segment(self.reduced(grey), self.settings.contrast)
-        tagged = self.settings.markers == "tags"
-        if self._tags is None:
-            detections, warnings = self._detector.detect(segmentation), dict[str, str]()
-        else:
-            tags, warnings = self._tags.detect(grey)
-            # White parts of tags look like food.
-            near, places = self._tags.reach, [(t.x, t.y) for t in tags]
-            places += [(r.x, r.y) for r in self.scene.regions if r.holes and tagged]
-            detections = tags + [
+        tags, warnings = self._tags.detect(grey)
+        places, near = [(tag.x, tag.y) for tag in tags], self._tags.reach
+        if self.settings.markers == "tags":
+            places += [(r.x, r.y) for r in self.scene.regions if r.holes]
+        found = self._detector.detect(segmentation, places, near)
+        if self.settings.tag_ids:  # white parts of tags look like food
+            found = [
                 d
-                for d in self._detector.detect(segmentation, not tagged, places, near)
+                for d in found
                 if d.holes
                 or (
                     all(math.dist((d.x, d.y), place) > near for place in places)
                     and self._is_on_floor(segmentation, d)
                 )
             ]
-        self.warnings = self._detector.warnings | warnings
-        if self._floor_tags is not None:
-            self.warnings |= self._floor_tags.check(grey)
-        return detections, segmentation
+        self.warnings = self._detector.warnings | warnings | self._floor_tags.check(grey)
+        return tags + found, segmentation
 
     def _is_on_floor(self, segmentation: Segmentation, food: Detection) -> bool:
         """Whether food has floor around it, and not the black of a tag."""
