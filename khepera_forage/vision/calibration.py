@@ -453,9 +453,14 @@ def _fitted(
     camera: tuple[float, float, float] | None,
     size: Size,
 ) -> Calibration:
-    """The calibration that fits five or more points best, with some coefficients of the lens."""
+    """The calibration that fits points best, with some coefficients of the lens."""
     import cv2
 
+    # Some four of them must have no three on a line.
+    if all(any(_on_a_line(*three) for three in combinations(four, 3)) for four in combinations(picture, 4)):
+        raise ValueError(
+            f"calibration points {list(picture)} fit no camera; allowed: points all over the picture"
+        )
     corners = Calibration.identity(size=size).picture
     lens = _lens(picture, floor, coefficients, size) if coefficients else None
     points, ends = (
@@ -464,10 +469,6 @@ def _fitted(
     )
     # A homography fits better than OpenCV's pose: pixels need not be square, nor measured places exact.
     matrix, _ = cv2.findHomography(points, np.array(floor))
-    if matrix is None:
-        raise ValueError(
-            f"calibration points {list(picture)} fit no camera; allowed: points all over the picture"
-        )
     places = cv2.perspectiveTransform(ends[None], matrix)[0].tolist()
     return Calibration(corners, tuple(map(tuple, places)), camera, lens, size)
 
@@ -487,10 +488,8 @@ def _lens(picture: Sequence[Point], floor: Sequence[Point], coefficients: int, s
     flags = cv2.CALIB_USE_INTRINSIC_GUESS | cv2.CALIB_FIX_PRINCIPAL_POINT | cv2.CALIB_ZERO_TANGENT_DIST
     flags |= cv2.CALIB_FIX_K3 | (cv2.CALIB_FIX_K2 if coefficients == 1 else 0)
     points = np.array([picture], np.float32)
-    try:
-        _, matrix, k, *_ = cv2.calibrateCamera(places, points, size, matrix, np.zeros(5), flags=flags)  # type: ignore[call-overload] # typed as lists
-    except cv2.error as error:
-        raise ValueError(f"calibration points {list(picture)} fit no lens") from error
+    # Its arguments are typed as lists of pictures.
+    _, matrix, k, *_ = cv2.calibrateCamera(places, points, size, matrix, np.zeros(5), flags=flags)  # type: ignore[call-overload]
     ratio = unit * unit / float(matrix[0, 0] * matrix[1, 1])
     k1, k2, *_ = k.ravel().tolist()
     return Lens(k1 * ratio, k2 * ratio * ratio, size)
@@ -503,12 +502,11 @@ def _held_out(
     errors: list[float] = []
     for i in range(len(picture)):
         points, places = ([*group[:i], *group[i + 1 :]] for group in (picture, floor))
-        # They do if no three of some four lie on a line.
-        if all(
-            any(_on_a_line(*three) for three in combinations(four, 3)) for four in combinations(points, 4)
-        ):
+        try:
+            calibration = _fitted(points, places, coefficients, None, size)
+            errors += distances(calibration, picture[i : i + 1], floor[i : i + 1])
+        except ValueError:
+            if coefficients:
+                raise
             errors.append(math.nan)
-            continue
-        calibration = _fitted(points, places, coefficients, None, size)
-        errors += distances(calibration, picture[i : i + 1], floor[i : i + 1])
     return tuple(errors)

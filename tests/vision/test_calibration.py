@@ -193,6 +193,12 @@ CORNERS = [(0.05, 0.05), (0.95, 0.05), (0.95, 0.95), (0.05, 0.95)]
 GRID = [(0.05 + 0.3 * i, 0.05 + 0.3 * j) for i in range(4) for j in range(4)]
 
 
+def test_points_on_a_line_are_refused() -> None:
+    line = [(0.1 * i, 0.5) for i in range(1, 9)]
+    with pytest.raises(ValueError, match=r"calibration points .* fit no camera; allowed: points all over"):
+        fit_through(None, [*line, (0.5, 0.9)])
+
+
 def test_four_points_measure_no_error() -> None:
     fit, worst = fit_through(Lens(-0.0125), CORNERS)
     assert max(fit.residuals) < 1e-6
