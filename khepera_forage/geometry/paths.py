@@ -6,7 +6,7 @@ between them, and which of them may be seen from each cell of a coarse grid. The
 which waypoint comes next. An arena without such corners, like those of the thesis, has no waypoints, and every way is
 straight.
 
-Robots count in pixels. Walls are `geometry.walls.Wall` records.
+Robots count in pixels. Walls are `geometry.plane.Wall` records.
 """
 
 import math

@@ -42,6 +42,8 @@ _BERTH = 20.0
 """mm by which waypoints past the home lie outside it."""
 _SURE = 1e-3
 """Product of two distances from a line, in pixels, or of two areas, above which rounding does not change the sides."""
+_ROUNDING = 0.01
+"""mm by which a path may leave a region, along whose edges it runs."""
 _BLUNT = 1.1
 """Corners are cut off at this many clearances, so that robots pass diagonally between two of them."""
 
@@ -116,7 +118,7 @@ def _seen(ways: Ways, walls: Sequence[Any]) -> Any:
 
 
 def pixel_walls(arena: Arena) -> tuple[Any, ...]:
-    """The walls of an arena as `geometry.walls.Wall` records in pixels."""
+    """The walls of an arena as `geometry.plane.Wall` records in pixels."""
     return tuple(
         wall_of(
             (
@@ -252,7 +254,7 @@ def _narrow_places(arena: Arena) -> str:
 
 
 def _floor(arena: Arena) -> "Polygon":
-    import shapely
+    import shapely  # takes 0.1 s, which importing this package should not
 
     obstacles = shapely.union_all([shapely.Polygon(corners) for corners in arena.obstacles])
     floor: Polygon = shapely.Polygon(arena.walls).difference(obstacles)
@@ -281,13 +283,6 @@ def _waypoints_of(floor: Any, past_home: Any, home: Any) -> Any:
 
 def _in_pixels(lengths: Any) -> tuple[float, ...]:
     return tuple((lengths / MM_PER_PIXEL).ravel().tolist())
-
-
-if TYPE_CHECKING:
-    from shapely import Polygon
-
-_ROUNDING = 0.01
-"""mm by which a path may leave a region, along whose edges it runs."""
 
 
 def inward_corners(region: Any) -> Any:
@@ -361,11 +356,10 @@ def path_length(path: Sequence[Point]) -> float:
 
 def longest_path(arena: Arena) -> float:
     """Length of the shortest path from the home to the furthest place that a robot can reach and where it can turn."""
-    import shapely  # takes 0.1 s, which importing this package should not
+    import shapely
 
-    obstacles = shapely.union_all([shapely.Polygon(corners) for corners in arena.obstacles])
     # No place is further than the corners of this region.
-    region = shapely.Polygon(arena.walls).difference(obstacles).buffer(-(CLEARANCE + 5.0), quad_segs=2)
+    region = _floor(arena).buffer(-(CLEARANCE + 5.0), quad_segs=2)
     lengths = [0.0]
     for x, y in shapely.get_coordinates(region).tolist():
         with suppress(ValueError):  # a part of the floor without a way to the home

@@ -35,7 +35,7 @@ class ArenaMap(NamedTuple):
         bottom: Smallest y of such a region.
         right: Largest x of such a region.
         top: Largest y of such a region.
-        walls: `geometry.walls.Wall` records.
+        walls: `geometry.plane.Wall` records.
         ways: How to drive around its walls.
     """
 
@@ -65,7 +65,7 @@ class Floor(NamedTuple):
         home_x: Centre of the home.
         home_y: Centre of the home.
         home_radius: Of the home.
-        walls: `geometry.walls.Wall` records.
+        walls: `geometry.plane.Wall` records.
     """
 
     left: float

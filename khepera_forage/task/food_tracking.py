@@ -13,7 +13,7 @@ from typing import Any
 
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.geometry.plane import heading_of, length
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, BARRIER, JAW_OPEN, Motors, Senses
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, BARRIER, JAW_OPEN, Senses
 from khepera_forage.task.arena_map import ArenaMap, drivable, is_within, way_to_food
 from khepera_forage.task.decisions import (
     HIDES_ALL_FOOD,
@@ -206,7 +206,7 @@ def update_food(
         y: Of the robot, pixels.
         orientation: Of the robot, whole degrees 0..359.
         object_present: Whether the optical barrier is interrupted.
-        explored: Whether food has been explored in this round (`identification.explored`).
+        explored: Whether food has been explored in this round (see `can_explore`).
         arm: Position of its arm.
         decisions: `DecisionValues`.
     """
@@ -298,7 +298,6 @@ def _count(tracker: Any, foods: Any) -> None:
     tracker.type_in_gripper = foods[tracker.held].known if tracker.held >= 0 else _UNKNOWN
 
 
-_POISONOUS = FoodType.POISONOUS.value
 _NO_PATH = 1e6
 """Pixels that stand for the path to food that cannot be reached: any other food is nearer."""
 
@@ -386,24 +385,9 @@ _DOWN = ARM_DOWN - 3
 _OPEN = JAW_OPEN - 5
 
 
-def explored(before: Senses, after: Senses, applied: Motors) -> bool:
-    """Whether food was in the barrier, arm down, jaw open and wheels still, for one whole round.
-
-    Args:
-        before: What the robot sensed when the round began.
-        after: What it senses now.
-        applied: What its motors did in between.
-    """
-    return (
-        before.object_presence != 0
-        and after.object_presence != 0
-        and before.arm >= _DOWN
-        and after.arm >= _DOWN
-        and before.jaw >= _OPEN
-        and after.jaw >= _OPEN
-        and applied.left == 0
-        and applied.right == 0
-    )
+def can_explore(senses: Senses) -> bool:
+    """Whether food is in the barrier, arm down and jaw open: a whole round of this explores it, if the wheels rest."""
+    return senses.object_presence != 0 and senses.arm >= _DOWN and senses.jaw >= _OPEN
 
 
 def drawn_type(draw: float, odds: Any) -> int:

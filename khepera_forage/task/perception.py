@@ -7,7 +7,7 @@ from khepera_forage.geometry.plane import bearing_of, length, to_nearest_wall, t
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.task.arena_map import ArenaMap, Way, is_within, way_home
 from khepera_forage.task.decisions import ALONG_PATH, LAST_DISTANCE, DecisionValues
-from khepera_forage.task.food_tracking import FoodTracker, explored, update_food
+from khepera_forage.task.food_tracking import FoodTracker, can_explore, update_food
 from khepera_forage.task.states import FoodType, StateVector
 from khepera_forage.vision.scene import Region, Scene
 
@@ -87,7 +87,7 @@ def perceive(
     chosen: Any,
     links: Any,
     regions: Any,
-    before: Senses,
+    could_explore: bool,
     senses: Senses,
     applied: Motors,
     x: float,
@@ -107,8 +107,8 @@ def perceive(
         chosen: `ChosenWaypoint` records.
         links: `Link` records.
         regions: Tracked regions of food.
-        before: What the robot reported of itself a round ago.
-        senses: What it reports now.
+        could_explore: Whether the robot could explore food a round ago (`can_explore`).
+        senses: What the robot reports now.
         applied: The motors in between, as applied.
         x: Of its marker's region.
         y: Of its marker's region.
@@ -117,7 +117,7 @@ def perceive(
         arena: Its arena.
         decisions: `DecisionValues`.
     """
-    present = senses.object_presence != 0
+    still = applied.left == 0 and applied.right == 0
     update_food(
         tracker,
         foods,
@@ -128,8 +128,8 @@ def perceive(
         x,
         y,
         orientation,
-        present,
-        present and explored(before, senses, applied),
+        senses.object_presence != 0,
+        could_explore and still and can_explore(senses),
         senses.arm,
         decisions,
     )
@@ -176,7 +176,7 @@ def raw_data(
         to_home: The way home.
         arena: Likewise.
     """
-    a, b, c, d, e, f, _, _ = senses.proximity
+    near = senses.proximity
     home_way_x, home_way_y, home_path = to_home
     wall_x, wall_y = to_nearest_wall(x, y, arena.walls)
     home_distance = length(arena.home_x - x, arena.home_y - y)
@@ -184,7 +184,7 @@ def raw_data(
     food_bearing = turn_to(bearing_of(tracker.food_way_x - x, tracker.food_way_y - y), orientation)
     food_path = tracker.food_path if tracker.food_path > food_distance else food_distance
     return RawData(
-        (a, b, c, d, e, f),
+        (near[0], near[1], near[2], near[3], near[4], near[5]),
         senses.arm,
         senses.jaw,
         senses.object_presence,

@@ -18,7 +18,7 @@ from khepera_forage.geometry import paths
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.records import dtype_of
 from khepera_forage.robots import footprint
-from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, Senses, applicable
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, applicable
 from khepera_forage.sim.compiled.world import advance, detection_dtype, food_dtype, robot_dtype, track_dtype
 from khepera_forage.sim.driving import put_down, set_motors
 from khepera_forage.sim.records import Enclosure
@@ -36,7 +36,7 @@ from khepera_forage.task import (
 from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_way_home
 from khepera_forage.task.episode import Episode, begin_episode, end_step
-from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link, can_explore
 from khepera_forage.task.perception import RawData, look_up_way_home, perceive
 from khepera_forage.task.placement import (
     Place,
@@ -49,7 +49,6 @@ from khepera_forage.task.placement import (
 from khepera_forage.task.states import Behaviour, StateVector, classify
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
-rule(applicable)
 register(paths, footprint)
 register(arena_map, behaviours, episode, food_tracking, pairing, perception, placement, states)
 
@@ -66,9 +65,6 @@ class ForagerState:
         correct: Whether the teacher would have decided the same.
         begins: Whether the last frame was the first of its episode.
         number: Episodes of this world that began since it was seeded.
-        presence_before: What the robot sensed when the round began; also the next two.
-        arm_before: Likewise.
-        jaw_before: Likewise.
         episode: The account of its episode.
         tracker: The food tracker of its arena.
     """
@@ -80,9 +76,6 @@ class ForagerState:
     correct: bool = False
     begins: bool = False
     number: int = 0
-    presence_before: int = 0
-    arm_before: int = 0
-    jaw_before: int = 0
     episode: Episode = field(default_factory=Episode)
     tracker: FoodTracker = field(default_factory=FoodTracker)
 
@@ -92,7 +85,7 @@ forager_dtype, object_dtype, link_dtype, chosen_dtype, start_dtype, place_dtype 
 )
 
 
-class World(NamedTuple):
+class WorldRecords(NamedTuple):
     """The records of one world; or of many, with one row a world.
 
     Attributes:
@@ -120,9 +113,9 @@ class World(NamedTuple):
     chosen: Any
 
 
-def new_worlds(count: int, foods: int) -> World:
+def new_worlds(count: int, foods: int) -> WorldRecords:
     """Worlds without an episode, with room for this many food objects."""
-    return World(
+    return WorldRecords(
         np.zeros((count, 1), robot_dtype),
         np.zeros((count, 1), forager_dtype),
         np.zeros((count, 1), start_dtype),
@@ -137,9 +130,9 @@ def new_worlds(count: int, foods: int) -> World:
 
 
 @rule
-def world_of(worlds: World, i: int) -> World:
+def world_of(worlds: WorldRecords, i: int) -> WorldRecords:
     """The records of one world."""
-    return World(
+    return WorldRecords(
         worlds.robots[i],
         worlds.foragers[i],
         worlds.starts[i],
@@ -157,7 +150,9 @@ _WAIT = Behaviour.WAIT.value
 
 
 @rule
-def begin(world: World, arena: ArenaRecords, settings: Any, given_start: Any, given_places: Any) -> bool:
+def begin(
+    world: WorldRecords, arena: ArenaRecords, settings: Any, given_start: Any, given_places: Any
+) -> bool:
     """Begin an episode; its first frame is taken in the coming round.
 
     Args:
@@ -194,11 +189,12 @@ def begin(world: World, arena: ArenaRecords, settings: Any, given_start: Any, gi
 
 
 @rule
-def stand_ready(world: World, settings: Any) -> None:
+def stand_ready(world: WorldRecords, settings: Any) -> None:
     """Put robot and food where `starts` and `places` say, and forget what was known of the food."""
     robot, start, tracker = world.robots[0], world.starts[0], world.foragers[0].tracker
     robot.holes = settings.holes
-    put_down(robot, start.x, start.y, start.heading, settings.constants)
+    robot.x, robot.y, robot.heading = start.x, start.y, start.heading
+    put_down(robot, settings.constants)
     forget_tracks(world.foods, world.tracks)
     tracker.held = tracker.nearest = -1
     tracker.type_in_gripper = tracker.delivered = tracker.poison_home = 0
@@ -217,7 +213,7 @@ def stand_ready(world: World, settings: Any) -> None:
 
 
 @rule
-def command_behaviour(world: World, arena: ArenaRecords, settings: Any, behaviour: int) -> None:
+def command_behaviour(world: WorldRecords, arena: ArenaRecords, settings: Any, behaviour: int) -> None:
     """Command what a behaviour commands."""
     forager = world.foragers[0]
     forager.behaviour = behaviour
@@ -225,7 +221,7 @@ def command_behaviour(world: World, arena: ArenaRecords, settings: Any, behaviou
 
 
 @rule
-def command_action(world: World, arena: ArenaRecords, settings: Any, action: Any) -> None:
+def command_action(world: WorldRecords, arena: ArenaRecords, settings: Any, action: Any) -> None:
     """Command the motors of an action, four numbers in -1..1.
 
     The behaviour is then the state if they are what the teacher would command, and WAIT otherwise.
@@ -238,7 +234,7 @@ def command_action(world: World, arena: ArenaRecords, settings: Any, action: Any
 
 
 @rule
-def motors_of(world: World, arena: ArenaMap, settings: Any, behaviour: int) -> Motors:
+def motors_of(world: WorldRecords, arena: ArenaMap, settings: Any, behaviour: int) -> Motors:
     """What a behaviour commands now. The way home is looked up only where the behaviour uses it."""
     raw, tracker, decisions = world.foragers[0].raw, world.foragers[0].tracker, settings.decisions
     known = not world.robots[0].first_frame  # before, nothing is perceived
@@ -248,7 +244,7 @@ def motors_of(world: World, arena: ArenaMap, settings: Any, behaviour: int) -> M
 
 
 @rule
-def drive(world: World, motors: Motors) -> None:
+def drive(world: WorldRecords, motors: Motors) -> None:
     """Give the robot its motors; before its first frame it stands as it was put down."""
     robot = world.robots[0]
     robot.left = robot.right = 0.0
@@ -258,18 +254,17 @@ def drive(world: World, motors: Motors) -> None:
 
 
 @rule
-def carry_out(world: World, arena: ArenaRecords, settings: Any) -> None:
+def carry_out(world: WorldRecords, arena: ArenaRecords, settings: Any) -> None:
     """One round, once the motors are commanded; and what it is worth."""
     robot, forager, numbers = world.robots[0], world.foragers[0], arena.numbers[0]
     forager.correct = forager.behaviour == forager.state
     forager.begins = robot.first_frame
-    forager.presence_before = robot.object_presence
-    forager.arm_before, forager.jaw_before = robot.arm_reading, robot.jaw_reading
+    could_explore = can_explore(robot.senses)
     everything = Enclosure(
         world.robots, world.foods, world.tracks, world.detections, arena.walls, arena.corners
     )
     advance(everything, numbers.anchor_x, numbers.anchor_y, settings.constants)
-    _perceive(world, map_of(arena), settings)
+    _perceive(world, map_of(arena), settings, could_explore)
     if forager.begins:
         begin_episode(forager.episode, forager.tracker)
     else:
@@ -277,7 +272,7 @@ def carry_out(world: World, arena: ArenaRecords, settings: Any) -> None:
 
 
 @rule
-def _perceive(world: World, arena: ArenaMap, settings: Any) -> None:
+def _perceive(world: WorldRecords, arena: ArenaMap, settings: Any, could_explore: bool) -> None:
     """Track the food; then raw data, state vector and state."""
     robot, forager, decisions = world.robots[0], world.foragers[0], settings.decisions
     raw, vector = perceive(
@@ -286,8 +281,8 @@ def _perceive(world: World, arena: ArenaMap, settings: Any) -> None:
         world.chosen,
         world.links,
         world.tracks,
-        _senses(forager.presence_before, forager.arm_before, forager.jaw_before),
-        _senses(robot.object_presence, robot.arm_reading, robot.jaw_reading),
+        could_explore,
+        robot.senses,
         Motors(robot.left, robot.right, 0, 0),
         robot.marker_x,
         robot.marker_y,
@@ -296,7 +291,7 @@ def _perceive(world: World, arena: ArenaMap, settings: Any) -> None:
         arena,
         decisions,
     )
-    _write_raw(forager.raw, raw, robot.proximity)
+    _write_raw(forager.raw, raw)
     written = forager.vector
     written.object_presence, written.robot_home_distance = vector.object_presence, vector.robot_home_distance
     written.food_type, written.arms_height = vector.food_type, vector.arms_height
@@ -305,16 +300,10 @@ def _perceive(world: World, arena: ArenaMap, settings: Any) -> None:
 
 
 @rule
-def _senses(presence: int, arm: int, jaw: int) -> Senses:
-    """The senses that the rules of perception need, without infra-reds and encoders."""
-    return Senses((0, 0, 0, 0, 0, 0, 0, 0), 0, 0, arm, jaw, presence)
-
-
-@rule
-def _write_raw(record: Any, raw: RawData, proximity: Any) -> None:
-    """Write raw data into their record, with the infra-reds."""
+def _write_raw(record: Any, raw: RawData) -> None:
+    """Write raw data into their record."""
     for k in range(6):
-        record.proximity[k] = int(proximity[k])
+        record.proximity[k] = raw.proximity[k]
     record.arm, record.jaw, record.object_presence = raw.arm, raw.jaw, raw.object_presence
     record.x, record.y, record.orientation, record.tracked = raw.x, raw.y, raw.orientation, raw.tracked
     record.food_seen, record.food_x, record.food_y = raw.food_seen, raw.food_x, raw.food_y
