@@ -43,7 +43,7 @@ overexposed white grows."""
 _DEPTH, _RING, _AROUND = (0.75, 1.4), 1.35, 0.5
 """Of a disc that touches another shape, in radii: how far its middle is from the nearest border, and the ring around
 it; and the least share of that ring that is not bright."""
-_SOFTNESS, _SPREAD = 1.25, 0.2
+_SOFTNESS, _SPREAD = 1.25, 0.25
 """Greatest blur of food's border in pixels: this times that of markers' borders, and a spread."""
 _NOT_SATURATED, _SATURATED = 240.0, 0.1
 """Grey level of white below which it is not saturated; and the share of a disc that is saturated in a reflection."""
@@ -100,7 +100,7 @@ class Detector:
         self._marker_area = settings.marker_length * settings.marker_width * scale**2
         self._diagonal = math.hypot(settings.marker_length, settings.marker_width) * scale
         self._least, self._most = (share * self._marker_area for share in _MARKER_AREA)
-        self._white, self._blur, self._until_measured = 0.0, BLUR_LIMIT, 0
+        self._white, self._blur, self._until_measured = 0.0, 0.0, 0
 
     def detect(
         self,
@@ -223,9 +223,9 @@ class Detector:
         if self._until_measured < 0:
             self._until_measured = _MEASURE_INTERVAL
             white, blur = white_and_blur(patch.grey, patch.filled > 0, max(patch.floor, 1))
-            share = _NEWEST if self._white else 1.0
-            self._white += share * (white - self._white)
-            self._blur += share * (max(blur, _LEAST_BLUR) - self._blur)
+            if white * patch.floor < _NOT_SATURATED:  # otherwise it is brighter than it seems
+                self._white += (_NEWEST if self._white else 1.0) * (white - self._white)
+            self._blur += (_NEWEST if self._blur else 1.0) * (max(blur, _LEAST_BLUR) - self._blur)
 
     def _report_cover(self, piece: Contour) -> None:
         """Report a shape that may be a part of a marker."""
@@ -340,8 +340,10 @@ class Detector:
             saturated = np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) * scale**2
             if saturated > _SATURATED * math.pi * self._radius**2:
                 return "bright food"
-        _, softness = white_and_blur(patch.grey, patch.filled > 0, max(patch.floor, 1))
-        return "reflection" if softness > _SOFTNESS * self._blur + _SPREAD else ""
+        # Whatever is darker than the floor, such as a cable, has borders of its own.
+        bright = np.maximum(patch.grey, patch.floor)
+        _, softness = white_and_blur(bright, patch.filled > 0, max(patch.floor, 1))
+        return "reflection" if softness > _SOFTNESS * (self._blur or BLUR_LIMIT) + _SPREAD else ""
 
     def _rim(
         self, segmentation: Segmentation, u: float, v: float, level: float
