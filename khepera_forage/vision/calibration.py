@@ -190,7 +190,8 @@ class Calibration:
 
     def scale(self, u: float, v: float, height: float = 0.0) -> float:
         """Region pixels across a pixel of the picture."""
-        return math.sqrt(abs(np.linalg.det(self.jacobian(u, v, height))))
+        (xu, xv), (yu, yv) = self.jacobian(u, v, height).tolist()
+        return math.sqrt(abs(xu * yv - xv * yu))
 
     def mm_per_pixel(self) -> float:
         """Mm of the floor that a pixel in the middle of the picture shows."""
@@ -225,11 +226,9 @@ class Calibration:
 
     def jacobian(self, u: float, v: float, height: float = 0.0) -> NDArray[np.float64]:
         """2 x 2: how `to_region` (rows: x, y) changes with the point of the picture (columns: u, v)."""
-        columns = (
-            np.subtract(self.to_region(u + du, v + dv, height), self.to_region(u - du, v - dv, height))
-            for du, dv in ((_STEP, 0.0), (0.0, _STEP))
-        )
-        return np.column_stack(tuple(columns)) / (2 * _STEP)
+        (x1, y1), (x2, y2) = (self.to_region(u + step, v, height) for step in (-_STEP, _STEP))
+        (x3, y3), (x4, y4) = (self.to_region(u, v + step, height) for step in (-_STEP, _STEP))
+        return np.array(((x2 - x1, x4 - x3), (y2 - y1, y4 - y3))) / (2 * _STEP)
 
     def save(self, path: str | Path) -> None:
         """Write the points, and what else is known, to a TOML file."""

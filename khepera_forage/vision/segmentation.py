@@ -175,10 +175,10 @@ def shape_moments(
     vv = moments["mu02"] / mass - _PIXEL_VARIANCE
     uv = moments["mu11"] / mass
     jacobian = calibration.jacobian(u, v, height)
-    (xx, xy), (_, yy) = (jacobian @ ((uu, uv), (uv, vv)) @ jacobian.T).tolist()  # the covariance
+    (xx, xy), (_, yy) = (jacobian @ np.array(((uu, uv), (uv, vv))) @ jacobian.T).tolist()  # the covariance
     mean, spread = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
     if mean <= spread:
         return None
     x, y = calibration.to_region(u, v, height)
-    axis, area = 0.5 * math.atan2(2 * xy, xx - yy), mass / 255 * abs(float(np.linalg.det(jacobian)))
+    axis, area = 0.5 * math.atan2(2 * xy, xx - yy), mass / 255 * calibration.scale(u, v, height) ** 2
     return ShapeMoments(u, v, x, y, math.sqrt(mean + spread), math.sqrt(mean - spread), axis, area, level)
