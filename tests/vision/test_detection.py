@@ -12,6 +12,7 @@ from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.rendering import CameraAppearance, Disc, ImagePose, draw_shapes
 from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import (
+    LABORATORY,
     SceneRenderer,
     heading_error,
     only_region,
@@ -19,7 +20,6 @@ from tests.vision.scene_renderer import (
     random_marker,
 )
 
-LABORATORY = CameraAppearance.laboratory()
 APPEARANCES = {
     "laboratory": LABORATORY,
     "dim": replace(LABORATORY, white=150.0, floor=70.0, wall=55.0, body=30.0, black=18.0),
