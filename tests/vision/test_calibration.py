@@ -107,6 +107,12 @@ def test_error_in_a_table_is_named(tmp_path: Path) -> None:
         load(path, {"picture": PICTURE, "floor": FLOOR, "hight": 2.0})
     with pytest.raises(ValueError, match="no 'floor'"):
         load(path, {"picture": PICTURE})
+    for wrong, message in (
+        ({"size": [8, 8]}, r"size is \(8, 8\); allowed: width and height in pixels, at least 16"),
+        ({"tags": 3}, r"tags is 3; allowed: a list of \[id, u, v\]"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            load(path, {"picture": PICTURE, "floor": FLOOR, **wrong})
     path.write_text("picture = [[")
     with pytest.raises(ValueError, match=r"bad\.toml"):
         Calibration.load(path)
