@@ -14,7 +14,7 @@ from typing import Any
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.geometry.plane import heading_of, length
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, BARRIER, JAW_OPEN, Senses
-from khepera_forage.task.arena_map import ArenaMap, drivable, is_within, way_to_food
+from khepera_forage.task.arena_map import ArenaMap, drivable, is_within, path_to_food
 from khepera_forage.task.decisions import (
     HIDES_ALL_FOOD,
     IN_GRIPPER,
@@ -150,8 +150,8 @@ class FoodTracker:
         nearest: Number of the nearest candidate food; -1 if there is none, or if it is not known which one it is.
         food_x: Its place in pixels; 0 without one.
         food_y: Its place in pixels; 0 without one.
-        food_way_x: Of the next waypoint on the way to it, pixels: the food itself where the way is clear.
-        food_way_y: Likewise.
+        food_waypoint_x: Of the next waypoint on the way to it, pixels: the food itself where the way is clear.
+        food_waypoint_y: Likewise.
         food_path: Length of the path, pixels; 0 if the way is straight.
         last_distance: From the robot to the nearest candidate when there last was one, pixels; -1 before. Kept if
             RobotFoodDistance is then the last one known.
@@ -169,8 +169,8 @@ class FoodTracker:
     nearest: int = -1
     food_x: float = 0.0
     food_y: float = 0.0
-    food_way_x: float = 0.0
-    food_way_y: float = 0.0
+    food_waypoint_x: float = 0.0
+    food_waypoint_y: float = 0.0
     food_path: float = 0.0
     last_distance: float = -1.0
     foods: list[FoodObject] = field(default_factory=list)
@@ -355,8 +355,8 @@ def find_nearest(
                 number = links[k].food
                 if number == excluded or not is_candidate(foods[number], number == held):
                     continue
-                if len(arena.ways.corners) > 0:
-                    to_x, to_y, length = way_to_food(x, y, track.x, track.y, chosen[1 + number], arena)
+                if len(arena.paths.corners) > 0:
+                    to_x, to_y, length = path_to_food(x, y, track.x, track.y, chosen[1 + number], arena)
                     squared = min(length, _NO_PATH) ** 2
                     if squared >= best:
                         continue
@@ -366,7 +366,7 @@ def find_nearest(
     if path > 0.0:
         way_x, way_y, path = drivable((way_x, way_y, path), food_x, food_y)
     tracker.food_seen, tracker.nearest, tracker.food_x, tracker.food_y = seen, nearest, food_x, food_y
-    tracker.food_way_x, tracker.food_way_y, tracker.food_path = way_x, way_y, path
+    tracker.food_waypoint_x, tracker.food_waypoint_y, tracker.food_path = way_x, way_y, path
 
 
 def is_candidate(food: Any, held: bool) -> bool:

@@ -34,10 +34,10 @@ from khepera_forage.task import (
     states,
 )
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_way_home
+from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_path_home
 from khepera_forage.task.episode import Episode, begin_episode, end_step
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link, can_explore
-from khepera_forage.task.perception import RawData, look_up_way_home, perceive
+from khepera_forage.task.perception import RawData, look_up_path_home, perceive
 from khepera_forage.task.placement import (
     Place,
     Start,
@@ -238,8 +238,8 @@ def motors_of(world: WorldRecords, arena: ArenaMap, settings: Any, behaviour: in
     """What a behaviour commands now. The way home is looked up only where the behaviour uses it."""
     raw, tracker, decisions = world.foragers[0].raw, world.foragers[0].tracker, settings.decisions
     known = not world.robots[0].first_frame  # before, nothing is perceived
-    if known and uses_way_home(behaviour, raw, world.objects, arena, decisions):
-        raw.home_bearing, raw.home_path = look_up_way_home(raw, tracker, world.objects, world.chosen, arena)
+    if known and uses_path_home(behaviour, raw, world.objects, arena, decisions):
+        raw.home_bearing, raw.home_path = look_up_path_home(raw, tracker, world.objects, world.chosen, arena)
     return command(behaviour, raw, decisions)
 
 
@@ -315,4 +315,4 @@ def _write_raw(record: Any, raw: RawData) -> None:
     record.home_path = raw.home_path
     record.food_distance, record.food_bearing = raw.food_distance, raw.food_bearing
     record.food_path = raw.food_path
-    record.food_way_x, record.food_way_y = raw.food_way_x, raw.food_way_y
+    record.food_waypoint_x, record.food_waypoint_y = raw.food_waypoint_x, raw.food_waypoint_y
