@@ -201,8 +201,7 @@ def _check_camera(settings: LabSettings) -> str:
     require("a camera", "camera")
     from khepera_forage.lab.localisation import find_marker
     from khepera_forage.vision.calibration import Calibration
-    from khepera_forage.vision.tracked_camera import TrackedCamera
-    from khepera_forage.vision.tracker import Tracker
+    from khepera_forage.vision.tracker import TrackedCamera, Tracker
     from khepera_forage.vision.video import VideoSource
 
     file = settings.camera.calibration

@@ -13,8 +13,7 @@ from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import PULSE
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.image_quality import is_well_exposed, why_unusable
-from khepera_forage.vision.tracked_camera import TrackedCamera
-from khepera_forage.vision.tracker import Tracker
+from khepera_forage.vision.tracker import TrackedCamera, Tracker
 from khepera_forage.vision.video import CameraLost, FrameSource, VideoSettings, VideoSource
 
 OpenSource = FrameSource | Callable[[], FrameSource] | None

@@ -30,7 +30,7 @@ from khepera_forage.sim.sensing import sense
 from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import FoodPlace, Layout, Timing
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.tracked_camera import TrackedCamera
+from khepera_forage.vision.tracker import TrackedCamera
 from khepera_forage.vision.video import CameraLost
 
 CHECK_ROUNDS = 30

@@ -200,6 +200,10 @@ class FrameRenderer:
 
     Raises:
         ValueError: A period that is negative or not finite.
+
+    Attributes:
+        cables: Each robot's cable in the newest frame: n x 2 points in pixels, x right and y up, from the anchor to the
+            middle of the marker, which hides its end; empty without cables.
     """
 
     def __init__(
@@ -219,9 +223,9 @@ class FrameRenderer:
         self._walls = tuple(walls)
         self._period = period
         self._frames = 0
-        self._light: Light | None = None
+        self._floor: NDArray[np.uint8] | None = None
         self._sway: SlowNoise | None = None
-        self._curves: list[NDArray[np.float64]] = []
+        self.cables: list[NDArray[np.float64]] = []
         self._robot = _robot_shapes(self._appearance)
         self._markers = {
             holes: marker_shapes(self._appearance, centres) for holes, centres in MARKER_HOLES.items()
@@ -238,7 +242,7 @@ class FrameRenderer:
         self._frames = 0
         self._floor = _draw_floor(self._appearance, self._walls, floor)
         self._light = Light(self._appearance, light)
-        self._sway, self._curves = None, []
+        self._sway, self.cables = None, []
         if self._anchor is not None and self._appearance.cable_width > 0:
             robots = len(self._truth().markers)
             self._sway = SlowNoise(cables, robots, _SWAY_PERIOD)
@@ -250,13 +254,12 @@ class FrameRenderer:
         Raises:
             RuntimeError: The renderer was never reset.
         """
-        light, truth = self._light_after_reset(), self._truth()
-        seconds = self._frames * self._period
+        truth = self._truth()
+        picture, seconds = self._drawn(truth), self._frames * self._period
         self._frames += 1
-        picture = self._drawn(truth)
         if self._sway is not None:
             self._draw_cables(picture, truth, self._sway.at(seconds))
-        return light.expose(picture, seconds)
+        return self._light.expose(picture, seconds)
 
     def newest(self) -> tuple[NDArray[np.uint8], float]:
         """The next frame, and its age: 0 s. With this and `close` the renderer is a `FrameSource`."""
@@ -271,15 +274,11 @@ class FrameRenderer:
         Raises:
             RuntimeError: The renderer was never reset.
         """
-        self._light_after_reset()
         return self._drawn(self._truth())
 
-    def _light_after_reset(self) -> "Light":
-        if self._light is None:
-            raise RuntimeError("frame before any reset(rng); allowed: after one")
-        return self._light
-
     def _drawn(self, truth: Truth) -> NDArray[np.uint8]:
+        if self._floor is None:
+            raise RuntimeError("frame before any reset(rng); allowed: after one")
         picture = self._floor.copy()
         for x, y in truth.foods:
             draw_shapes(picture, self._image_pose(x, y, 0.0, FOOD_HEIGHT), self._food)
@@ -297,28 +296,19 @@ class FrameRenderer:
         food, but never its own robot's marker.
         """
         assert self._anchor is not None
-        appearance, start = self._appearance, np.array(to_pixels(*self._anchor))
+        appearance, start = self._appearance, np.array(self._anchor) / MM_PER_PIXEL
         sags = (appearance.cable_sag * self._sides + appearance.cable_sway * sway) / MM_PER_PIXEL
         poses = [
             self._image_pose(x, y, heading, appearance.marker_height) for x, y, heading, _ in truth.markers
         ]
-        self._curves = [_cable(start, pose, float(sag)) for pose, sag in zip(poses, sags, strict=True)]
-        for pose, curve in zip(poses, self._curves, strict=True):
+        self.cables = [_cable(start, pose, float(sag)) for pose, sag in zip(poses, sags, strict=True)]
+        for pose, curve in zip(poses, self.cables, strict=True):
             width = appearance.cable_width / MM_PER_PIXEL
             draw_cable(picture, curve, width, appearance.cable, (_SHEET, pose))
 
-    @property
-    def cables(self) -> list[NDArray[np.float64]]:
-        """Each robot's cable in the newest frame; empty without cables.
-
-        Each is n x 2 points in pixels, x right and y up, from the anchor to the middle of the marker, which hides the
-        end of the cable.
-        """
-        return [curve.copy() for curve in self._curves]
-
     def _image_pose(self, x: float, y: float, heading: float, height: float) -> ImagePose:
         """Pose in the picture of an object in mm, shifted by the parallax of its height."""
-        column, row = to_pixels(x, y)
+        column, row = x / MM_PER_PIXEL, y / MM_PER_PIXEL
         magnification = 1.0
         if self._appearance.height is not None:
             magnification = self._appearance.height / (self._appearance.height - height)
@@ -422,7 +412,8 @@ def _draw_floor(
         if length > 0:
             half_length, half_width = length / 2, appearance.wall_width / 2
             pose = ImagePose(
-                *to_pixels((x1 + x2) / 2, (y1 + y2) / 2),
+                (x1 + x2) / 2 / MM_PER_PIXEL,
+                (y1 + y2) / 2 / MM_PER_PIXEL,
                 (x2 - x1) / length,
                 (y2 - y1) / length,
                 1 / MM_PER_PIXEL,
@@ -494,11 +485,6 @@ def draw_cable(
     share = _coverage(columns, rows, points, width)
     below = picture[rows, columns]
     picture[rows, columns] = np.rint(below + share * (grey - below)).astype(np.uint8)
-
-
-def to_pixels(x: float, y: float) -> tuple[float, float]:
-    """A position in mm as pixels, x right and y up."""
-    return x / MM_PER_PIXEL, y / MM_PER_PIXEL
 
 
 def _corners(box: Box, pose: ImagePose, shrink: float = 0.0) -> NDArray[np.float64]:
