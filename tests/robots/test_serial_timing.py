@@ -1,5 +1,6 @@
 """The times that the driver of a serial robot keeps: rounds, opening, stops; on lines with a clock of their own."""
 
+import math
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,9 +12,9 @@ from khepera_forage.lab.clock import WallClock
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.line import LineTiming, LineTooSlow
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from khepera_forage.robots.serial.serial_robot import HOLD_AFTER, MAX_DURATION
+from khepera_forage.robots.serial.serial_robot import HOLD_AFTER, MAX_DURATION, MAX_UNATTENDED
 from tests.robots.rig import FORWARD
-from tests.robots.scripted_robot import Action, NumberedReplies
+from tests.robots.scripted_robot import Action, NumberedReplies, reply_with
 from tests.robots.simulated_line import SimulatedLine
 from tests.robots.stage import make_stage
 
@@ -162,7 +163,7 @@ def test_wheels_are_held_while_replies_are_missing(monkeypatch: pytest.MonkeyPat
         assert line.now - begin <= MAX_DURATION + POLLS
         assert not robot.stop_confirmed
         stops = [at - begin for at, request in line.requests if request == b"D,0,0" and at > begin]
-        assert HOLD_AFTER <= stops[0] <= HOLD_AFTER + POLLS
+        assert HOLD_AFTER - POLLS <= stops[0] <= HOLD_AFTER + POLLS
         assert all(later - earlier <= HOLD_AFTER + POLLS for earlier, later in pairwise(stops))
         mute = False
 
@@ -187,6 +188,39 @@ def test_repeated_speeds_do_not_start_held_wheels(monkeypatch: pytest.MonkeyPatc
         turning = [at - begin for at, request in line.requests if request == b"D,5,5" and at > begin]
         assert 0 < max(turning) <= HOLD_AFTER + POLLS
         assert line.sent_since(begin, b"D,")[-1] == b"D,0,0"
+
+
+@pytest.mark.parametrize("confirmed_after", [0.1, 0.39, 0.47, math.inf])
+@pytest.mark.parametrize("timeout", [0.1, 3.0])
+@pytest.mark.parametrize("period", [0.1, 0.5])
+def test_wheels_stop_within_the_limit_when_all_replies_are_garbled(
+    period: float, timeout: float, confirmed_after: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The speeds may be confirmed by chance, so that `transmit` ends, and `receive` waits anew."""
+    fault = math.inf
+
+    def script(request: bytes, number: int) -> list[Action]:
+        reply = reply_with(request, number + 1)
+        since = line.now - fault
+        chance = request == b"D,5,5" and since >= confirmed_after
+        return [reply if since < 0 or chance else reply.replace(reply[:1], b"?")]
+
+    line = SimulatedLine(script).install(monkeypatch)
+    with SerialKhepera("simulated", watchdog=False, timeout=timeout, period=period) as robot:
+        clock = WallClock(period, lambda: line.now, lambda seconds: line.sleep(line.now + seconds))
+        robot.drive(FORWARD)
+        with pytest.raises(RobotLost, match="received only"):
+            for round_ in range(4):
+                if round_ == 2:
+                    fault = line.now
+                robot.transmit()
+                clock.wait()
+                robot.receive()
+        speeds = [(at - fault, request) for at, request in line.requests if request.startswith(b"D,")]
+        turning = max(at for at, request in speeds if request == b"D,5,5")
+        stopped = min(at for at, request in speeds if at > turning and request == b"D,0,0")
+        assert stopped <= MAX_UNATTENDED + POLLS
+        fault = math.inf
 
 
 def test_held_wheels_continue_with_the_next_command(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -69,8 +69,7 @@ class SerialEPuck(SerialRobot):
     def _requests(self, command: Motors) -> list[Request]:
         return [Request("D", (round(command.left * self.model.unit), round(command.right * self.model.unit)))]
 
-    def _receive(self) -> None:
-        self._begin_call()
+    def _read_senses(self) -> Senses:
         infra_reds, counters = (
             [int(value) for value in reply.values] for reply in self._exchange([Request("N"), Request("Q")])
         )
@@ -81,4 +80,4 @@ class SerialEPuck(SerialRobot):
         step = self.model.pulse / self.model.scale / PULSE
         left, right = (round(count * step) for count in self._counters.total)
         presence = PRESENT if min(infra_reds[0], infra_reds[7]) >= TOUCHED else 0
-        self._senses = Senses((a, b, c, d, e, f, g, h), left, right, ARM_DOWN, JAW_OPEN, presence)
+        return Senses((a, b, c, d, e, f, g, h), left, right, ARM_DOWN, JAW_OPEN, presence)

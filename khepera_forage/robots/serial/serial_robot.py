@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import ClassVar, TypeVar
 
-from khepera_forage.robots.khepera import CONTROL_PERIOD, Motors, RobotLost
+from khepera_forage.robots.khepera import CONTROL_PERIOD, Motors, RobotLost, Senses
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import (
     DEFAULT_TIMEOUT,
@@ -21,8 +21,10 @@ from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
 T = TypeVar("T")
 
 STOP = Request("D", (0, 0))
+MAX_UNATTENDED = 0.9
+"""Seconds from a `transmit` after which no wheel turns if the following `receive` is not complete, whatever happens."""
 HOLD_AFTER = 0.5
-"""Seconds after which a call that is not complete stops the wheels."""
+"""Seconds of waiting in a `transmit` and the following `receive`, together, after which the wheels are stopped."""
 MAX_DURATION = 4.0
 """Seconds after which a robot whose call is not complete counts as lost."""
 
@@ -90,6 +92,8 @@ class SerialRobot(RealRobot):
         """Whether the last speeds that were sent turn the wheels."""
         self._held = self._must_restore = False
         self._hold_at = float("inf")
+        self._time_left: float | None = None
+        """Of the seconds after which wheels are held, what `transmit` has left to the following `receive`."""
         self._last_round = float("-inf")
         self._line = Line(
             port,
@@ -159,14 +163,22 @@ class SerialRobot(RealRobot):
         """Begin a call, whose time is limited."""
         now = self._line.now()
         self._line.deadline = now + max(MAX_DURATION, _MAX_TIMEOUTS * self._base_timeout)
-        self._hold_at = now + max(HOLD_AFTER, self._base_timeout)
+        self._hold_at = now + self._hold_after
+
+    @property
+    def _hold_after(self) -> float:
+        """Seconds of waiting after which the wheels are held; who keeps the period pauses for the rest of it."""
+        longest = max(HOLD_AFTER, self._base_timeout)
+        if self._period is None:
+            return longest
+        return min(longest, MAX_UNATTENDED - (self._period - self.timing.round_time))
 
     def _check(self) -> None:
         """While waiting: pause for a stop, and hold the wheels of a robot that has not replied in time."""
         self._check_interruption()
         now = self._line.now()
         if now >= self._hold_at and not self.stop_confirmed:
-            self._hold_at = now + max(HOLD_AFTER, self._base_timeout)
+            self._hold_at = now + self._hold_after
             self._held = True
             self._line.send_aside(STOP)
 
@@ -210,6 +222,14 @@ class SerialRobot(RealRobot):
         else:
             self._line.send_ahead(requests)
         self._note_sent(command)
+        self._time_left = self._hold_at - self._line.now()
+
+    def _receive(self) -> None:
+        self._begin_call()
+        if self._time_left is not None:
+            self._hold_at = self._line.now() + self._time_left
+        self._senses = self._read_senses()
+        self._time_left = None
 
     def _exchange(self, requests: Sequence[Request]) -> list[Reply]:
         """Send requests; returns their replies, once those to the last command have arrived, too."""
@@ -261,6 +281,10 @@ class SerialRobot(RealRobot):
 
     def _requests(self, command: Motors) -> list[Request]:
         """The requests that transmit a command, the wheel speeds first."""
+        raise NotImplementedError
+
+    def _read_senses(self) -> Senses:
+        """Request all readings."""
         raise NotImplementedError
 
     def _note_sent(self, command: Motors | None) -> None:
