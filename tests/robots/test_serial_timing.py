@@ -208,14 +208,18 @@ def test_wheels_stop_within_the_limit_when_all_replies_are_garbled(
     line = SimulatedLine(script).install(monkeypatch)
     with SerialKhepera("simulated", watchdog=False, timeout=timeout, period=period) as robot:
         clock = WallClock(period, lambda: line.now, lambda seconds: line.sleep(line.now + seconds))
-        robot.drive(FORWARD)
-        with pytest.raises(RobotLost, match="received only"):
-            for round_ in range(4):
-                if round_ == 2:
-                    fault = line.now
+
+        def rounds(count: int) -> None:
+            for _ in range(count):
                 robot.transmit()
                 clock.wait()
                 robot.receive()
+
+        robot.drive(FORWARD)
+        rounds(2)
+        fault = line.now
+        with pytest.raises(RobotLost, match="received only"):
+            rounds(2)
         speeds = [(at - fault, request) for at, request in line.requests if request.startswith(b"D,")]
         turning = max(at for at, request in speeds if request == b"D,5,5")
         stopped = min(at for at, request in speeds if at > turning and request == b"D,0,0")
