@@ -205,7 +205,7 @@ class VirtualCubeLaboratory(Laboratory):
         self._now = 0.0
         self.table = Table(lambda: self._now, _INTERVAL)
         use_table(self.table)
-        operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes, self._sleep)
+        operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes, settings.arenas, self._sleep)
         clock = SimulatedClock(settings.period, lambda: self._sleep(settings.period))
         super().__init__(settings, operator, clock=clock)
 
