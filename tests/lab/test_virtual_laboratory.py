@@ -20,9 +20,9 @@ from khepera_forage.experience import Experience
 from khepera_forage.lab.settings_file import LabSettings, parse
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
+from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.virtual.virtual_khepera import FAULTS, Faults
-from khepera_forage.policies import Teacher
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.row_files import read_rows
