@@ -86,6 +86,8 @@ _MOVEMENT_PERIOD = 2 * math.ceil(DECISIONS.arm_travel_time / TIMING.round_durati
 _WARM_UP = 12
 """Rounds that are not counted: first readings are requested twice, and the gripper comes to rest."""
 _KINDS = {False: "gripper rests", True: "gripper moves, or its position is read"}
+_VARIATION = 84
+"""Bytes by which the replies to a `receive` differ, with and without positions of the gripper."""
 _TIMEOUT = 5.0
 """Seconds after which wheels count as turning for good."""
 _PROGRAM = """
@@ -238,8 +240,8 @@ def slow_line(latency: int, rounds: int, seed: int) -> list[SlowRound]:
         except LineTooSlow:
             return [SlowRound(latency, 1000 * (time.perf_counter() - begin), False)]
         opening = 1000 * (time.perf_counter() - begin)
-        timing = robot.timing._replace(latency=seconds)
-        latest, bound = 1000 * timing.latest_end(period), 1000 * timing.longest_round(period)
+        latest = 1000 * (period + seconds)
+        bound = 1000 * (period + max(seconds, seconds_on_wire(_VARIATION, BAUD)))
         rows = []
         with robot:
             robot.receive()  # as at the reset of a laboratory: all readings, twice

@@ -191,6 +191,7 @@ class LineSplitter:
 
     def __init__(self) -> None:
         self._incomplete = bytearray()
+        self._skips = False
 
     def feed(self, data: bytes) -> list[bytes]:
         """Take the next chunk; returns the lines that it completes, oldest first. Never raises."""
@@ -199,10 +200,15 @@ class LineSplitter:
         for end in ends:
             line = (bytes(self._incomplete) + end)[:MAX_LINE]
             self._incomplete.clear()
-            if line:
+            if line and not self._skips:
                 lines.append(line)
+            self._skips = False
         self._incomplete += rest[: MAX_LINE - len(self._incomplete)]
         return lines
+
+    def skip(self) -> None:
+        """Drop the line that is not complete yet."""
+        self._skips = bool(self._incomplete)
 
 
 def seconds_on_wire(count: int, baud: int, stop_bits: int = 2) -> float:

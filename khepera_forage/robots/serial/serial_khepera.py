@@ -85,7 +85,6 @@ class SerialKhepera(SerialRobot):
         jaw_position = max(JAW_CLOSED, min(JAW_OPEN, self._jaw.value))
         presence = PRESENT if self._barrier.value else 0
         counts = self._counters.total
-        self._last_round = self._line.now()
         return Senses((a, b, c, d, e, f, g, h), *counts, arm_position, jaw_position, presence)
 
     def _read(self, requests: list[Request]) -> dict[Request, tuple[int, ...]]:

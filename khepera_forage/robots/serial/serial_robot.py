@@ -9,8 +9,6 @@ from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import (
     DEFAULT_TIMEOUT,
     FAST,
-    MAX_ROUND_BYTES,
-    MAX_ROUND_REQUESTS,
     Line,
     LineTiming,
     RobotRestarted,
@@ -30,6 +28,8 @@ MAX_DURATION = 4.0
 
 _MAX_TIMEOUTS = 40
 """The same in timeouts, for a user who has chosen a long one."""
+_LONGEST_ROUND = (8, 170)
+"""Requests and bytes of a round in which arm and jaw move and all numbers have the maximum number of digits."""
 _MAX_RESTARTS = 5
 """Restarts tolerated within one call; after more, the robot counts as lost: its power supply is unusable."""
 _FLASH = 0.3
@@ -94,7 +94,6 @@ class SerialRobot(RealRobot):
         self._hold_at = float("inf")
         self._time_left: float | None = None
         """Of the seconds after which wheels are held, what `transmit` has left to the following `receive`."""
-        self._last_round = float("-inf")
         self._line = Line(
             port,
             self.protocol,
@@ -123,7 +122,7 @@ class SerialRobot(RealRobot):
     @property
     def longest_exchange(self) -> float:
         """See `RealRobot`."""
-        return self.timeout + self.timing.duration(MAX_ROUND_REQUESTS, MAX_ROUND_BYTES)
+        return self.timeout + self.timing.duration(*_LONGEST_ROUND)
 
     def request(self, command: str, *values: int) -> tuple[int | str, ...]:
         """Send any other request of the protocol; returns the values of the reply.
@@ -251,7 +250,7 @@ class SerialRobot(RealRobot):
         self._held = True
         if self._line.forget_ahead():
             self._note_sent(None)  # Their replies can no longer be told from others: send them again.
-        self._attempt(lambda: self._line.exchange([STOP], insist=True), restore=False)
+        self._attempt(lambda: self._line.exchange([STOP]), restore=False)
         self._moves, self.stop_confirmed = False, True
 
     def _flash(self) -> None:
@@ -264,13 +263,8 @@ class SerialRobot(RealRobot):
         self._line.close()
 
     def _has_time(self, begin: float, requests: Sequence[Request]) -> bool:
-        """Whether a round that began then has time to send requests with short replies again.
-
-        A round must not end too long after the last one, at most 0.5 s if the caller does not keep the period.
-        """
-        limit = begin + HOLD_AFTER
-        if self._period is not None and begin <= self._last_round + self._period:
-            limit = self._last_round + self.timing.longest_round(self._period)
+        """Whether a `receive` that began then has time to send requests with short replies again."""
+        limit = begin + (HOLD_AFTER if self._period is None else self._period)
         needed = self.timing.duration(len(requests), len(requests) * _SHORT_EXCHANGE)
         return self._line.now() + needed <= limit
 
