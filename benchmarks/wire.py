@@ -86,8 +86,8 @@ _MOVEMENT_PERIOD = 2 * math.ceil(DECISIONS.arm_travel_time / TIMING.round_durati
 _WARM_UP = 12
 """Rounds that are not counted: first readings are requested twice, and the gripper comes to rest."""
 _KINDS = {False: "gripper rests", True: "gripper moves, or its position is read"}
-_VARIATION = 84
-"""Bytes by which the replies to a `receive` differ, with and without positions of the gripper."""
+_VARIATION = 1000 * seconds_on_wire(84, BAUD)
+"""Milliseconds by which the replies to a `receive` differ, with and without positions of the gripper."""
 _TIMEOUT = 5.0
 """Seconds after which wheels count as turning for good."""
 _PROGRAM = """
@@ -146,15 +146,9 @@ def _motors(left: int, right: int, down: int) -> Motors:
 
 @dataclass(frozen=True, slots=True)
 class Round:
-    """One round of a fleet.
+    """A round of a fleet: whether its gripper moved or was read, bytes to and from the first robot, and milliseconds.
 
-    Attributes:
-        baud: Of the lines.
-        robots: How many took part.
-        gripper: Whether arm or jaw was commanded, or its position was read.
-        bytes: To and from the first robot.
-        wire: Milliseconds that these bytes take on the line.
-        taken: Milliseconds of `transmit` and `receive` of all robots.
+    `wire` is the time of these bytes on the line; `taken` that of `transmit` and `receive` of all robots.
     """
 
     baud: int
@@ -180,19 +174,21 @@ def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Round]:
             for robot in fleet.robots:
                 robot.drive(_motors(left, right, down))
             heard.clear()
-            begin = time.perf_counter()
-            fleet.transmit()
-            taken = time.perf_counter() - begin
+            taken = _timed(fleet.transmit)
             virtual.advance()
-            begin = time.perf_counter()
-            fleet.receive()
-            taken += time.perf_counter() - begin
+            taken += _timed(fleet.receive)
             if number >= 0:
                 gripper = any(line.startswith((b"T,1,D", b"T,1,E", b"T,1,H")) for line in heard)
                 count = len(b"".join(heard))
-                wire = 1000 * seconds_on_wire(count, baud)
-                rows.append(Round(baud, robots, gripper, count, wire, 1000 * taken))
+                rows.append(Round(baud, robots, gripper, count, 1000 * seconds_on_wire(count, baud), taken))
     return rows
+
+
+def _timed(work: Callable[[], None]) -> float:
+    """Milliseconds that something takes."""
+    begin = time.perf_counter()
+    work()
+    return 1000 * (time.perf_counter() - begin)
 
 
 def recorded(handle: Callable[[bytes], bytes], heard: list[bytes]) -> Callable[[bytes], bytes]:
@@ -215,18 +211,14 @@ class SlowRound:
         opening: Time that opening took.
         accepted: Whether the line was; otherwise, all that follows is 0.
         exchanged: From the beginning of the period to the end of its exchange.
-        latest: The longest time that this may be.
         taken: From the arrival of the last round's readings to that of this one's.
-        bound: The longest time that this may be.
     """
 
     latency: int
     opening: float
     accepted: bool
     exchanged: float = 0.0
-    latest: float = 0.0
     taken: float = 0.0
-    bound: float = 0.0
 
 
 def slow_line(latency: int, rounds: int, seed: int) -> list[SlowRound]:
@@ -240,8 +232,6 @@ def slow_line(latency: int, rounds: int, seed: int) -> list[SlowRound]:
         except LineTooSlow:
             return [SlowRound(latency, 1000 * (time.perf_counter() - begin), False)]
         opening = 1000 * (time.perf_counter() - begin)
-        latest = 1000 * (period + seconds)
-        bound = 1000 * (period + max(seconds, seconds_on_wire(_VARIATION, BAUD)))
         rows = []
         with robot:
             robot.receive()  # as at the reset of a laboratory: all readings, twice
@@ -260,8 +250,7 @@ def slow_line(latency: int, rounds: int, seed: int) -> list[SlowRound]:
                 _command(robot, number + 1)
                 exchanged = time.perf_counter() - beginning
                 if number >= 0:
-                    times = (1000 * exchanged, latest, 1000 * taken, bound)
-                    rows.append(SlowRound(latency, opening, True, *times))
+                    rows.append(SlowRound(latency, opening, True, 1000 * exchanged, 1000 * taken))
             port.faults = Faults()
     return rows
 
@@ -305,22 +294,18 @@ def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[DisturbedRo
         robot.receive()
         for number, (left, right) in enumerate(wheels, 1):
             port.faults = Faults() if number == len(wheels) else DISTURBANCES[disturbance]
-            lost, error = False, 0
+            lost, error, begin = False, 0, time.perf_counter()
             robot.drive(_motors(left, right, 0))
-            begin = time.perf_counter()
             try:
-                robot.transmit()
-                taken = time.perf_counter() - begin
+                taken = _timed(robot.transmit)
                 advance()
-                begin = time.perf_counter()
-                robot.receive()
-                taken += time.perf_counter() - begin
-                read, true = robot.sense(), truth()
-                error = max(abs(a - b) for a, b in zip(read[1:3], true[1:3], strict=True))
+                taken += _timed(robot.receive)
+                pairs = zip(robot.sense()[1:3], truth()[1:3], strict=True)
+                error = max(abs(read - true) for read, true in pairs)
             except RobotLost:
-                taken, lost = time.perf_counter() - begin, True
+                taken, lost = 1000 * (time.perf_counter() - begin), True
             counts = port.fault_counts["undetectable"], robot.statistics.unknown
-            rows.append(DisturbedRound(disturbance, 1000 * taken, error, *counts, lost))
+            rows.append(DisturbedRound(disturbance, taken, error, *counts, lost))
         port.faults = Faults()
     return rows
 
@@ -370,9 +355,8 @@ def seconds_until_stopped(ending: str) -> float:
 def wire_table(rows: Sequence[Round]) -> Table:
     """Rounds of one robot by baud rate."""
     note = (
-        "One robot drives about and moves its gripper, whose arm takes "
-        f"{DECISIONS.arm_travel_time:g} s; a byte takes 11 bits. On the wire: median [lowest, highest]. Measured: "
-        "`transmit` and `receive` with a virtual Khepera at the pace of the baud rate; median [5th, 95th percentile]."
+        f"One robot moves wheels and gripper, whose arm takes {DECISIONS.arm_travel_time:g} s. On the wire: median "
+        "[lowest, highest], 11 bits a byte. Measured: `transmit` and `receive`, median [5th, 95th percentile]."
     )
     lines: list[dict[str, Value]] = [
         {
@@ -397,10 +381,7 @@ def _by_fleet(rows: Sequence[Round]) -> dict[int, Estimate]:
 
 def fleet_table(rows: Sequence[Round]) -> Table:
     """Rounds by number of robots."""
-    note = (
-        f"All at {BAUD} baud, each robot on a port of its own, virtual Kheperas and drivers on one computer. Median "
-        "[5th, 95th percentile] of the rounds in which the first robot's gripper rests."
-    )
+    note = f"At {BAUD} baud; rounds in which the first robot's gripper rests: median [5th, 95th percentile]."
     measured = _by_fleet(rows)
     lines: list[dict[str, Value]] = [
         {"robots": robots, "a round (ms)": taken, "times one robot's": taken.value / measured[1].value}
@@ -412,12 +393,9 @@ def fleet_table(rows: Sequence[Round]) -> Table:
 def latency_table(rows: Sequence[SlowRound]) -> Table:
     """Opening and rounds by latency."""
     note = (
-        f"One robot at {BAUD} baud; wheels and gripper move. Times in ms. Opening: until the line is measured and "
-        "accepted or rejected. At the beginning of a period, the readings are requested; when they have arrived, the "
-        "next commands are sent. End: from the beginning of the period until these are sent; bound: the period and one "
-        "latency. Between: from the arrival of a round's readings to that of the next round's; bound: the period, and "
-        "the latency or the time that the transmission of two rounds can differ, whichever is longer. Median [5th, "
-        "95th percentile], and the longest."
+        f"One robot at {BAUD} baud. End: from the beginning of a period until its commands are sent. Between: from the "
+        "arrival of a round's readings to that of the next round's. Median [5th, 95th percentile], longest and bound, "
+        "in ms."
     )
     lines: list[dict[str, Value]] = []
     for latency in dict.fromkeys(row.latency for row in rows):
@@ -431,10 +409,10 @@ def latency_table(rows: Sequence[SlowRound]) -> Table:
                 "line": "accepted" if accepted else "rejected",
                 "end": quantiles(exchanged) if accepted else UNKNOWN,
                 "longest": max(exchanged) if accepted else math.nan,
-                "bound": own[0].latest if accepted else math.nan,
+                "bound": PERIOD_MS + latency if accepted else math.nan,
                 "between": quantiles(taken) if accepted else UNKNOWN,
                 "longest between": max(taken) if accepted else math.nan,
-                "bound between": own[0].bound if accepted else math.nan,
+                "bound between": PERIOD_MS + max(latency, _VARIATION) if accepted else math.nan,
             }
         )
     return table_of("latency", "Lines with a latency", note, lines, dict.fromkeys(lines[0], 0))
@@ -443,11 +421,8 @@ def latency_table(rows: Sequence[SlowRound]) -> Table:
 def disturbance_table(rows: Sequence[DisturbedRound]) -> Table:
     """Rounds and errors by disturbance."""
     note = (
-        f"One robot at {BAUD} baud with random speeds of its wheels in every round. A round: `transmit` and `receive`, "
-        "median [5th, 95th percentile], and the longest. Undetectable: garbled replies that are well-formed replies to "
-        "the same request. Counters wrong: rounds in which a wheel's counter differed from the true one; error at the "
-        "end: after the last round, which is undisturbed. Unknown: readings that could not be confirmed. Lost: rounds "
-        "that ended with `RobotLost`."
+        f"One robot at {BAUD} baud with random speeds. Undetectable: garbled replies that are well-formed. Unknown: "
+        "readings that could not be confirmed. The last round is undisturbed."
     )
     lines: list[dict[str, Value]] = [
         {
@@ -469,11 +444,7 @@ def disturbance_table(rows: Sequence[DisturbedRound]) -> Table:
 
 def ending_table(rows: Sequence[End]) -> Table:
     """Milliseconds by ending."""
-    note = (
-        f"A process drives a virtual robot at {BAUD} baud, and is ended. Time from then until the robot receives the "
-        "stop: median [lowest, highest]. After a crash, `os._exit`, kill -9 and SIGSTOP the watchdog stops the robot; "
-        "it notices SIGSTOP by 0.5 s without a sign of life."
-    )
+    note = f"From the end of a process until the robot, at {BAUD} baud, receives the stop: median [lowest, highest]."
     turning = "wheels turn on (ms)"
     lines: list[dict[str, Value]] = [
         {
