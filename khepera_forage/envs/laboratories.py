@@ -21,7 +21,7 @@ from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 TAG_SIZE = 40.0
-"""Side in mm of the tag on a virtual robot without a gripper: within its outline."""
+"""Side in mm, on the plan, of the tag on a robot without a gripper: within its outline, so that it hides no food."""
 
 
 def load_settings(path: Path | str, decisions: Decisions = DEFAULT_DECISIONS) -> LabSettings:
@@ -68,12 +68,9 @@ def virtual_laboratory(
         placed = tuple(copy.shifted(dx, dy) for copy in placed)
     ports = ["virtual"] * robots
     entries = _entries(original, placed, ports, decisions, type=robot, timeout=timeout)
-    tracker = TrackerSettings()
-    if not model_of(robot).has_gripper:  # a marker would hide the food that it pushes
-        tracker = TrackerSettings(markers="tags", tag_size=TAG_SIZE)
-    settings = LabSettings(
-        original, entries, CameraSettings("rendered frames"), timing.round_duration, tracker
-    )
+    tags: dict[str, Any] = {} if model_of(robot).has_gripper else {"markers": "tags", "tag_size": TAG_SIZE}
+    camera, tracker = CameraSettings("rendered frames"), TrackerSettings(**tags)
+    settings = LabSettings(original, entries, camera, timing.round_duration, tracker)
     return VirtualLaboratory(settings, arm_speed=timing.arm_speed, jaw_speed=timing.jaw_speed, **options)
 
 
