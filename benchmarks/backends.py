@@ -46,7 +46,7 @@ from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
-from khepera_forage.study import Count, Page, Picture, Rows, Unit, collect, finish, parse
+from khepera_forage.study import Count, Page, Picture, Rows, WorkUnit, collect, finish, parse
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.thesis.design import THESIS as DESIGN
@@ -181,7 +181,7 @@ class Block(NamedTuple):
         ]
 
 
-class Experiment(NamedTuple):
+class PymunkReplication(NamedTuple):
     """One replication of the thesis's design with pymunk: training files, and recalls in every cell."""
 
     seed: int
@@ -420,11 +420,11 @@ def main() -> int:
     if {ARENAS, RECALLS} & set(chosen):
         numbers = range(QUICK_IMITATORS if given.quick else IMITATORS)
         imitators = tuple(Parallel(n_jobs=given.jobs)(delayed(_trained)(seed, number) for number in numbers))
-    units: list[Unit] = [
+    units: list[WorkUnit] = [
         unit for part in chosen if part != EXPERIMENTS for unit in blocks(part, seed, imitators, given.counts)
     ]
     if EXPERIMENTS in chosen:
-        units += [Experiment(seed, number, given.quick) for number in range(given.experiments)]
+        units += [PymunkReplication(seed, number, given.quick) for number in range(given.experiments)]
     rows = collect(given, units, {Recall: "recalls", RecallRow: "experiments"})
     parts: list[str | Table | Picture] = []
     if {ONLY_TEACHER, ARENAS} & set(chosen):

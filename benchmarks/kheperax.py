@@ -60,7 +60,7 @@ class Timed:
     seconds: float
 
 
-class Repeat(NamedTuple):
+class Round(NamedTuple):
     """Every line once, one right after the other, so that a slow machine slows both sides of a ratio."""
 
     number: int
@@ -237,7 +237,7 @@ def main() -> int:
     os.environ["XLA_FLAGS"] = (
         f"--xla_force_host_platform_device_count={CORES} --xla_cpu_enable_fast_math=true"
     )
-    units = [Repeat(k, worlds, 0.05 if given.quick else 0.25, given.seed) for k in range(-1, given.repeats)]
+    units = [Round(k, worlds, 0.05 if given.quick else 0.25, given.seed) for k in range(-1, given.repeats)]
     try:
         rows = collect(given, units, {Timed: "rows"}).of(Timed)
     except ImportError as error:

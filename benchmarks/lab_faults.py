@@ -37,7 +37,7 @@ from laboratory.failing_devices import (
     laboratory,
     write_lab_file,
 )
-from laboratory.observed_training import Attempt, ObservedTraining, Vector, moving
+from laboratory.observed_training import ObservedAttempt, ObservedTraining, Vector, moving
 
 from khepera_forage.cli import train
 from khepera_forage.cli.train import ATTEMPTS
@@ -181,7 +181,7 @@ class Injector:
         self.remaining = list(kinds)
         self.rows: list[FaultRow] = []
         self.notices: list[str] = []
-        self.folder, self.attempts, self.unexpected = Path(), list[Attempt](), 0
+        self.folder, self.attempts, self.unexpected = Path(), list[ObservedAttempt](), 0
         self._rng, self._pause = rng, pause
         self._wait = int(rng.integers(3, pause))
         self._present: FaultRow | None = None
@@ -319,7 +319,7 @@ def series(number: int, kinds: Sequence[Kind], seed: int, pause: int) -> list[Fa
 def _training(folder: Path, injector: Injector, rng: np.random.Generator) -> TrainingResult:
     """A training with the functions of `khepera-forage train --lab lab.toml`, continued after every error."""
     began, faults_before = time.perf_counter(), len(injector.rows)
-    out, lab_file, attempts = folder / "experience", write_lab_file(folder), list[Attempt]()
+    out, lab_file, attempts = folder / "experience", write_lab_file(folder), list[ObservedAttempt]()
     injector.folder, injector.attempts, injector.unexpected = out, attempts, 0
     parser = OneLineParser()
     for add in train.train_command.options:
@@ -354,7 +354,7 @@ def _training(folder: Path, injector: Injector, rng: np.random.Generator) -> Tra
     return result
 
 
-def _compare_files(result: TrainingResult, attempts: Sequence[Attempt], out: Path) -> None:
+def _compare_files(result: TrainingResult, attempts: Sequence[ObservedAttempt], out: Path) -> None:
     """Compare the files of a training with what the learner perceived."""
     for attempt, vectors in zip(attempts, stored_vectors(out, attempts), strict=True):
         count, perceived = len(vectors), len(attempt.perceived)
@@ -371,7 +371,7 @@ def _compare_files(result: TrainingResult, attempts: Sequence[Attempt], out: Pat
     result.complete &= [(own.file, own.vectors) for own in rows] == [*enumerate(map(len, files), 1)]
 
 
-def stored_vectors(folder: Path, attempts: Sequence[Attempt]) -> list[list[Vector]]:
+def stored_vectors(folder: Path, attempts: Sequence[ObservedAttempt]) -> list[list[Vector]]:
     """The experience of each attempt on disk. A continued training repeats seeds: the most similar file is its own."""
     files: dict[str, Experience] = {}
     for path in sorted(folder.glob("g*.csv")):

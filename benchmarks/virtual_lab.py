@@ -63,7 +63,7 @@ class LabTraining(TrainingRow):
     world: str = ""
 
 
-class Size(NamedTuple):
+class Amounts(NamedTuple):
     """How much is done in a replication.
 
     Attributes:
@@ -79,7 +79,7 @@ class Size(NamedTuple):
     steps: int | None = None
 
 
-QUICK = Size(files=1, recalls=1, rounds=250, steps=200)
+QUICK = Amounts(files=1, recalls=1, rounds=250, steps=200)
 
 
 class Replication(NamedTuple):
@@ -91,7 +91,7 @@ class Replication(NamedTuple):
 
     world: str
     number: int
-    size: Size
+    size: Amounts
     seed: int
 
     @property
@@ -234,7 +234,7 @@ def main() -> int:
     """Run the benchmark."""
     # Drivers wait most of the time: one process more than there are cores.
     given = parse("virtual_lab", __doc__, COUNT, jobs=1 + (os.cpu_count() or 1))
-    size = QUICK if given.quick else Size()
+    size = QUICK if given.quick else Amounts()
     numbers = range(given.replications)
     units = [Replication(world, i, size, given.seed) for i in numbers for world in WORLDS]
     rows = collect(given, units, {LabRecall: "recalls", LabTraining: "trainings"})

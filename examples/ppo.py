@@ -35,7 +35,7 @@ from khepera_forage.files import replacing
 from khepera_forage.option_values import OneLineParser, given_path, whole_number
 from khepera_forage.policies.features import BEHAVIOUR_FEATURES, behaviour_features
 from khepera_forage.task.states import NUM_BEHAVIOURS
-from khepera_forage.wrappers import HoldAction, HoldVectorAction
+from khepera_forage.wrappers import ActionRepeat, VectorActionRepeat
 
 ENVIRONMENT = "khepera_forage/Corridor-v1"
 """One food object in each episode."""
@@ -135,7 +135,7 @@ def train(arguments: Arguments) -> tuple[Agent, list[CurvePoint]]:
     # SAME_STEP: the step that ends an episode returns the first observation of the next one, and the last observation
     # of the old one in the info. Every stored decision is then a real one.
     envs = gym.make_vec(ENVIRONMENT, num_envs=arguments.num_envs, autoreset_mode=AutoresetMode.SAME_STEP)
-    envs = HoldVectorAction(envs, arguments.hold)
+    envs = VectorActionRepeat(envs, arguments.hold)
     size = arguments.num_steps, arguments.num_envs
     states = torch.zeros(*size, BEHAVIOUR_FEATURES)
     actions = torch.zeros(size, dtype=torch.long)
@@ -228,7 +228,7 @@ def update(agent: Agent, optimizer: torch.optim.Optimizer, data: list[Tensor], a
 def evaluate(agent: Agent, arguments: Arguments, backend: str) -> Evaluation:
     """Forage in a single environment, with other seeds than in training."""
     torch.manual_seed(arguments.seed)
-    env = HoldAction(gym.make(ENVIRONMENT, backend=backend), arguments.hold)
+    env = ActionRepeat(gym.make(ENVIRONMENT, backend=backend), arguments.hold)
     last = []
     for episode in tqdm(range(arguments.evaluations), unit="episode", desc=backend, disable=None):
         shown, info = env.reset(seed=1_000_000 * (arguments.seed + 1) + episode)

@@ -170,7 +170,7 @@ def command_line() -> str:
     )
 
 
-class Unit(Protocol):
+class WorkUnit(Protocol):
     """A piece of work that can be done in any process, and in any order.
 
     Its key names it; no other unit of the folder has the same. `run` returns rows of one or several types.
@@ -196,7 +196,7 @@ class Job(NamedTuple):
 
 Done = tuple[str, Sequence[Any]]
 """Key and rows of a unit."""
-Execute = Callable[[Sequence[Unit]], Iterator[Done]]
+Execute = Callable[[Sequence[WorkUnit]], Iterator[Done]]
 """Does units and yields each when it is done, in any order."""
 Tables = Mapping[type[Any], str]
 """Types of rows, and the names of their CSV files without `.csv`."""
@@ -307,7 +307,7 @@ def _line(content: object) -> bytes:
     return gzip.compress(f"{text}\n".encode(), compresslevel=1, mtime=0)
 
 
-def done(unit: Unit) -> Done:
+def done(unit: WorkUnit) -> Done:
     """Do a unit."""
     return unit.key, unit.run()
 
@@ -320,7 +320,7 @@ def in_processes(jobs: int) -> Execute:
 
 def collect(
     given: Arguments,
-    units: Sequence[Unit],
+    units: Sequence[WorkUnit],
     tables: Tables,
     execute: Execute | None = None,
     settings: Mapping[str, str] | None = None,

@@ -8,20 +8,21 @@ from gymnasium.utils import RecordConstructorArgs
 from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from numpy.typing import NDArray
 
+from khepera_forage.deprecation import renamed
 from khepera_forage.envs.arguments import whole_number
 
 ROUNDS = 5
 """Rounds that an action holds, by default."""
 
 
-class HoldAction(gym.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class ActionRepeat(gym.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """An action that holds for several rounds, or until the episode ends; their rewards are added up.
 
     A learner that explores at random needs it: a random behaviour in every round delivers almost no food, so that there
     is nothing to learn from.
 
     ```python
-    env = HoldAction(gym.make("khepera_forage/Corridor-v1"), rounds=5)
+    env = ActionRepeat(gym.make("khepera_forage/Corridor-v1"), rounds=5)
     ```
 
     Args:
@@ -34,7 +35,9 @@ class HoldAction(gym.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
 
     def __init__(self, env: gym.Env[Any, Any], rounds: int = ROUNDS) -> None:
         if isinstance(env, VectorEnv):
-            raise ValueError(f"env is {env!r}; allowed: a single environment (HoldVectorAction is for many)")
+            raise ValueError(
+                f"env is {env!r}; allowed: a single environment (VectorActionRepeat is for many)"
+            )
         RecordConstructorArgs.__init__(self, rounds=rounds)
         super().__init__(env)
         self.rounds = whole_number("rounds", rounds, 1)
@@ -51,8 +54,8 @@ class HoldAction(gym.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         return shown, total, terminated, truncated, info
 
 
-class HoldVectorAction(VectorWrapper):
-    """`HoldAction` for vector environments that begin a new episode in the step that ends one.
+class VectorActionRepeat(VectorWrapper):
+    """`ActionRepeat` for vector environments that begin a new episode in the step that ends one.
 
     An episode that begins within the rounds of an action begins again after the last of them, so that every episode has
     its full length. The info holds what was reported last in each environment, in whichever round that was, and
@@ -60,7 +63,7 @@ class HoldVectorAction(VectorWrapper):
 
     ```python
     env = gym.make_vec("khepera_forage/Corridor-v1", num_envs=64, autoreset_mode="SameStep")
-    env = HoldVectorAction(env, rounds=5)
+    env = VectorActionRepeat(env, rounds=5)
     ```
 
     Args:
@@ -136,3 +139,8 @@ def _put(infos: dict[str, Any], others: dict[str, Any], mask: NDArray[np.bool_])
         elif rows.any():
             infos[name] = infos[name].copy()
             infos[name][rows] = values[rows]
+
+
+def __getattr__(name: str) -> Any:
+    """Former names."""
+    return renamed(__name__, name, {"HoldAction": ActionRepeat, "HoldVectorAction": VectorActionRepeat})

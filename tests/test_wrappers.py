@@ -1,5 +1,6 @@
 """An action that holds equals the same action in every round, in one environment and in many."""
 
+from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
@@ -11,7 +12,7 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers.vector import RecordEpisodeStatistics
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.wrappers import HoldAction, HoldVectorAction
+from khepera_forage.wrappers import ActionRepeat, VectorActionRepeat
 
 NAME, LIMIT, WORLDS = "khepera_forage/Corridor-v1", 40, 3
 needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba")
@@ -35,7 +36,7 @@ def assert_equal(one: Any, other: Any) -> None:
 
 
 def test_held_action_equals_a_repeated_action() -> None:
-    held, each = HoldAction(single(), rounds=3), single()
+    held, each = ActionRepeat(single(), rounds=3), single()
     assert_equal(held.reset(seed=4)[0], each.reset(seed=4)[0])
     rng = np.random.default_rng(1)
     for decision in range(1, 15):
@@ -51,18 +52,18 @@ def test_held_action_equals_a_repeated_action() -> None:
 
 
 def test_environment_with_held_actions_passes_the_check_and_is_made_again() -> None:
-    env = HoldAction(single(), rounds=2)
+    env = ActionRepeat(single(), rounds=2)
     check_env(env.unwrapped, skip_render_check=True)
     assert env.spec is not None
     again: Any = gym.make(env.spec)
-    while not isinstance(again, HoldAction):
+    while not isinstance(again, ActionRepeat):
         again = again.env
     assert again.rounds == 2
 
 
 @modes
 def test_every_world_holds_its_action(mode: str) -> None:
-    held, each = HoldVectorAction(vector(mode), rounds=3), vector(mode)
+    held, each = VectorActionRepeat(vector(mode), rounds=3), vector(mode)
     assert_equal(held.reset(seed=4)[0], each.reset(seed=4)[0])
     rng = np.random.default_rng(1)
     for decision in range(1, 15):
@@ -88,7 +89,7 @@ def test_every_world_holds_its_action(mode: str) -> None:
 
 @modes
 def test_reports_of_inner_wrappers_are_kept_in_whichever_round_they_come(mode: str) -> None:
-    held = HoldVectorAction(RecordEpisodeStatistics(vector(mode)), rounds=3)
+    held = VectorActionRepeat(RecordEpisodeStatistics(vector(mode)), rounds=3)
     held.reset(seed=4)
     held.env.step(np.zeros(WORLDS, np.int64))
     held.reset(
@@ -112,10 +113,27 @@ def test_reports_of_inner_wrappers_are_kept_in_whichever_round_they_come(mode: s
 @pytest.mark.parametrize("rounds", [0, -1, 1.5, "2"])
 def test_wrong_number_of_rounds_is_named(rounds: Any) -> None:
     with pytest.raises(ValueError, match=f"rounds is {rounds!r}; allowed: a whole number of at least 1"):
-        HoldAction(single(), rounds=rounds)
+        ActionRepeat(single(), rounds=rounds)
 
 
 def test_other_autoreset_modes_are_refused() -> None:
     env = gym.make_vec(NAME, num_envs=2, vectorization_mode="sync")
     with pytest.raises(ValueError, match=r"allowed: AutoresetMode.SAME_STEP, as by make_vec\(.*SameStep"):
-        HoldVectorAction(env)
+        VectorActionRepeat(env)
+
+
+@pytest.mark.parametrize(
+    ("module", "old", "new"),
+    [
+        ("wrappers", "HoldAction", "ActionRepeat"),
+        ("wrappers", "HoldVectorAction", "VectorActionRepeat"),
+        ("policies.learners", "Needs", "Supervision"),
+        ("policies.learners", "FromVectors", "OfflineImitation"),
+        ("policies.learners", "FromQueries", "InteractiveImitation"),
+        ("policies.learners", "FromSteps", "ReinforcementLearner"),
+    ],
+)
+def test_former_names_still_work(module: str, old: str, new: str) -> None:
+    named = import_module(f"khepera_forage.{module}")
+    with pytest.warns(DeprecationWarning, match=f"{old} is now {new}"):
+        assert getattr(named, old) is getattr(named, new)

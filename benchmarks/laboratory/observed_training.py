@@ -34,7 +34,7 @@ _AFTERWARDS = 3
 
 
 @dataclass(slots=True)
-class Attempt:
+class ObservedAttempt:
     """A record of one attempt.
 
     Attributes:
@@ -71,7 +71,7 @@ class ObservedTraining(TrainingEnv):
     def __init__(
         self,
         lab: VirtualLaboratory,
-        attempts: list[Attempt],
+        attempts: list[ObservedAttempt],
         on_round: Callable[["ObservedTraining"], None] = lambda _: None,
     ) -> None:
         super().__init__(num_learners=len(lab.markers) - 1, world=lab, noise=Noise.none())
@@ -81,7 +81,7 @@ class ObservedTraining(TrainingEnv):
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
         """Start an attempt with a new record; see `TrainingEnv.reset`."""
-        self.attempts.append(Attempt(seed))
+        self.attempts.append(ObservedAttempt(seed))
         super().reset(seed, options)
         self._true = []
         for body, arena, told in zip(

@@ -32,7 +32,7 @@ Option = Callable[[argparse.ArgumentParser], object]
 """Adds one or more arguments to a parser."""
 
 
-class Command(NamedTuple):
+class Subcommand(NamedTuple):
     """A command: what it does, and its arguments in the order of the help text."""
 
     run: Run
@@ -54,7 +54,7 @@ class Group(NamedTuple):
     """Commands about one thing, by what the user types."""
 
     description: str
-    commands: Mapping[str, Command]
+    commands: Mapping[str, Subcommand]
 
     def add_to(self, parser: argparse.ArgumentParser) -> None:
         """Add the commands, of which the user must choose one."""
@@ -65,9 +65,11 @@ class Group(NamedTuple):
             each.add_to(tasks.add_parser(name, help=line))
 
 
-def command(*options: Option, description: str = "", epilog: str | None = None) -> Callable[[Run], Command]:
+def command(
+    *options: Option, description: str = "", epilog: str | None = None
+) -> Callable[[Run], Subcommand]:
     """Make a function a command, which its docstring describes by default."""
-    return lambda run: Command(run, options, description or run.__doc__ or "", epilog)
+    return lambda run: Subcommand(run, options, description or run.__doc__ or "", epilog)
 
 
 def option(

@@ -12,7 +12,7 @@ from khepera_forage.cli.options import check_ending, command, option, out
 from khepera_forage.comparison.learning import RecallBatch, all_learners
 from khepera_forage.comparison.page import STYLES
 from khepera_forage.comparison.page import figure as figure_of_curves
-from khepera_forage.comparison.results import ReadLearner, Results, beside, curves, described, read_results
+from khepera_forage.comparison.results import ReadLearner, Results, curves, described, merged, read_results
 from khepera_forage.estimates import Estimate, wilson
 from khepera_forage.extras import require
 from khepera_forage.figures import (
@@ -30,7 +30,7 @@ from khepera_forage.figures import (
 )
 from khepera_forage.files import utf8
 from khepera_forage.option_values import given_path
-from khepera_forage.policies.learners import Needs
+from khepera_forage.policies.learners import Supervision
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 
@@ -139,7 +139,7 @@ def _trainings(paths: Sequence[Path], contents: Sequence[list[TrainingRow]]) -> 
 
 def _results(rows: Sequence[Any]) -> Results:
     """The curves of a comparison's rows; a learner that is not known here is drawn among the imitators."""
-    unknown = {row.learner: ReadLearner(row.learner, Needs.VECTORS, "") for row in rows}
+    unknown = {row.learner: ReadLearner(row.learner, Supervision.VECTORS, "") for row in rows}
     return Results("", unknown | described(all_learners()), curves(rows, 0))
 
 
@@ -150,7 +150,7 @@ def _comparison(paths: Sequence[Path], contents: Sequence[Results]) -> "Figure":
     if len(paths) > 1:
         found, learners = [], {}
         for path, content in zip(paths, contents, strict=True):
-            found, learners = beside(found, learners, content._replace(origin=path.resolve().parent.name))
+            found, learners = merged(found, learners, content._replace(origin=path.resolve().parent.name))
     shown = [curve for curve in found if curve.arena in STYLES]
     if not shown:
         raise ValueError(f"no recalls in {' or '.join(STYLES)}; allowed: results with at least one of them")

@@ -20,7 +20,7 @@ from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, progress, whole_number
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
 from khepera_forage.policies.learner_registry import installed_learners, learner_at, own_errors
-from khepera_forage.policies.learners import LEARNERS, FromVectors
+from khepera_forage.policies.learners import LEARNERS, OfflineImitation
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import RowWriter
@@ -146,10 +146,10 @@ def _policy(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, 
     return policy, name, len(behaviours)
 
 
-def _learner(name: str) -> FromVectors:
+def _learner(name: str) -> OfflineImitation:
     """The learner of `--learner`, which must learn from experience vectors."""
     known = {**LEARNERS, **installed_learners().learners}
-    usable = {key: value for key, value in known.items() if isinstance(value, FromVectors)}
+    usable = {key: value for key, value in known.items() if isinstance(value, OfflineImitation)}
     if name in usable:
         return usable[name]
     if ":" not in name:
@@ -158,7 +158,7 @@ def _learner(name: str) -> FromVectors:
         _, learner = learner_at(name)
     except ValueError as error:
         raise ValueError(f"--{error}") from None
-    if not isinstance(learner, FromVectors):
+    if not isinstance(learner, OfflineImitation):
         raise ValueError(
             f"--learner is {name!r}, which learns from {learner.needs.value}; allowed: from vectors"
         )

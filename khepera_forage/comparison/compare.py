@@ -28,15 +28,21 @@ from khepera_forage.comparison.results import (
     Curve,
     Results,
     as_json,
-    beside,
     curves,
     described,
+    merged,
     read_results,
 )
 from khepera_forage.estimates import UNKNOWN, Estimate, Table, difference, pick, table_of
 from khepera_forage.files import replacing
 from khepera_forage.policies.learner_registry import installed_learners, learner_at
-from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors, Learner, Needs
+from khepera_forage.policies.learners import (
+    LEARNERS,
+    InteractiveImitation,
+    Learner,
+    OfflineImitation,
+    Supervision,
+)
 from khepera_forage.study import (
     UNITS,
     Arguments,
@@ -44,7 +50,7 @@ from khepera_forage.study import (
     Execute,
     Job,
     Page,
-    Unit,
+    WorkUnit,
     collect,
     command_line,
     done,
@@ -63,7 +69,7 @@ HALF_DECADES = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000)
 """Amounts of learning after which learners are tested: training episodes, queries, and steps up to `--steps`."""
 
 
-def _execute(title: str, number: int, units: Sequence[Unit]) -> Iterator[Done]:
+def _execute(title: str, number: int, units: Sequence[WorkUnit]) -> Iterator[Done]:
     """Do units with joblib's present backend, which streams rows as soon as they are there."""
     print(f"{len(units)} units for {number} {title}", flush=True)
     yield from Parallel(return_as="generator_unordered", batch_size=1)(map(delayed(done), units))
@@ -149,7 +155,7 @@ def compare(given: Arguments) -> int:
     found = curves(rows, given.seed)
     shown = described({curve.learner: known[curve.learner] for curve in found})
     results = Results(f"{machine()} {command_line()}", shown, found)
-    written = page(*beside(found, shown, against), missing, (given.out / TUNING).exists(), given.quick)
+    written = page(*merged(found, shown, against), missing, (given.out / TUNING).exists(), given.quick)
     write(given.out, given.name, written)
     with replacing(given.out / RESULTS) as path:
         path.write_text(as_json(results), encoding="utf-8")
@@ -171,13 +177,13 @@ def _own_learners(places: list[str]) -> dict[str, Compared]:
     return found
 
 
-def _amounts(given: Arguments) -> dict[Needs | None, tuple[int, ...]]:
+def _amounts(given: Arguments) -> dict[Supervision | None, tuple[int, ...]]:
     """The amounts of learning after which learners are tested, by what they learn from."""
     return {
         None: (0,),
-        Needs.VECTORS: QUICK_EPISODES if given.quick else EPISODES,
-        Needs.QUERIES: QUICK_QUERIES if given.quick else QUERIES,
-        Needs.STEPS: (*(amount for amount in HALF_DECADES if amount < given.steps), given.steps),
+        Supervision.VECTORS: QUICK_EPISODES if given.quick else EPISODES,
+        Supervision.QUERIES: QUICK_QUERIES if given.quick else QUERIES,
+        Supervision.STEPS: (*(amount for amount in HALF_DECADES if amount < given.steps), given.steps),
     }
 
 
@@ -185,7 +191,7 @@ def _rows(
     learners: Mapping[str, Compared],
     known: Mapping[str, Compared],
     replications: range,
-    amounts: Mapping[Needs | None, tuple[int, ...]],
+    amounts: Mapping[Supervision | None, tuple[int, ...]],
     given: Arguments,
 ) -> list[RecallBatch]:
     """All rows of the folder, of any known learner, after the missing ones of some learners have been made."""
@@ -246,10 +252,10 @@ def candidates() -> dict[str, Compared]:
         learner = found[name] = LEARNERS[name]
         for number, change in enumerate(changes, 1):
             found[f"{name}.{number}"] = replace(learner, settings={**learner.settings, **change})
-        if isinstance(learner, FromQueries):
+        if isinstance(learner, InteractiveImitation):
             most_probable: Learner = replace(learner, learner=replace(learner.learner, sample=False))
         else:
-            assert isinstance(learner, FromVectors)
+            assert isinstance(learner, OfflineImitation)
             most_probable = replace(learner, sample=False)
         found[f"{name}.{len(changes) + 1}"] = most_probable
     return found

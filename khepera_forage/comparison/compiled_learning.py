@@ -22,7 +22,7 @@ from khepera_forage.envs.layouts import random_layout
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.features import wheels_features
 from khepera_forage.policies.imitator import NearestNeighbourImitator
-from khepera_forage.policies.learners import FromVectors
+from khepera_forage.policies.learners import OfflineImitation
 from khepera_forage.policies.memories import Memories, memories_of
 from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, Recalls
 from khepera_forage.rollouts.compiled.training import train_learners
@@ -68,7 +68,7 @@ class Foraged(NamedTuple):
 
 
 def recalls_after(
-    learner: FromVectors, training: Training, seeds: Seeds, seed: int, diagonal: int
+    learner: OfflineImitation, training: Training, seeds: Seeds, seed: int, diagonal: int
 ) -> dict[str, Foraged]:
     """Let a learner learn, and forage in several places.
 
@@ -102,7 +102,7 @@ def recalls_after(
 
 
 def _levels(
-    learner: FromVectors, classifier: Any, vectors: NDArray[np.int64], diagonal: int
+    learner: OfflineImitation, classifier: Any, vectors: NDArray[np.int64], diagonal: int
 ) -> NDArray[np.float64]:
     """The probability of each behaviour in some state vectors."""
     if learner.diagonal:
@@ -296,7 +296,7 @@ def thinned(training: Training, size: int, seed: int) -> Training:
 
 
 def search(
-    learner: FromVectors,
+    learner: OfflineImitation,
     amount: int,
     budget: Budget,
     rng: np.random.Generator,
@@ -344,7 +344,7 @@ def _near(good: Sequence[Marks], amount: int, spread: NDArray[np.float64], rng: 
     return marks
 
 
-def _value(learner: FromVectors, marks: Marks, budget: Budget, seed: int) -> float:
+def _value(learner: OfflineImitation, marks: Marks, budget: Budget, seed: int) -> float:
     """Mean share of the food that a learner delivers after these demonstrations; 0 if they are impossible."""
     try:
         trainings = demonstrate(marks, seed, budget.trainings)

@@ -20,7 +20,13 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.learner_registry import LearnerError, installed_learners, own_errors
-from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner
+from khepera_forage.policies.learners import (
+    LEARNERS,
+    InteractiveImitation,
+    Learner,
+    OfflineImitation,
+    ReinforcementLearner,
+)
 from khepera_forage.policies.policy import UniformPolicy
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import WheelsRecall, recall, recall_env, recall_wheels, recall_wheels_env
@@ -88,7 +94,7 @@ def _require(fine: bool, name: str, value: object, allowed: str) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Reference:
+class Baseline:
     """A policy that learns nothing, for comparison: the expert is the teacher, the other draws uniformly."""
 
     title: str
@@ -96,9 +102,12 @@ class Reference:
     needs: ClassVar[None] = None
 
 
-REFERENCES = {"teacher": Reference("the teacher", True), "random": Reference("random behaviours", False)}
+BASELINES = {
+    "teacher": Baseline("the teacher", True),
+    "random": Baseline("random behaviours", False),
+}
 """By name: the upper limit for imitation, and the chance level."""
-Compared = Learner | Reference
+Compared = Learner | Baseline
 
 
 class Learned(NamedTuple):
@@ -121,19 +130,19 @@ def learn(learner: Compared, amounts: Sequence[int], seeds: np.random.SeedSequen
     """
     seed = int(seeds.generate_state(1)[0]) % 2**31
     match learner:
-        case FromVectors():
+        case OfflineImitation():
             yield from _imitate(learner, amounts, seeds.spawn(amounts[-1]), seed)
-        case FromQueries():
+        case InteractiveImitation():
             yield from _query(learner, amounts, seed)
-        case FromSteps():
+        case ReinforcementLearner():
             for policy, steps, seconds in reinforce(learner, amounts, seed):
                 yield Learned(steps, 0, seconds, partial(lambda policy, env: policy, policy))
-        case Reference():
+        case Baseline():
             yield Learned(0, 0, 0.0, Teacher.of if learner.expert else lambda _: UniformPolicy())
 
 
 def _imitate(
-    learner: FromVectors, amounts: Sequence[int], seeds: Sequence[np.random.SeedSequence], seed: int
+    learner: OfflineImitation, amounts: Sequence[int], seeds: Sequence[np.random.SeedSequence], seed: int
 ) -> Iterator[Learned]:
     env = TrainingEnv()
     files = []
@@ -152,7 +161,7 @@ def _imitate(
     env.close()
 
 
-def _query(learner: FromQueries, amounts: Sequence[int], seed: int) -> Iterator[Learned]:
+def _query(learner: InteractiveImitation, amounts: Sequence[int], seed: int) -> Iterator[Learned]:
     """Every amount is learned from the start with the same seed, so that its time is complete."""
     student = learner.learner
     env = recall_env("corridor")
@@ -173,7 +182,7 @@ def _query(learner: FromQueries, amounts: Sequence[int], seed: int) -> Iterator[
 
 
 def _policy(
-    learner: FromVectors,
+    learner: OfflineImitation,
     vectors: NDArray[np.int64],
     behaviours: NDArray[np.int64],
     seed: int,
@@ -220,7 +229,7 @@ def learn_and_forage(
             for arena in arenas:
                 foods, rows = 0, list[RecallRow | WheelsRecall]()
                 for level, own in enumerate(seeds[arena], replication * recalls):
-                    if isinstance(learner, FromSteps) and learner.wheels:
+                    if isinstance(learner, ReinforcementLearner) and learner.wheels:
                         env: Any = _wheels_env(arena)
                         rows.append(recall_wheels(env, learned.policy(env), own))
                     else:
@@ -264,8 +273,8 @@ def check_form(name: str, learner: Compared) -> None:
         ValueError: It is no classifier of state vectors.
         LearnerError: Its own code raises an error.
     """
-    student = learner.learner if isinstance(learner, FromQueries) else learner
-    if not isinstance(student, FromVectors):
+    student = learner.learner if isinstance(learner, InteractiveImitation) else learner
+    if not isinstance(student, OfflineImitation):
         return
     vectors, behaviours = arrays([train(TrainingEnv(), 0)[0]])
     groups = np.zeros(len(vectors), np.int64)
@@ -281,12 +290,12 @@ def check_form(name: str, learner: Compared) -> None:
 
 def all_learners() -> dict[str, Compared]:
     """The references, all learners of the registry, and those of installed packages, by name."""
-    return {**REFERENCES, **LEARNERS, **installed_learners().learners}
+    return {**BASELINES, **LEARNERS, **installed_learners().learners}
 
 
 def unable(learner: Compared, arenas: Sequence[str] = ARENAS) -> str:
     """Why a learner cannot be compared here; empty if it can."""
-    if not isinstance(learner, FromSteps):
+    if not isinstance(learner, ReinforcementLearner):
         return ""
     if find_spec("stable_baselines3") is None:
         return "stable-baselines3 is not installed (pip install 'khepera-forage[baselines]')"
@@ -298,14 +307,14 @@ def unable(learner: Compared, arenas: Sequence[str] = ARENAS) -> str:
 def settings_of(learner: Compared) -> str:
     """A learner's settings in one line. They stand on the page, and rows of other settings are refused."""
     match learner:
-        case FromVectors():
+        case OfflineImitation():
             name = getattr(learner.make, "__name__", type(learner.make).__name__)
             diagonal = "; diagonal of the arena" if learner.diagonal else ""
             choice = "" if learner.sample else "; most probable behaviour"
             return f"{name}({_arguments(learner.settings)}){diagonal}{choice}"
-        case FromQueries():
+        case InteractiveImitation():
             return f"{settings_of(learner.learner)}; {_arguments(learner.settings)}"
-        case FromSteps():
+        case ReinforcementLearner():
             apart = ("title", "algorithm", "settings")
             own = {f.name: getattr(learner, f.name) for f in fields(learner) if f.name not in apart}
             return f"{learner.algorithm}({_arguments(learner.settings)}); {_arguments(own)}"

@@ -9,7 +9,7 @@ from khepera_forage.comparison.learning import ARENAS
 from khepera_forage.comparison.results import SUCCESS, Curve, ReadLearner
 from khepera_forage.estimates import Column, Table, Value, table_of
 from khepera_forage.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure, padded
-from khepera_forage.policies.learners import Needs
+from khepera_forage.policies.learners import Supervision
 from khepera_forage.study import Page, Picture
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
@@ -136,9 +136,9 @@ def page(
 
 
 FAMILIES = {
-    Needs.VECTORS: "Imitation: steps of the training episodes",
-    Needs.QUERIES: "Expert queries: each step is a query",
-    Needs.STEPS: "Reinforcement learning: steps of the environment",
+    Supervision.VECTORS: "Imitation: steps of the training episodes",
+    Supervision.QUERIES: "Expert queries: each step is a query",
+    Supervision.STEPS: "Reinforcement learning: steps of the environment",
 }
 """The kinds of learners, each with its own axis of steps."""
 COLUMNS = 4

@@ -37,7 +37,7 @@ from khepera_forage.comparison.compiled_learning import (
     varied_arenas,
 )
 from khepera_forage.comparison.learning import (
-    REFERENCES,
+    BASELINES,
     Compared,
     learn_and_forage,
     settings_of,
@@ -48,7 +48,7 @@ from khepera_forage.estimates import Estimate, Measure, Table, Value, mean, pick
 from khepera_forage.experience import Experience
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.features import wheels_features
-from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors
+from khepera_forage.policies.learners import LEARNERS, OfflineImitation, ReinforcementLearner
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.raw_episodes import LearnerRecorder, RawEpisode, teacher_alone
 from khepera_forage.rollouts.recall import recall_wheels_env
@@ -83,7 +83,7 @@ TRAINED, ALONE = "training episodes", "the teacher alone"
 _BEHAVIOURS = 10
 
 
-class Track(NamedTuple):
+class BenchmarkTrack(NamedTuple):
     """One question.
 
     Attributes:
@@ -102,12 +102,12 @@ class Track(NamedTuple):
     recalls: int = 20
 
 
-_VECTORS = tuple(name for name, learner in LEARNERS.items() if isinstance(learner, FromVectors))
+_VECTORS = tuple(name for name, learner in LEARNERS.items() if isinstance(learner, OfflineImitation))
 _ON_WHEELS = ("network", "trees")
 """Offline learners on wheels."""
 STEPS = "steps of reward"
 TRACKS = {
-    OFFLINE: Track(
+    OFFLINE: BenchmarkTrack(
         "What is learned from 1, 3, 10 or 30 training episodes in the corridor, and how far does it carry?",
         _VECTORS,
         {THESIS: (1, 3, 10, 30)},
@@ -115,7 +115,7 @@ TRACKS = {
         50,
         10,
     ),
-    TEACHING: Track(
+    TEACHING: BenchmarkTrack(
         "Which demonstrations should a teacher give?",
         TAUGHT,
         dict.fromkeys((THESIS, RANDOM, VARIED, THINNED), (DEMONSTRATIONS, 30)),
@@ -123,15 +123,18 @@ TRACKS = {
         50,
         50,
     ),
-    WHEELS: Track(
+    WHEELS: BenchmarkTrack(
         "Can wheels, arm and jaw be learned from raw data?",
-        (*_ON_WHEELS, *(name for name, one in LEARNERS.items() if isinstance(one, FromSteps) and one.wheels)),
+        (
+            *_ON_WHEELS,
+            *(name for name, one in LEARNERS.items() if isinstance(one, ReinforcementLearner) and one.wheels),
+        ),
         {TRAINED: (10, 50), ALONE: (10, 50), STEPS: (1_000_000,)},
         (CORRIDOR, RECTANGLE),
         10,
         10,
     ),
-    VOCABULARY: Track(
+    VOCABULARY: BenchmarkTrack(
         "What is learned if the words of the teacher are unknown, late, missing or wrong?",
         _VECTORS,
         dict.fromkeys((AS_HEARD, PERMUTED, LATE, SILENT, WRONG), (10,)),
@@ -142,7 +145,7 @@ TRACKS = {
 }
 
 
-def track_of(name: str, quick: bool) -> Track:
+def track_of(name: str, quick: bool) -> BenchmarkTrack:
     """A track; in small with `quick`."""
     track = TRACKS[name]
     if not quick:
@@ -195,7 +198,7 @@ class Demonstrations:
 def find_demonstrations(seed: int, name: str, number: int, budget: Budget) -> list[Demonstrations]:
     """Search for the demonstrations after which a learner delivers most."""
     learner = LEARNERS[name]
-    assert isinstance(learner, FromVectors)
+    assert isinstance(learner, OfflineImitation)
     rng = np.random.default_rng(_seed(seed, 3, number, TAUGHT.index(name)))
     with threadpool_limits(1):
         marks = search(learner, DEMONSTRATIONS, budget, rng)
@@ -248,12 +251,12 @@ class Learning(NamedTuple):
         number = self.replication * TESTS + self.test if self.marks else self.replication
         seeds, own = self._seeds(number), _seed(self.seed, 4, number)
         match self.learner:
-            case FromVectors():
+            case OfflineImitation():
                 training = self.training(number)
                 return len(training.vectors), recalls_after(
                     self.learner, training, seeds, own % 2**31, CORRIDOR_DIAGONAL
                 )
-            case FromSteps():
+            case ReinforcementLearner():
                 rows = learn_and_forage(
                     *(self.seed, self.replication, self.name, self.learner),
                     *((self.amount,), self.recalls, TRACKS[self.track].places),
@@ -411,18 +414,19 @@ def plan(
     own: dict[str, Compared | None] = {
         key: one
         for key, one in learners.items()
-        if key in track.learners or (isinstance(one, FromVectors) and key not in LEARNERS and name != WHEELS)
+        if key in track.learners
+        or (isinstance(one, OfflineImitation) and key not in LEARNERS and name != WHEELS)
     }
     if name == WHEELS:
         own |= dict.fromkeys(_ON_WHEELS)
     for number in range(min(most, track.seeds)):
-        for key, reference in REFERENCES.items():
+        for key, reference in BASELINES.items():
             yield Learning(seed, name, key, reference, "", 0, number, track.recalls)
         for key, learner in own.items():
             if number >= track.slow and key != "imitator":
                 continue
             for condition, amounts in track.amounts.items():
-                if (condition == STEPS) == isinstance(learner, FromSteps):
+                if (condition == STEPS) == isinstance(learner, ReinforcementLearner):
                     for amount in amounts:
                         yield Learning(seed, name, key, learner, condition, amount, number, track.recalls)
     if name == TEACHING:
@@ -458,9 +462,9 @@ def run(given: Arguments, learners: Mapping[str, Compared], execute: Execute) ->
     chosen = list(dict.fromkeys(given.track or TRACKS))
     concerned = {name for track in chosen for name in TRACKS[track].learners}
     concerned |= {
-        name for name, one in learners.items() if name not in LEARNERS and isinstance(one, FromVectors)
+        name for name, one in learners.items() if name not in LEARNERS and isinstance(one, OfflineImitation)
     }
-    for name in learners.keys() - REFERENCES.keys() if given.only or given.learner else ():
+    for name in learners.keys() - BASELINES.keys() if given.only or given.learner else ():
         if name not in concerned:
             raise ValueError(
                 f"--only or --learner is {name!r}; allowed on these tracks: {', '.join(sorted(concerned))}, and your "
@@ -535,7 +539,7 @@ def _transfer(rows: Sequence[Tested], seed: int) -> Table:
     few = TRACKS[TEACHING].amounts[THESIS][0]
     lines: list[dict[str, Value]] = []
     for learner, condition, amount in _kinds(rows):
-        if learner not in REFERENCES and amount == few and condition != THESIS:
+        if learner not in BASELINES and amount == few and condition != THESIS:
             share = _share(pick(rows, learner=learner, condition=condition, amount=amount), seed)
             usual = _share(pick(rows, learner=learner, condition=THESIS, amount=amount), seed).value
             lines.append(
@@ -560,7 +564,7 @@ def _transfer(rows: Sequence[Tested], seed: int) -> Table:
 def _kinds(rows: Sequence[Tested]) -> list[tuple[str, str, int]]:
     """Learners, conditions and amounts, in the order of the protocol; the references first."""
     kinds = dict.fromkeys((row.learner, row.condition, row.amount) for row in rows)
-    names = list(dict.fromkeys([*REFERENCES, *(name for name, _, _ in kinds)]))
+    names = list(dict.fromkeys([*BASELINES, *(name for name, _, _ in kinds)]))
     return sorted(kinds, key=lambda kind: names.index(kind[0]))
 
 

@@ -29,7 +29,7 @@ import numpy as np
 from khepera_forage.comparison.learning import ALL_ARENAS, Compared, RecallBatch, settings_of
 from khepera_forage.estimates import UNKNOWN, Estimate, Measure, bootstrap_quantile, difference, mean, pick
 from khepera_forage.files import utf8
-from khepera_forage.policies.learners import Needs
+from khepera_forage.policies.learners import Supervision
 
 FORMAT = "khepera_forage comparison 1"
 PUBLISHED = "published"
@@ -48,10 +48,10 @@ MEASURES = (
     Measure[RecallBatch]("steps a recall", lambda row: row.recall_steps, lambda row: row.recalls),
     Measure[RecallBatch]("seconds", lambda row: row.seconds),
 )
-"""In the order of the fields of `Point`."""
+"""In the order of the fields of `CurvePoint`."""
 
 
-class Point(NamedTuple):
+class CurvePoint(NamedTuple):
     """A learner after one amount of learning: means, with their intervals over replications.
 
     Attributes:
@@ -72,7 +72,7 @@ class ReadLearner(NamedTuple):
     """A learner as tables, figures and results files have it; `needs` is None if it learns nothing."""
 
     title: str
-    needs: Needs | None
+    needs: Supervision | None
     settings: str
 
 
@@ -95,10 +95,10 @@ class Curve(NamedTuple):
     arena: str
     steps_to_success: Estimate
     gain: Estimate
-    points: tuple[Point, ...]
+    points: tuple[CurvePoint, ...]
 
     @property
-    def end(self) -> Point:
+    def end(self) -> CurvePoint:
         """After all of the learning."""
         return self.points[-1]
 
@@ -117,7 +117,7 @@ def curves(rows: Sequence[RecallBatch], seed: int) -> list[Curve]:
 def _curve(rows: Sequence[RecallBatch], rng: np.random.Generator) -> Curve:
     parts = {amount: pick(rows, amount=amount) for amount in sorted({row.amount for row in rows})}
     points = tuple(
-        Point(amount, len(own), *(mean(own, measure, rng) for measure in MEASURES))
+        CurvePoint(amount, len(own), *(mean(own, measure, rng) for measure in MEASURES))
         for amount, own in parts.items()
     )
     first, *_, last = (*parts.values(), *parts.values())
@@ -185,7 +185,7 @@ def read_results(source: str) -> Results:
             raise ValueError(f"no results of a comparison; allowed: a file with the format {FORMAT!r}")
         learners = {}
         for name, one in content["learners"].items():
-            needs = Needs(one["learns_from"]) if one["learns_from"] else None
+            needs = Supervision(one["learns_from"]) if one["learns_from"] else None
             learners[name] = ReadLearner(one["title"], needs, one["settings"])
         curves = [_curve_of(value, learners) for value in content["curves"]]
         return Results(str(content["made_with"]), learners, curves, origin)
@@ -194,7 +194,7 @@ def read_results(source: str) -> Results:
         raise ValueError(f"{path}: {what}") from None
 
 
-def beside(
+def merged(
     own: Sequence[Curve], learners: Mapping[str, ReadLearner], other: Results | None
 ) -> tuple[list[Curve], dict[str, ReadLearner]]:
     """The curves and learners of a run, and behind them those of a results file, with its origin in their titles."""
@@ -212,7 +212,7 @@ def _plain(value: Any) -> Any:
     """A curve, or a part of it, as JSON has it."""
     if isinstance(value, Estimate):
         return [None if math.isnan(v) else "inf" if math.isinf(v) else float(f"{v:.6g}") for v in value]
-    if isinstance(value, Curve | Point):
+    if isinstance(value, Curve | CurvePoint):
         return {name: _plain(part) for name, part in value._asdict().items()}
     return [_plain(part) for part in value] if isinstance(value, tuple) else value
 
@@ -223,9 +223,9 @@ def _curve_of(value: Any, learners: Mapping[str, ReadLearner]) -> Curve:
         raise ValueError(f"learner is {name!r}; allowed: {', '.join(learners)}")
     if arena not in ALL_ARENAS:
         raise ValueError(f"arena is {arena!r}; allowed: {', '.join(ALL_ARENAS)}")
-    means = Point._fields[2:]
+    means = CurvePoint._fields[2:]
     points = tuple(
-        Point(_count(one, "amount"), _count(one, "batches"), *(_estimate(one, key) for key in means))
+        CurvePoint(_count(one, "amount"), _count(one, "batches"), *(_estimate(one, key) for key in means))
         for one in value["points"]
     )
     if not points:

@@ -29,7 +29,7 @@ __all__ = [
 ]
 
 VectorWrapping = Callable[[VectorEnv[Any, Any, Any]], VectorEnv[Any, Any, Any]]
-"""Wraps a vector environment, such as `khepera_forage.wrappers.HoldVectorAction`."""
+"""Wraps a vector environment, such as `khepera_forage.wrappers.VectorActionRepeat`."""
 
 
 class EntryPoint:

@@ -1,8 +1,8 @@
 """The recall phase: one robot forages alone (sections 4.6 and 5.4). What its two kinds of environment share."""
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
-from typing import Any, Generic, Protocol, SupportsFloat, TypeVar
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Generic, SupportsFloat, TypeVar
 
 import gymnasium as gym
 import numpy as np
@@ -27,6 +27,9 @@ from khepera_forage.sim.world import LOST, Layout, World
 from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.states import Behaviour
+
+if TYPE_CHECKING:
+    from khepera_forage.envs.compiled.batch import CompiledRecalls
 
 Observation = dict[str, Any]
 ActionT = TypeVar("ActionT")
@@ -67,53 +70,6 @@ def episode_info(
     }
 
 
-class Recalls(Protocol):
-    """Recalls one after another in one world: `WorldRecalls`, or `CompiledRecalls`."""
-
-    largest_diagonal: int
-
-    @property
-    def backend(self) -> str:
-        """What simulates the bodies."""
-        ...
-
-    @property
-    def arena(self) -> Arena:
-        """Where the present episode takes place."""
-        ...
-
-    @property
-    def world(self) -> World:
-        """Bodies and camera."""
-        ...
-
-    @property
-    def layout(self) -> Layout:
-        """Where everything stood when the episode began."""
-        ...
-
-    @property
-    def forager(self) -> Forager:
-        """The robot at its task, as it is now."""
-        ...
-
-    def seed(self, seed: int) -> None:
-        """Make the episodes that follow repeatable."""
-        ...
-
-    def begin(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Shown:
-        """Begin the next episode."""
-        ...
-
-    def step(self, action: Sequence[float]) -> Shown:
-        """One round."""
-        ...
-
-    def shown(self) -> Shown:
-        """What environments show of the last round."""
-        ...
-
-
 class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     """What both kinds of recall environment share: the episode, its score and its pictures."""
 
@@ -121,6 +77,8 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         "render_modes": list(RENDER_MODES),
         "render_fps": 1 / DEFAULT_DECISIONS.round_duration,
     }
+
+    _recalls: "WorldRecalls | CompiledRecalls"
 
     def __init__(
         self,
@@ -140,7 +98,6 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self.foods = whole_number("foods", foods, 1, MOST_FOODS)
         self.limit = whole_number("limit", limit, 1)
         settings = arena, foods, limit, noise, food_types, self.decisions
-        self._recalls: Recalls
         if check_backend(backend) == PYMUNK:
             self._recalls = WorldRecalls(*settings, world, robot)
         elif world is not None:
@@ -271,7 +228,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
 
     @abstractmethod
     def _numbers(self, action: ActionT) -> Sequence[float]:
-        """An action as `Recalls.step` takes it.
+        """An action as `WorldRecalls.step` takes it.
 
         Raises:
             ValueError: It is not in the action space.

@@ -7,7 +7,8 @@ A package makes its learners known with an entry point in its `pyproject.toml`:
 forest = "my_package.learners:forest"
 ```
 
-It names a `FromVectors`, `FromQueries` or `FromSteps`, or a function or class that makes a scikit-learn classifier.
+It names an `OfflineImitation`, `InteractiveImitation` or `ReinforcementLearner`, or a function or class that makes a
+scikit-learn classifier.
 """
 
 import inspect
@@ -21,7 +22,13 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from khepera_forage.policies.learners import LEARNERS, FromQueries, FromSteps, FromVectors, Learner
+from khepera_forage.policies.learners import (
+    LEARNERS,
+    InteractiveImitation,
+    Learner,
+    OfflineImitation,
+    ReinforcementLearner,
+)
 
 GROUP = "khepera_forage.learners"
 """The group of the entry points."""
@@ -49,8 +56,8 @@ def register_learner(name: str, learner: Any) -> Learner:
 
     Args:
         name: Of its rows: letters, digits and underscores.
-        learner: A `FromVectors`, `FromQueries` or `FromSteps`; or what makes a scikit-learn classifier when called. It
-            gets `random_state` and `diagonal` (of the arena, in pixels) if it takes them.
+        learner: An `OfflineImitation`, `InteractiveImitation` or `ReinforcementLearner`; or what makes a scikit-learn
+            classifier when called. It gets `random_state` and `diagonal` (of the arena, in pixels) if it takes them.
 
     Returns:
         The learner as comparisons take it.
@@ -131,7 +138,7 @@ def own_errors(name: str) -> Iterator[None]:
 
 
 def _described(name: str, learner: Any) -> Learner:
-    if isinstance(learner, FromVectors | FromQueries | FromSteps):
+    if isinstance(learner, OfflineImitation | InteractiveImitation | ReinforcementLearner):
         return learner
     if callable(learner):
         taken = _parameters(learner)
@@ -139,9 +146,10 @@ def _described(name: str, learner: Any) -> Learner:
         if missing:
             raise TypeError(f"learner {name} needs {missing}; allowed: what makes a classifier by itself")
         title = name.replace("_", " ")
-        return FromVectors(title, learner, seeded="random_state" in taken, diagonal="diagonal" in taken)
+        return OfflineImitation(title, learner, seeded="random_state" in taken, diagonal="diagonal" in taken)
     raise TypeError(
-        f"learner {name} is {learner!r}; allowed: FromVectors, FromQueries, FromSteps, or what makes a classifier"
+        f"learner {name} is {learner!r}; allowed: OfflineImitation, InteractiveImitation, ReinforcementLearner, or "
+        "what makes a classifier"
     )
 
 

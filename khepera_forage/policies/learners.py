@@ -11,13 +11,14 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.deprecation import renamed
 from khepera_forage.policies.classifiers import ClassifierPolicy, boosting, check_classifier, cloning, tree
 from khepera_forage.policies.growing_memory import GrowingMemory
 from khepera_forage.policies.imitator import KNearestImitator, NearestNeighbourImitator, WeightedImitator
 from khepera_forage.policies.policy import Policy
 
 
-class Needs(Enum):
+class Supervision(Enum):
     """What a learner learns from."""
 
     VECTORS = "experience vectors"
@@ -29,7 +30,7 @@ class Needs(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class FromVectors:
+class OfflineImitation:
     """A learner that imitates: it is fitted on experience vectors.
 
     Attributes:
@@ -50,7 +51,7 @@ class FromVectors:
     seeded: bool = False
     sample: bool = True
     grouped: bool = False
-    needs: ClassVar[Needs] = Needs.VECTORS
+    needs: ClassVar[Supervision] = Supervision.VECTORS
 
     def classifier(self, diagonal: int = 138, seed: int = 0) -> Any:
         """The classifier, not fitted.
@@ -105,7 +106,7 @@ class FromVectors:
 
 
 @dataclass(frozen=True, slots=True)
-class FromQueries:
+class InteractiveImitation:
     """A learner that queries the teacher about the state vectors it meets; `rollouts.dagger` trains it.
 
     Attributes:
@@ -115,13 +116,13 @@ class FromQueries:
     """
 
     title: str
-    learner: FromVectors
+    learner: OfflineImitation
     settings: Mapping[str, Any]
-    needs: ClassVar[Needs] = Needs.QUERIES
+    needs: ClassVar[Supervision] = Supervision.QUERIES
 
 
 @dataclass(frozen=True, slots=True)
-class FromSteps:
+class ReinforcementLearner:
     """A reinforcement learner of stable-baselines3; `rollouts.reinforcement` trains it.
 
     Attributes:
@@ -141,12 +142,12 @@ class FromSteps:
     sample: bool = False
     worlds: int = 8
     hold: int = 1
-    needs: ClassVar[Needs] = Needs.STEPS
+    needs: ClassVar[Supervision] = Supervision.STEPS
 
 
-Learner = FromVectors | FromQueries | FromSteps
+Learner = OfflineImitation | InteractiveImitation | ReinforcementLearner
 
-_CLONING = FromVectors(
+_CLONING = OfflineImitation(
     "behavioural cloning",
     cloning,
     {"hidden_layer_sizes": (32, 32), "learning_rate_init": 0.005, "max_iter": 3_000},
@@ -154,33 +155,33 @@ _CLONING = FromVectors(
 )
 
 LEARNERS: dict[str, Learner] = {
-    "imitator": FromVectors("the thesis's imitator", NearestNeighbourImitator, diagonal=True),
-    "k_nearest": FromVectors("5 nearest", KNearestImitator, {"k": 5}, diagonal=True),
-    "distance_weighted": FromVectors(
+    "imitator": OfflineImitation("the thesis's imitator", NearestNeighbourImitator, diagonal=True),
+    "k_nearest": OfflineImitation("5 nearest", KNearestImitator, {"k": 5}, diagonal=True),
+    "distance_weighted": OfflineImitation(
         "5 nearest, by distance", KNearestImitator, {"k": 5, "weighting": "distance"}, diagonal=True
     ),
-    "attribute_weights": FromVectors(
+    "attribute_weights": OfflineImitation(
         "learned weights", WeightedImitator, diagonal=True, seeded=True, grouped=True
     ),
-    "growing_memory": FromVectors("growing memory", GrowingMemory, diagonal=True),
-    "tree": FromVectors("decision tree", tree, seeded=True),
-    "boosting": FromVectors(
+    "growing_memory": OfflineImitation("growing memory", GrowingMemory, diagonal=True),
+    "tree": OfflineImitation("decision tree", tree, seeded=True),
+    "boosting": OfflineImitation(
         "gradient boosting",
         boosting,
         {"n_estimators": 50, "max_depth": 3},
         seeded=True,
     ),
     "cloning": _CLONING,
-    "dagger": FromQueries("DAgger", _CLONING, {"queries_a_round": 100}),
-    "dagger_tree": FromQueries(
-        "DAgger, tree", FromVectors("decision tree", tree, seeded=True), {"queries_a_round": 100}
+    "dagger": InteractiveImitation("DAgger", _CLONING, {"queries_a_round": 100}),
+    "dagger_tree": InteractiveImitation(
+        "DAgger, tree", OfflineImitation("decision tree", tree, seeded=True), {"queries_a_round": 100}
     ),
     # Reinforcement learners. Their settings were found in twelve trainings in the compiled corridor, with seed 0 and at
     # most five minutes on one core each, by the share of food delivered; the rectangle and pymunk were not used. `hold`
     # matters most: a policy that draws a random behaviour in every round delivers in 0.1 % of the episodes, one that
     # draws every 5 rounds in 13 %. Next come few worlds, which means more updates for the same number of steps: PPO
     # with 64 worlds needed 0.5 million steps where it needed 2 million with 1,024.
-    "ppo": FromSteps(
+    "ppo": ReinforcementLearner(
         "PPO on behaviours",
         "PPO",
         wheels=False,
@@ -196,7 +197,7 @@ LEARNERS: dict[str, Learner] = {
         worlds=64,
         hold=5,
     ),
-    "dqn": FromSteps(
+    "dqn": ReinforcementLearner(
         "DQN on behaviours",
         "DQN",
         wheels=False,
@@ -213,7 +214,7 @@ LEARNERS: dict[str, Learner] = {
         worlds=16,
         hold=5,
     ),
-    "ppo_wheels": FromSteps(
+    "ppo_wheels": ReinforcementLearner(
         "PPO on wheels",
         "PPO",
         wheels=True,
@@ -229,7 +230,7 @@ LEARNERS: dict[str, Learner] = {
         worlds=64,
         hold=5,
     ),
-    "sac_wheels": FromSteps(
+    "sac_wheels": ReinforcementLearner(
         "SAC on wheels",
         "SAC",
         wheels=True,
@@ -248,3 +249,16 @@ LEARNERS: dict[str, Learner] = {
     ),
 }
 """All learners by name."""
+
+
+_RENAMED = {
+    "Needs": Supervision,
+    "FromVectors": OfflineImitation,
+    "FromQueries": InteractiveImitation,
+    "FromSteps": ReinforcementLearner,
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Former names."""
+    return renamed(__name__, name, _RENAMED)

@@ -212,7 +212,7 @@ def training_of(model: Any) -> tuple[Form | None, int]:
             if layer.features is not None:
                 forms.insert(0, layer.features)
                 space = None  # of what the features make of observations
-        elif name in ("HoldAction", "HoldVectorAction"):
+        elif name in ("ActionRepeat", "VectorActionRepeat"):
             hold *= layer["rounds"] if isinstance(layer, Mapping) else layer.rounds
         elif name not in _TRANSPARENT and not isinstance(
             layer, gym.RewardWrapper | gym.vector.VectorRewardWrapper

@@ -88,7 +88,7 @@ def behaviours_env(env: gym.Env[Any, Any]) -> Any:
     if left_out:
         warnings.warn(
             f"{', '.join(left_out)} left out: recalls take place in the environment without its wrappers; use its "
-            "argument limit instead of TimeLimit, and ModelPolicy(model, features, hold) instead of HoldAction and "
+            "argument limit instead of TimeLimit, and ModelPolicy(model, features, hold) instead of ActionRepeat and "
             "wrappers of observations; recall(env.unwrapped, ...) does not warn",
             stacklevel=3,
         )

@@ -19,7 +19,7 @@ import khepera_forage  # noqa: F401 - registers the environments
 from khepera_forage.envs.arena_settings import environment_name
 from khepera_forage.envs.backends import COMPILED, check_backend
 from khepera_forage.policies.features import behaviour_features, wheels_features
-from khepera_forage.policies.learners import FromSteps
+from khepera_forage.policies.learners import ReinforcementLearner
 from khepera_forage.policies.models import ModelPolicy, algorithm_named
 from khepera_forage.sim.arenas.named import ARENAS
 
@@ -32,7 +32,7 @@ PYMUNK_ENVS = 8
 _log = logging.getLogger(__name__)
 
 
-class Trained(NamedTuple):
+class TrainedPolicy(NamedTuple):
     """A policy and the training behind it.
 
     Attributes:
@@ -72,7 +72,7 @@ def recall_envs(arena: str = "corridor", wheels: bool = False, mode: str = "sync
 
 
 def reinforce(
-    learner: FromSteps,
+    learner: ReinforcementLearner,
     amounts: Sequence[int],
     seed: int,
     make_env: MakeEnv | None = None,
@@ -80,7 +80,7 @@ def reinforce(
     watch: Callable[[int], object] | None = None,
     arena: str = "corridor",
     backend: str = COMPILED,
-) -> list[Trained]:
+) -> list[TrainedPolicy]:
     """Train once, and keep what the learner is after each amount of steps.
 
     The same seed gives the same policies on the same machine. Where an algorithm plans its exploration over the whole
@@ -125,7 +125,7 @@ def reinforce(
     if "n_steps" in settings:
         # A rollout smaller than a batch is one batch.
         settings["batch_size"] = min(settings["batch_size"], settings["n_steps"] * env.num_envs)
-    kept: list[Trained] = []
+    kept: list[TrainedPolicy] = []
     began = perf_counter()
 
     class Keeper(BaseCallback):  # type: ignore[misc, unused-ignore]
@@ -145,7 +145,7 @@ def reinforce(
             for amount in reached[len(kept) :]:
                 if self.steps >= amount:
                     copied = pickle.loads(pickle.dumps(policy))
-                    kept.append(Trained(copied, self.steps, perf_counter() - began))
+                    kept.append(TrainedPolicy(copied, self.steps, perf_counter() - began))
 
         @property
         def steps(self) -> int:

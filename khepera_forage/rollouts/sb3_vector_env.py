@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.arguments import whole_number
 from khepera_forage.extras import require
-from khepera_forage.wrappers import HoldVectorAction, check_same_step
+from khepera_forage.wrappers import VectorActionRepeat, check_same_step
 
 require("VecEnvAdapter", "baselines")
 from stable_baselines3.common.monitor import Monitor  # noqa: E402 (after the check)
@@ -41,7 +41,7 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         env: Its environments begin a new episode in the step that ends one (`AutoresetMode.SAME_STEP`).
         features: From the observations of all environments to one row of numbers each, as `policies.features` has
             them. By default observations stay as they are: dicts, for a `MultiInputPolicy`.
-        hold: Rounds that an action holds, as in `HoldVectorAction`.
+        hold: Rounds that an action holds, as in `VectorActionRepeat`.
 
     Attributes:
         env: The vector environment, whose actions hold.
@@ -55,7 +55,7 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         self, env: gym.vector.VectorEnv[Any, Any, Any], features: Features | None = None, hold: int = 1
     ) -> None:
         check_same_step(env)
-        self.env = env if whole_number("hold", hold, 1) == 1 else HoldVectorAction(env, hold)
+        self.env = env if whole_number("hold", hold, 1) == 1 else VectorActionRepeat(env, hold)
         self.features = features
         self._next_seed: int | None = None
         self._actions: NDArray[Any] | None = None

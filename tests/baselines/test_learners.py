@@ -12,13 +12,15 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from khepera_forage.policies import Policy
-from khepera_forage.policies.learners import LEARNERS, FromSteps
+from khepera_forage.policies.learners import LEARNERS, ReinforcementLearner
 from khepera_forage.policies.models import algorithm_named
 from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels, recall_wheels_env
-from khepera_forage.rollouts.reinforcement import COMPILED_MODE, Trained, recall_envs, reinforce
+from khepera_forage.rollouts.reinforcement import COMPILED_MODE, TrainedPolicy, recall_envs, reinforce
 from tests.contracts.suites import PolicyContract
 
-FROM_STEPS = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, FromSteps)}
+FROM_STEPS = {
+    name: learner for name, learner in LEARNERS.items() if isinstance(learner, ReinforcementLearner)
+}
 SMALL: dict[str, dict[str, Any]] = {
     "PPO": {"n_steps": 64, "batch_size": 128},
     "DQN": {"learning_starts": 100},
@@ -27,7 +29,7 @@ SMALL: dict[str, dict[str, Any]] = {
 AMOUNTS = 600, 1_300
 
 
-def short(name: str, amounts: tuple[int, ...], seed: int = 0) -> list[Trained]:
+def short(name: str, amounts: tuple[int, ...], seed: int = 0) -> list[TrainedPolicy]:
     """A short training with a learner's own settings, except those that need a long one."""
     learner = FROM_STEPS[name]
     learner = replace(learner, settings={**learner.settings, **SMALL[learner.algorithm]})
@@ -35,18 +37,18 @@ def short(name: str, amounts: tuple[int, ...], seed: int = 0) -> list[Trained]:
 
 
 @pytest.fixture(scope="module")
-def trained() -> dict[str, list[Trained]]:
+def trained() -> dict[str, list[TrainedPolicy]]:
     return {name: short(name, AMOUNTS) for name in FROM_STEPS}
 
 
 class TestBehaviours(PolicyContract):
     @pytest.fixture(params=[name for name, learner in FROM_STEPS.items() if not learner.wheels])
-    def policy(self, request: pytest.FixtureRequest, trained: dict[str, list[Trained]]) -> Policy:
+    def policy(self, request: pytest.FixtureRequest, trained: dict[str, list[TrainedPolicy]]) -> Policy:
         return trained[request.param][-1].policy
 
 
 @pytest.mark.parametrize("name", FROM_STEPS)
-def test_policies_are_kept_after_each_amount(name: str, trained: dict[str, list[Trained]]) -> None:
+def test_policies_are_kept_after_each_amount(name: str, trained: dict[str, list[TrainedPolicy]]) -> None:
     early, late = trained[name]
     a_time = 2 * 64 * FROM_STEPS[name].hold
     assert 600 <= early.steps < min(600 + a_time, late.steps)
@@ -57,16 +59,16 @@ def test_policies_are_kept_after_each_amount(name: str, trained: dict[str, list[
 
 
 @pytest.mark.parametrize("name", FROM_STEPS)
-def test_same_seed_gives_the_same_policy(name: str, trained: dict[str, list[Trained]]) -> None:
+def test_same_seed_gives_the_same_policy(name: str, trained: dict[str, list[TrainedPolicy]]) -> None:
     assert parameters(short(name, AMOUNTS)[-1]) == parameters(trained[name][-1])
 
 
-def test_another_seed_gives_another_policy(trained: dict[str, list[Trained]]) -> None:
+def test_another_seed_gives_another_policy(trained: dict[str, list[TrainedPolicy]]) -> None:
     assert parameters(short("ppo", AMOUNTS, seed=1)[-1]) != parameters(trained["ppo"][-1])
 
 
 @pytest.mark.parametrize("name", FROM_STEPS)
-def test_pickled_policy_acts_the_same(name: str, trained: dict[str, list[Trained]]) -> None:
+def test_pickled_policy_acts_the_same(name: str, trained: dict[str, list[TrainedPolicy]]) -> None:
     policy = trained[name][-1].policy
     twin = pickle.loads(pickle.dumps(policy))
     env = gym.make(f"khepera_forage:khepera_forage/Corridor{'Wheels' if FROM_STEPS[name].wheels else ''}-v1")
@@ -81,7 +83,7 @@ def test_pickled_policy_acts_the_same(name: str, trained: dict[str, list[Trained
 
 
 @pytest.mark.parametrize("name", ["ppo", "ppo_wheels", "sac_wheels"])
-def test_policy_forages_the_same_again(name: str, trained: dict[str, list[Trained]]) -> None:
+def test_policy_forages_the_same_again(name: str, trained: dict[str, list[TrainedPolicy]]) -> None:
     """Also if the last action of the first recall still held."""
     if FROM_STEPS[name].wheels:
         rows: list[Any] = [
@@ -169,6 +171,6 @@ def test_algorithm_unknown_or_not_installed_is_refused(monkeypatch: pytest.Monke
         algorithm_named("PPO")
 
 
-def parameters(trained: Trained) -> bytes:
+def parameters(trained: TrainedPolicy) -> bytes:
     model: Any = trained.policy.model
     return b"".join(value.numpy().tobytes() for value in model.policy.state_dict().values())

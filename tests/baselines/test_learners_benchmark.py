@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from khepera_forage.policies.learners import LEARNERS, Needs
+from khepera_forage.policies.learners import LEARNERS, Supervision
 from tests.benchmarks.running import is_picture, quick, read
 
-FROM_STEPS = [name for name, learner in LEARNERS.items() if learner.needs is Needs.STEPS]
+FROM_STEPS = [name for name, learner in LEARNERS.items() if learner.needs is Supervision.STEPS]
 
 
 def test_benchmark_has_rows_of_reinforcement_learners(tmp_path: Path) -> None:

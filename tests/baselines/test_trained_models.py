@@ -32,16 +32,18 @@ from khepera_forage.policies import ModelPolicy, as_policy
 from khepera_forage.policies.features import behaviour_features, wheels_features
 from khepera_forage.rollouts.recall import recall
 from khepera_forage.rollouts.sb3_vector_env import VecEnvAdapter
-from khepera_forage.wrappers import HoldAction, HoldVectorAction
+from khepera_forage.wrappers import ActionRepeat, VectorActionRepeat
 
 SMALL: dict[str, Any] = {"n_steps": 8, "batch_size": 8, "n_epochs": 1, "seed": 0, "device": "cpu"}
 WRAPPED: list[tuple[Callable[[Any], Any], int]] = [
     (lambda env: env, 1),
-    (lambda env: TimeLimit(HoldAction(env, 5), 30), 5),
-    (lambda env: FlattenObservation(HoldAction(env, 3)), 3),
-    (lambda env: HoldAction(DtypeObservation(FlattenObservation(env), np.float32), 3), 3),
+    (lambda env: TimeLimit(ActionRepeat(env, 5), 30), 5),
+    (lambda env: FlattenObservation(ActionRepeat(env, 3)), 3),
+    (lambda env: ActionRepeat(DtypeObservation(FlattenObservation(env), np.float32), 3), 3),
     (
-        lambda env: TransformReward(HoldAction(FlattenObservation(env), 2), lambda reward: float(reward) / 2),
+        lambda env: TransformReward(
+            ActionRepeat(FlattenObservation(env), 2), lambda reward: float(reward) / 2
+        ),
         2,
     ),
 ]
@@ -108,9 +110,9 @@ def test_model_of_the_adapter_acts_as_in_training(wheels: bool, normalize: bool,
 
 
 def test_action_holds_however_it_was_held() -> None:
-    held = HoldVectorAction(RecordEpisodeStatistics(worlds()), 5)
+    held = VectorActionRepeat(RecordEpisodeStatistics(worlds()), 5)
     assert as_policy(trained(VecEnvAdapter(held, behaviour_features))).hold == 5  # type: ignore[attr-defined]
-    asynchronous = SubprocVecEnv([lambda: made(lambda env: HoldAction(env, 4))])
+    asynchronous = SubprocVecEnv([lambda: made(lambda env: ActionRepeat(env, 4))])
     assert as_policy(trained(asynchronous)).hold == 4  # type: ignore[attr-defined]
     asynchronous.close()
 
@@ -140,9 +142,9 @@ def test_loaded_model_needs_its_environments_or_a_policy_of_ones_own(tmp_path: A
 
 
 def test_recall_names_the_wrappers_that_it_leaves_out() -> None:
-    env = made(lambda env: TimeLimit(HoldAction(env, 5), 3))
+    env = made(lambda env: TimeLimit(ActionRepeat(env, 5), 3))
     with pytest.warns(
-        UserWarning, match="TimeLimit, HoldAction left out: recalls take place in the environment"
+        UserWarning, match="TimeLimit, ActionRepeat left out: recalls take place in the environment"
     ):
         recall(env, as_policy(trained(made())), 1)
 

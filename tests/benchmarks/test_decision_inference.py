@@ -19,7 +19,7 @@ def posterior() -> Posterior:
     rng = np.random.default_rng(0)
     parameters = (
         Parameter("strong", (), rng.uniform(size=SETS)),
-        Parameter("reading", ("a", "b"), rng.integers(2, size=SETS).astype(float)),
+        Parameter("alternative", ("a", "b"), rng.integers(2, size=SETS).astype(float)),
         Parameter("nothing", (), rng.uniform(size=SETS)),
     )
     weights = rng.uniform(size=SETS) * (rng.random(SETS) < 0.9)
@@ -27,25 +27,25 @@ def posterior() -> Posterior:
 
 
 def test_knowing_a_decision_explains_what_depends_on_it(posterior: Posterior) -> None:
-    strong, reading, _ = (parameter.values for parameter in posterior.parameters)
+    strong, alternative, _ = (parameter.values for parameter in posterior.parameters)
     statistics = np.ones((SETS, 1, WIDTH), np.float32)
     statistics[:, 0, page.MEANS[0]] = strong
-    statistics[:, 0, page.MEANS[1]] = 2 * reading
+    statistics[:, 0, page.MEANS[1]] = 2 * alternative
     found = explained(posterior, statistics, np.random.default_rng(1))
     by_name = {one.name: one for one in found}
     assert by_name["strong"].share == pytest.approx(0.5 * 0.96, abs=0.02), (
         "five classes explain 24/25 of a number"
     )
-    assert by_name["reading"].share == pytest.approx(0.5, abs=0.02)
+    assert by_name["alternative"].share == pytest.approx(0.5, abs=0.02)
     assert by_name["nothing"].share < by_name["nothing"].chance + 0.005 < 0.02
     assert found[-1].name == "nothing"
 
 
 def test_weights_decide_what_is_explained(posterior: Posterior) -> None:
-    strong, reading, _ = (parameter.values for parameter in posterior.parameters)
-    statistics = np.where(reading == 1, strong, 0.3)[:, None, None] * np.ones((1, 1, WIDTH), np.float32)
+    strong, alternative, _ = (parameter.values for parameter in posterior.parameters)
+    statistics = np.where(alternative == 1, strong, 0.3)[:, None, None] * np.ones((1, 1, WIDTH), np.float32)
     for value, least, most in ((1, 0.9, 1.0), (0, 0.0, 0.0)):
-        weights = (reading == value) / (reading == value).sum()
+        weights = (alternative == value) / (alternative == value).sum()
         found = explained(
             replace(posterior, weights=weights), statistics.astype(np.float32), np.random.default_rng(0)
         )

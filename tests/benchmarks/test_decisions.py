@@ -38,11 +38,11 @@ def test_every_part_of_the_prior_stands_on_the_page_with_its_source(out: Path) -
 def test_every_decision_is_calibrated_and_has_a_posterior(out: Path) -> None:
     assert {row["decision or noise"] for row in read(out / "table_calibration.csv")} == set(PRIOR.parts)
     numbers = {row["decision or noise"] for row in read(out / "table_posterior_numbers.csv")}
-    readings = {row["decision"] for row in read(out / "table_posterior_readings.csv")}
-    assert numbers | readings == set(PRIOR.parts)
+    alternatives = {row["decision"] for row in read(out / "table_posterior_alternatives.csv")}
+    assert numbers | alternatives == set(PRIOR.parts)
     shares = [
         float(row["posterior (%)"])
-        for row in read(out / "table_posterior_readings.csv")
+        for row in read(out / "table_posterior_alternatives.csv")
         if row["decision"] == "orienting"
     ]
     assert sum(shares) == pytest.approx(100, abs=0.01)

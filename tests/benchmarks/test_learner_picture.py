@@ -9,8 +9,8 @@ from sklearn.ensemble import RandomForestClassifier
 
 from khepera_forage.comparison.learning import ARENAS, RecallBatch, all_learners
 from khepera_forage.comparison.page import STYLES, figure
-from khepera_forage.comparison.results import Curve, ReadLearner, beside, curves, described, read_results
-from khepera_forage.policies.learners import FromVectors, Needs
+from khepera_forage.comparison.results import Curve, ReadLearner, curves, described, merged, read_results
+from khepera_forage.policies.learners import OfflineImitation, Supervision
 from tests.figure_checks import (
     check_points_are_shown,
     check_readable,
@@ -20,9 +20,9 @@ from tests.figure_checks import (
 )
 
 AMOUNTS = {
-    Needs.VECTORS: (200, 550, 750, 1_100, 2_200),
-    Needs.QUERIES: (100, 200, 300, 500, 1_000),
-    Needs.STEPS: (1_000, 10_000, 100_000, 1_000_000),
+    Supervision.VECTORS: (200, 550, 750, 1_100, 2_200),
+    Supervision.QUERIES: (100, 200, 300, 500, 1_000),
+    Supervision.STEPS: (1_000, 10_000, 100_000, 1_000_000),
     None: (0,),
 }
 """Steps of the learning, as published."""
@@ -31,7 +31,7 @@ AMOUNTS = {
 @pytest.fixture(scope="module")
 def learners() -> dict[str, ReadLearner]:
     """Those of the registry, and ten that a user adds."""
-    own = {f"own_{i}": FromVectors(f"own learner {i}", RandomForestClassifier) for i in range(10)}
+    own = {f"own_{i}": OfflineImitation(f"own learner {i}", RandomForestClassifier) for i in range(10)}
     return described(all_learners() | own)
 
 
@@ -114,7 +114,7 @@ def test_picture_is_readable_and_complete_in_its_legend(drawn: Figure) -> None:
 
 def test_picture_beside_published_results_is_readable(learners: dict[str, ReadLearner]) -> None:
     few = {name: learners[name] for name in ("teacher", "imitator")}
-    check_readable(lay_out(figure(*beside(curves(rows_of(few), 3), few, read_results("published")))))
+    check_readable(lay_out(figure(*merged(curves(rows_of(few), 3), few, read_results("published")))))
 
 
 def test_picture_of_references_alone_can_be_drawn(learners: dict[str, ReadLearner]) -> None:

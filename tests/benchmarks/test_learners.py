@@ -16,7 +16,7 @@ from khepera_forage.comparison.learning import (
     settings_of,
 )
 from khepera_forage.comparison.results import curves
-from khepera_forage.policies.learners import LEARNERS, Needs
+from khepera_forage.policies.learners import LEARNERS, Supervision
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import quick, quick_here, read, refused
 from tests.benchmarks.test_scripts import LEARNERS_RUN
@@ -213,7 +213,7 @@ def test_settings_are_compared_over_the_same_replications() -> None:
 
 def test_tuned_learners_have_as_many_settings_each() -> None:
     tried = CANDIDATES
-    needing = {name for name, learner in LEARNERS.items() if learner.needs is not Needs.STEPS}
+    needing = {name for name, learner in LEARNERS.items() if learner.needs is not Supervision.STEPS}
     assert set(tried) == needing - {"imitator"}
     assert {len(changes) for changes in tried.values()} == {3}
     assert len({settings_of(learner) for learner in candidates().values()}) == 5 * len(tried)

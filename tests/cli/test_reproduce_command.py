@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from khepera_forage.cli.main import main
-from khepera_forage.study import Unit
+from khepera_forage.study import WorkUnit
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.replication import JobCounts, Row
@@ -58,7 +58,7 @@ class Interrupted(OneRowJob):
 def test_reproduction_that_was_killed_continues(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def killed(seed: int, counts: JobCounts, decisions: Decisions) -> list[Unit]:
+    def killed(seed: int, counts: JobCounts, decisions: Decisions) -> list[WorkUnit]:
         return [OneRowJob(decisions), Interrupted(decisions)]
 
     monkeypatch.setattr(reproduction, "compiled_jobs", killed)

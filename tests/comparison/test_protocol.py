@@ -25,7 +25,7 @@ from khepera_forage.comparison.compiled_learning import (
     search,
     thinned,
 )
-from khepera_forage.comparison.learning import REFERENCES
+from khepera_forage.comparison.learning import BASELINES
 from khepera_forage.comparison.protocol import (
     LATE,
     NAME,
@@ -38,7 +38,7 @@ from khepera_forage.comparison.protocol import (
     wheels_learner,
 )
 from khepera_forage.policies import Teacher
-from khepera_forage.policies.learners import LEARNERS, FromSteps, FromVectors
+from khepera_forage.policies.learners import LEARNERS, OfflineImitation, ReinforcementLearner
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.raw_episodes import RawEpisode, teacher_alone
 from khepera_forage.rollouts.recall import recall_env, recall_wheels_env
@@ -65,10 +65,10 @@ class TeacherClassifier:
 
 def test_every_learner_that_ships_is_in_a_track() -> None:
     """Learners that query the teacher are on no track: in none of them a teacher answers."""
-    planned = {unit.name for track in TRACKS for unit in plan(track, {**REFERENCES, **LEARNERS}, 0, True, 1)}
-    vectors = {name for name, learner in LEARNERS.items() if isinstance(learner, FromVectors)}
-    wheels = {name for name, one in LEARNERS.items() if isinstance(one, FromSteps) and one.wheels}
-    assert planned >= vectors | wheels | set(REFERENCES)
+    planned = {unit.name for track in TRACKS for unit in plan(track, {**BASELINES, **LEARNERS}, 0, True, 1)}
+    vectors = {name for name, learner in LEARNERS.items() if isinstance(learner, OfflineImitation)}
+    wheels = {name for name, one in LEARNERS.items() if isinstance(one, ReinforcementLearner) and one.wheels}
+    assert planned >= vectors | wheels | set(BASELINES)
     for track in TRACKS:
         keys = [unit.key for unit in plan(track, LEARNERS, 0, False, 3)]
         assert len(set(keys)) == len(keys)
@@ -77,7 +77,7 @@ def test_every_learner_that_ships_is_in_a_track() -> None:
 def test_a_perfect_student_forages_like_the_teacher() -> None:
     """Both kinds of recalls: within the kernel, and with classifiers that decide for all worlds of all places."""
     seeds = {"corridor": [3, 4, 5], "doors": [6], "hard": [8, 9]}
-    perfect = recalls_after(FromVectors("perfect", TeacherClassifier), TEN_STEPS, seeds, 0, 138)
+    perfect = recalls_after(OfflineImitation("perfect", TeacherClassifier), TEN_STEPS, seeds, 0, 138)
     teacher = reference_recalls(True, seeds)
     for place in seeds:
         for own, other in zip(perfect[place], teacher[place], strict=True):
@@ -90,7 +90,7 @@ def test_learners_forage_in_several_places(name: str) -> None:
     trained = train_learners(1, episodes=10, seed=5)
     rows = trained.vectors_of(0).astype(np.int64)
     learner = LEARNERS[name]
-    assert isinstance(learner, FromVectors)
+    assert isinstance(learner, OfflineImitation)
     training = Training(rows[:, :5], rows[:, 5], np.zeros(len(rows), np.int64))
     seeds = {"corridor": range(40), "rectangle": range(4)}
     found = recalls_after(learner, training, seeds, 0, 138)
@@ -116,7 +116,7 @@ def test_other_vocabularies() -> None:
 
 def test_a_search_finds_better_demonstrations_than_chance() -> None:
     learner = LEARNERS["imitator"]
-    assert isinstance(learner, FromVectors)
+    assert isinstance(learner, OfflineImitation)
 
     def delivered(marks: NDArray[np.float64]) -> float:
         seeds = {"corridor": range(50)}

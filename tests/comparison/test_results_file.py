@@ -15,9 +15,9 @@ from khepera_forage.comparison.results import (
     PUBLISHED,
     Results,
     as_json,
-    beside,
     curves,
     described,
+    merged,
     read_results,
 )
 from khepera_forage.estimates import Estimate
@@ -68,7 +68,7 @@ def test_published_results_are_those_of_the_documentation() -> None:
 
 def test_published_rows_stand_beside_those_of_a_run(results: Results) -> None:
     tree = described(all_learners())["tree"]
-    found, learners = beside(results.curves, {"tree": tree}, read_results(PUBLISHED))
+    found, learners = merged(results.curves, {"tree": tree}, read_results(PUBLISHED))
     assert learners["tree"] is tree
     written = page(found, learners, {}, tuned=False)
     table = {row[0]: row for row in written.tables[0].rows}
@@ -102,7 +102,7 @@ def without(content: dict[str, Any], *keys: str | int) -> None:
         (lambda c: c["curves"][0].update(gain=["a", 1, 2]), "gain has 'a'; allowed: a number"),
         (lambda c: c["curves"][0].update(points=[]), "points of tree are empty; allowed: one or more"),
         (lambda c: c["curves"][0]["points"][0].update(amount=-1), "amount is -1; allowed: a whole number"),
-        (lambda c: c["learners"]["tree"].update(learns_from="luck"), "'luck' is not a valid Needs"),
+        (lambda c: c["learners"]["tree"].update(learns_from="luck"), "'luck' is not a valid Supervision"),
     ],
 )
 def test_a_file_that_is_wrong_is_named(change: Any, message: str, results: Results, tmp_path: Path) -> None:

@@ -7,21 +7,21 @@ import numpy as np
 import pytest
 
 from khepera_forage import Decisions, Noise
-from khepera_forage.thesis.inference.prior import Laboratory
+from khepera_forage.thesis.inference.prior import LabModel
 from khepera_forage.thesis.inference.simulate import reason_against, replicate, simulate
 from khepera_forage.thesis.inference.summary import NAMES, SLOPES
 from tests.version_0_1 import V0_1
 
 
-def laboratory(**decisions: Any) -> Laboratory:
+def laboratory(**decisions: Any) -> LabModel:
     """Version 0.1 with some changes."""
-    return Laboratory(replace(V0_1, **decisions), Noise.laboratory())
+    return LabModel(replace(V0_1, **decisions), Noise.laboratory())
 
 
 @pytest.mark.parametrize("decisions", [Decisions(), V0_1])
 def test_defaults_are_admissible_with_every_seed(decisions: Decisions) -> None:
     """The teacher brings home 98.8 % of the food in the rectangle under the defaults, near the threshold of 98 %."""
-    assert [reason_against(Laboratory(decisions, Noise.laboratory()), seed) for seed in range(5)] == [""] * 5
+    assert [reason_against(LabModel(decisions, Noise.laboratory()), seed) for seed in range(5)] == [""] * 5
 
 
 @pytest.mark.parametrize(
@@ -36,7 +36,7 @@ def test_laboratory_is_not_admissible_for_a_reason(decisions: dict[str, Any], re
 
 
 def test_laboratory_in_which_learners_are_soon_given_up_is_not_admissible() -> None:
-    clumsy = Laboratory(replace(V0_1, separation=5, patience=1), Noise(placement_error=20))
+    clumsy = LabModel(replace(V0_1, separation=5, patience=1), Noise(placement_error=20))
     assert reason_against(clumsy, 1) == "training is seldom complete"
 
 

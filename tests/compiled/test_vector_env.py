@@ -13,7 +13,7 @@ from gymnasium.wrappers.vector import RecordEpisodeStatistics
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage import Decisions
 from khepera_forage.noise import Noise
-from khepera_forage.wrappers import HoldAction, HoldVectorAction
+from khepera_forage.wrappers import ActionRepeat, VectorActionRepeat
 from tests.arenas import POOL
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
@@ -157,8 +157,8 @@ in_same_step = partial(make, num_envs=4, limit=40, autoreset_mode="SameStep")
 
 
 def test_vector_wrappers_are_applied_from_the_innermost_and_again_from_the_spec() -> None:
-    env = in_same_step(vector_wrappers=[partial(HoldVectorAction, rounds=3), RecordEpisodeStatistics])
-    plain = HoldVectorAction(in_same_step(), rounds=3)
+    env = in_same_step(vector_wrappers=[partial(VectorActionRepeat, rounds=3), RecordEpisodeStatistics])
+    plain = VectorActionRepeat(in_same_step(), rounds=3)
     env.reset(seed=3)
     plain.reset(seed=3)
     for _ in range(14):
@@ -167,13 +167,13 @@ def test_vector_wrappers_are_applied_from_the_innermost_and_again_from_the_spec(
         np.testing.assert_equal(shown, expected)
     assert shown[3].all()
     assert info["episode"]["l"].tolist() == [14] * 4
-    again = gym.make_vec(in_same_step(vector_wrappers=[HoldVectorAction]).unwrapped.spec)
-    assert isinstance(again, HoldVectorAction)
+    again = gym.make_vec(in_same_step(vector_wrappers=[VectorActionRepeat]).unwrapped.spec)
+    assert isinstance(again, VectorActionRepeat)
     assert again.num_envs == 4
 
 
 def test_wrong_vector_wrapper_is_named() -> None:
-    with pytest.raises(ValueError, match=r"allowed: a single environment \(HoldVectorAction is for many\)"):
-        in_same_step(vector_wrappers=[HoldAction])
+    with pytest.raises(ValueError, match=r"allowed: a single environment \(VectorActionRepeat is for many\)"):
+        in_same_step(vector_wrappers=[ActionRepeat])
     with pytest.raises(ValueError, match=r"vector_wrappers has <.*>, which returns None; allowed: functions"):
         in_same_step(vector_wrappers=[lambda env: None])

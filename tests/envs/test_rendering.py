@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from khepera_forage.envs.rendering import FoodView, RobotView, Screen, View
-from khepera_forage.envs.rendering.picture import MAX_HEIGHT, MAX_WIDTH, Layout, arrange
+from khepera_forage.envs.rendering.picture import MAX_HEIGHT, MAX_WIDTH, PictureLayout, arrange
 from khepera_forage.sim.arena import Arena, Pose, copies
 from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
@@ -51,7 +51,9 @@ def draw(screen: Screen, view: View) -> NDArray[np.uint8]:
     return frame
 
 
-def patch(layout: Layout, frame: NDArray[np.uint8], x: float, y: float, reach: float) -> NDArray[np.uint8]:
+def patch(
+    layout: PictureLayout, frame: NDArray[np.uint8], x: float, y: float, reach: float
+) -> NDArray[np.uint8]:
     """The square of pixels around a position in mm."""
     (left, top), (right, bottom) = layout.pixel(x - reach, y + reach), layout.pixel(x + reach, y - reach)
     return frame[top : bottom + 1, left : right + 1]

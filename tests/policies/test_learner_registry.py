@@ -12,7 +12,7 @@ from sklearn.naive_bayes import GaussianNB
 
 from khepera_forage.policies import as_policy, register_learner
 from khepera_forage.policies.learner_registry import installed_learners, learner_at
-from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors
+from khepera_forage.policies.learners import LEARNERS, InteractiveImitation, OfflineImitation
 
 X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1, 48, 1, 215, 14]] * 3)
 Y = np.array([0, 2, 3, 7] * 3)
@@ -50,12 +50,12 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
 
 def test_a_registered_learner_learns_and_decides() -> None:
     learner = register_learner("forest", RandomForestClassifier)
-    assert isinstance(learner, FromVectors)
+    assert isinstance(learner, OfflineImitation)
     assert (learner.title, learner.seeded, learner.diagonal) == ("forest", True, False)
     one, other = (learner.learn(X, Y, seed=3) for _ in range(2))
     assert one.act(X[2], np.random.default_rng(0)) == other.act(X[2], np.random.default_rng(0))
     assert register_learner("forest", RandomForestClassifier) == learner, "a second time changes nothing"
-    described = FromVectors("naive Bayes", GaussianNB, sample=False)
+    described = OfflineImitation("naive Bayes", GaussianNB, sample=False)
     assert register_learner("naive_bayes", described) is described
 
 
@@ -68,7 +68,10 @@ def test_names_are_checked() -> None:
 
 @pytest.mark.parametrize("learner", [7, None, GaussianNB()])
 def test_what_makes_no_classifier_is_refused(learner: Any) -> None:
-    with pytest.raises(TypeError, match=r"learner mine is .*; allowed: FromVectors, FromQueries, FromSteps"):
+    with pytest.raises(
+        TypeError,
+        match=r"learner mine is .*; allowed: OfflineImitation, InteractiveImitation, ReinforcementLearner",
+    ):
         register_learner("mine", learner)
 
 
@@ -76,7 +79,7 @@ def test_learners_of_installed_packages_are_found(package: str) -> None:
     found = installed_learners()
     assert set(found.learners) == {"forest"}
     forest = found.learners["forest"]
-    assert isinstance(forest, FromVectors)
+    assert isinstance(forest, OfflineImitation)
     assert as_policy(forest.classifier(seed=1).fit(X, Y)).act(X[0], np.random.default_rng(0)) in Y
     assert set(found.broken) == {"missing", "number", "tree"}
     assert found.broken["missing"].startswith(f"{package}:missing: AttributeError")
@@ -86,8 +89,8 @@ def test_learners_of_installed_packages_are_found(package: str) -> None:
 
 def test_a_learner_is_found_by_its_place(package: str) -> None:
     name, learner = learner_at(f"{package}:bayes")
-    assert (name, type(learner)) == ("bayes", FromVectors)
-    assert not isinstance(learner, FromQueries)
+    assert (name, type(learner)) == ("bayes", OfflineImitation)
+    assert not isinstance(learner, InteractiveImitation)
 
 
 @pytest.mark.parametrize("place", ["nowhere:forest", "{0}", "{0}:", ":forest", "{0}:missing", "{0}:number"])

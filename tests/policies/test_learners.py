@@ -16,12 +16,12 @@ from khepera_forage.policies import (
     WeightedImitator,
     state_vector_of,
 )
-from khepera_forage.policies.learners import LEARNERS, FromVectors
+from khepera_forage.policies.learners import LEARNERS, OfflineImitation
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import behaviour_for, classify
 from tests.contracts.suites import PolicyContract, observations
 
-IMITATING = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, FromVectors)}
+IMITATING = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, OfflineImitation)}
 
 
 def experience(seed: int, count: int = 300) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

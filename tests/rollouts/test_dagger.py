@@ -9,7 +9,7 @@ from sklearn.tree import DecisionTreeClassifier
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies import state_vector_of
 from khepera_forage.policies.features import encoded
-from khepera_forage.policies.learners import LEARNERS, FromQueries, FromVectors
+from khepera_forage.policies.learners import LEARNERS, InteractiveImitation, OfflineImitation
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.task.states import Behaviour, behaviour_for, classify
@@ -59,11 +59,13 @@ def test_number_of_queries_below_one_is_an_error(env: BehavioursEnv, queries: in
         dagger(make, env, queries, 0, queries_a_round=a_round)
 
 
-@pytest.mark.parametrize("name", [name for name, one in LEARNERS.items() if isinstance(one, FromQueries)])
+@pytest.mark.parametrize(
+    "name", [name for name, one in LEARNERS.items() if isinstance(one, InteractiveImitation)]
+)
 def test_registered_dagger_learners_work(env: BehavioursEnv, name: str) -> None:
     learner = LEARNERS[name]
-    assert isinstance(learner, FromQueries)
-    inner: FromVectors = learner.learner
+    assert isinstance(learner, InteractiveImitation)
+    inner: OfflineImitation = learner.learner
     out = dagger(
         lambda: inner.classifier(env.diagonal, 0), env, 150, 0, sample=inner.sample, **learner.settings
     )

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from khepera_forage.rollouts.rows import IMITATOR, STATES, TEACHER, RecallRow, TrainingRow
-from khepera_forage.study import Unit
+from khepera_forage.study import WorkUnit
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import State
 from khepera_forage.thesis.design import FILES, LABORATORY, THESIS, Cell
@@ -43,7 +43,7 @@ BY_EPISODES = (
 """Figures with their arena, and the food objects in it."""
 
 
-def one_row_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Unit]:
+def one_row_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[WorkUnit]:
     """In place of `jobs.compiled_jobs`."""
     return [OneRowJob(decisions)]
 

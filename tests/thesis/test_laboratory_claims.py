@@ -20,15 +20,15 @@ from khepera_forage.thesis.inference.claims import (
     claims_of,
     measure,
 )
-from khepera_forage.thesis.inference.prior import Laboratory
+from khepera_forage.thesis.inference.prior import LabModel
 from khepera_forage.thesis.replication import JobCounts, compiled_jobs
 
 pytest.importorskip("numba")
 
 REPLICATIONS = 5
 """As few as give intervals."""
-DEFAULT = Laboratory(Decisions(), Noise.laboratory())
-OTHER = Laboratory(Decisions(next_to_food=22), replace(Noise.laboratory(), position_jitter=0.4))
+DEFAULT = LabModel(Decisions(), Noise.laboratory())
+OTHER = LabModel(Decisions(next_to_food=22), replace(Noise.laboratory(), position_jitter=0.4))
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_another_seed_or_laboratory_gives_other_claims(measured: list[Claim]) ->
     effects = [claim.effect for claim in measured]
     assert [claim.effect for claim in claims_of(DEFAULT, 4, REPLICATIONS)] != effects
     assert [claim.effect for claim in claims_of(OTHER, 3, REPLICATIONS)] != effects
-    only_noise = Laboratory(DEFAULT.decisions, OTHER.noise)
+    only_noise = LabModel(DEFAULT.decisions, OTHER.noise)
     assert [claim.effect for claim in claims_of(only_noise, 3, REPLICATIONS)] != effects
 
 
@@ -66,7 +66,7 @@ def test_default_laboratory_has_the_claims_of_the_ordinary_reproduction(measured
 
 def test_laboratory_without_complete_training_is_an_error() -> None:
     reversed_markers = replace(Noise.laboratory(), reversal_rate=1.0)
-    hopeless = Laboratory(Decisions(next_to_food=22, most_attempts=2), reversed_markers)
+    hopeless = LabModel(Decisions(next_to_food=22, most_attempts=2), reversed_markers)
     with pytest.raises(IncompleteTrainingError):
         claims_of(hopeless, 3, 1)
     (row,) = measure(3, 0, hopeless, 1)

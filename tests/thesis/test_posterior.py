@@ -21,7 +21,7 @@ from khepera_forage.thesis.inference.posterior import (
     rank,
     shortest,
 )
-from khepera_forage.thesis.inference.prior import PRIOR, Laboratory, Prior, Range, Shares
+from khepera_forage.thesis.inference.prior import PRIOR, LabModel, Prior, PriorRange, Shares
 from khepera_forage.thesis.inference.summary import fitted_columns, thesis_statistics
 from tests.version_0_1 import V0_1
 
@@ -31,19 +31,19 @@ SETS, EXPERIMENTS, SPREAD = 3000, 4, 0.5
 
 @pytest.fixture(scope="module")
 def simulator() -> tuple[list[Parameter], Any]:
-    """A number measured with errors of 0.5, a reading that moves another statistic, and one that does nothing."""
+    """A number measured with errors of 0.5, an alternative that moves another statistic, and one that does nothing."""
     rng = np.random.default_rng(1)
     number = rng.normal(size=SETS)
-    reading = rng.integers(3, size=SETS).astype(float)
+    alternative = rng.integers(3, size=SETS).astype(float)
     nothing = rng.uniform(size=SETS)
     errors = rng.normal(size=(SETS, EXPERIMENTS, 3))
     statistics = errors * [SPREAD, SPREAD, 1.0]
     statistics[..., 0] += number[:, None]
-    statistics[..., 1] += reading[:, None] == 2
+    statistics[..., 1] += alternative[:, None] == 2
     statistics[rng.random((SETS, EXPERIMENTS)) < 0.05, 2] = np.nan
     parameters = [
         Parameter("number", (), number),
-        Parameter("reading", ("a", "b", "c"), reading),
+        Parameter("alternative", ("a", "b", "c"), alternative),
         Parameter("nothing", (), nothing),
     ]
     return parameters, statistics
@@ -59,12 +59,12 @@ def test_posterior_of_a_measured_number_is_the_known_one(simulator: tuple[list[P
     parameters, statistics = simulator
     weights = weights_of(parameters, statistics, np.array([[1.0, 0.0, np.nan], [-1.0, 1.5, 0.0]]))
     assert weights.sum(axis=1) == pytest.approx([1.0, 1.0])
-    number, reading, nothing = (parameter.values for parameter in parameters)
+    number, alternative, nothing = (parameter.values for parameter in parameters)
     assert weights[0] @ number == pytest.approx(0.8, abs=0.15)
     deviation = np.sqrt(weights[0] @ number**2 - (weights[0] @ number) ** 2)
     assert np.sqrt(0.2) - 0.05 < deviation < np.sqrt(0.2) + 0.2, "a forest is rather too wide than too narrow"
-    assert weights[0] @ (reading == 2) < 0.15
-    assert weights[1] @ (reading == 2) > 0.7
+    assert weights[0] @ (alternative == 2) < 0.15
+    assert weights[1] @ (alternative == 2) > 0.7
     assert weights[0] @ nothing == pytest.approx(0.5, abs=0.1)
     assert 30 < effective_number(weights[0]) < SETS / 2
 
@@ -127,17 +127,17 @@ def test_error_of_a_number_is_the_ranked_probability_score() -> None:
 def test_parameters_are_numbers_in_the_order_of_the_prior() -> None:
     prior = Prior(
         {
-            "next_to_food": Range(12, 24, "-"),
+            "next_to_food": PriorRange(12, 24, "-"),
             "orienting": Shares({"lowered over food": 0.5, "lowered before food": 0.5}, "-"),
         },
-        {"placement_error": Range(0, 5, "-")},
+        {"placement_error": PriorRange(0, 5, "-")},
     )
     laboratories = [
-        Laboratory(replace(V0_1, next_to_food=17), Noise.none()),
-        Laboratory(replace(V0_1, orienting="lowered over food"), Noise(placement_error=3.0)),
+        LabModel(replace(V0_1, next_to_food=17), Noise.none()),
+        LabModel(replace(V0_1, orienting="lowered over food"), Noise(placement_error=3.0)),
     ]
     found = parameters_of(prior, laboratories)
-    assert [(p.name, p.readings, p.values.tolist()) for p in found] == [
+    assert [(p.name, p.alternatives, p.values.tolist()) for p in found] == [
         ("next_to_food", (), [17.0, 20.0]),
         ("orienting", ("lowered over food", "lowered before food"), [1.0, 0.0]),
         ("placement_error", (), [0.0, 3.0]),

@@ -9,7 +9,7 @@ import pytest
 from khepera_forage import Decisions, Noise
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.task.decisions import FIELDS
-from khepera_forage.thesis.inference.prior import PRIOR, Prior, Range, Shares
+from khepera_forage.thesis.inference.prior import PRIOR, Prior, PriorRange, Shares
 
 SOME = Shares({"raised": 0.25, "as it is": 0.75}, "a test")
 
@@ -23,7 +23,7 @@ def test_draws_cover_their_ranges_and_everything_else_keeps_its_default() -> Non
     sets = drawn()
     for name, part in PRIOR.parts.items():
         values = [getattr(noise if name in PRIOR.noise else decisions, name) for decisions, noise in sets]
-        if isinstance(part, Range):
+        if isinstance(part, PriorRange):
             assert part.least <= min(values) <= max(values) <= part.most
             assert max(values) - min(values) > 0.7 * (part.most - part.least), name
         else:
@@ -47,7 +47,7 @@ def test_readings_are_drawn_with_their_shares() -> None:
 def test_ranges_are_allowed_and_shares_are_probabilities_of_all_readings() -> None:
     for name, part in PRIOR.decisions.items():
         field = FIELDS[name]
-        if isinstance(part, Range):
+        if isinstance(part, PriorRange):
             assert field.least <= part.least < part.most <= field.most, name
         else:
             allowed: set[Any] = set(field.choices) or set(range(int(field.least), int(field.most) + 1))
@@ -57,7 +57,7 @@ def test_ranges_are_allowed_and_shares_are_probabilities_of_all_readings() -> No
 
 def test_prior_that_no_set_satisfies_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("khepera_forage.thesis.inference.prior._TRIES", 50)
-    prior = Prior({"home_radius": Range(110, 110, ""), "home_to_wall": Range(60, 70, "")}, {})
+    prior = Prior({"home_radius": PriorRange(110, 110, ""), "home_to_wall": PriorRange(60, 70, "")}, {})
     with pytest.raises(
         ValueError, match=r"none of 50 draws of this prior is possible; the last one: decision home"
     ):

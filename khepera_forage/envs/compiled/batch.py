@@ -13,7 +13,7 @@ from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import COMPILED, FoodOdds, checked_decisions, timing_of, whole_number
 from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_of
 from khepera_forage.envs.compiled.step import (
-    World,
+    WorldRecords,
     begin,
     carry_out,
     command_action,
@@ -104,7 +104,7 @@ class CompiledBatch:
         """The arena in which each world is."""
         return [self._arenas.arena(place) for place in self._places.tolist()]
 
-    def world(self, number: int) -> World:
+    def world(self, number: int) -> WorldRecords:
         """The records of one world, which share its memory."""
         return world_of(self.worlds, number)
 
@@ -139,7 +139,11 @@ class CompiledBatch:
                 given = given_records(
                     *given_places(self._arenas.arena(place), self.foods, options), self.foods
                 )
-        some, shown, count = World(*(part[worlds] for part in self.worlds)), self.shown[worlds], len(worlds)
+        some, shown, count = (
+            WorldRecords(*(part[worlds] for part in self.worlds)),
+            self.shown[worlds],
+            len(worlds),
+        )
         self._run(some, places, np.zeros((count, 1)), np.ones(count, np.bool_), given, shown)
         for part, begun in zip(self.worlds, some, strict=True):
             part[worlds] = begun
@@ -172,7 +176,7 @@ class CompiledBatch:
         given = self._arguments(self.worlds, self._places, actions, waiting, self._random, self.shown)
         return partial(_step_worlds, 0, self.num_worlds, *given)
 
-    def _run(self, worlds: World, places: NDArray[np.int64], *given: Any) -> None:
+    def _run(self, worlds: WorldRecords, places: NDArray[np.int64], *given: Any) -> None:
         """One round or the start of an episode in some worlds, see `_arguments`."""
         self._free[0] = True
         share_out(_step_worlds, len(places), *self._arguments(worlds, places, *given), least=_LEAST)
@@ -182,7 +186,7 @@ class CompiledBatch:
 
     def _arguments(
         self,
-        worlds: World,
+        worlds: WorldRecords,
         places: NDArray[np.int64],
         actions: NDArray[np.float64],
         waiting: NDArray[np.bool_],
@@ -243,7 +247,9 @@ def _step_worlds(
     `free[0]` becomes False where a new episode has no room.
     """
     # As arguments of their own, which numba hands over faster than a tuple.
-    worlds = World(robots, foragers, starts, foods, objects, food_places, detections, tracks, links, chosen)
+    worlds = WorldRecords(
+        robots, foragers, starts, foods, objects, food_places, detections, tracks, links, chosen
+    )
     place, arena = places[first], arena_at(blocks, places[first])
     for i in range(first, last):
         world = world_of(worlds, i)
@@ -260,7 +266,7 @@ def _step_worlds(
 
 
 @rule
-def _show(world: World, shown: Any, diagonal: float) -> None:
+def _show(world: WorldRecords, shown: Any, diagonal: float) -> None:
     """Write what environments show of a world."""
     robot, forager = world.robots[0], world.foragers[0]
     raw, vector, episode, tracker = forager.raw, forager.vector, forager.episode, forager.tracker
@@ -359,7 +365,7 @@ class CompiledRecalls:
         self._enter()  # a copied world shows, and steps, records of its own
 
 
-def forager_of(world: World, arena: Arena, decisions: Decisions) -> Forager:
+def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forager:
     """The robot of a compiled world at its task, as it is now.
 
     Args:
@@ -383,7 +389,9 @@ def forager_of(world: World, arena: Arena, decisions: Decisions) -> Forager:
     return forager
 
 
-def bodies_of(world: World, arena: Arena, noise: Noise | str | None, decisions: Decisions) -> CompiledWorld:
+def bodies_of(
+    world: WorldRecords, arena: Arena, noise: Noise | str | None, decisions: Decisions
+) -> CompiledWorld:
     """Bodies and camera of a compiled world, which show its records as they are now.
 
     Args:

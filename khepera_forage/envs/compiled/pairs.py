@@ -21,7 +21,7 @@ from khepera_forage.envs.arguments import FoodOdds, checked_arena, checked_decis
 from khepera_forage.envs.compiled.arenas import arena_at, arena_block, ground_of, map_of, settings_of
 from khepera_forage.envs.compiled.batch import given_records
 from khepera_forage.envs.compiled.step import (
-    World,
+    WorldRecords,
     carry_out,
     command_behaviour,
     drive,
@@ -77,7 +77,7 @@ class Sides(NamedTuple):
 
 
 @dataclass(slots=True)
-class Attempt:
+class AttemptState:
     """An attempt at a training episode under way, and how an operator goes about it.
 
     Attributes:
@@ -112,7 +112,7 @@ def paired_sides(
     decisions: Decisions,
     robot: str = KHEPERA.name,
 ) -> tuple[tuple[Arena, ...], Sides, NDArray[Any]]:
-    """The copies of an arena, one a robot; what their worlds have in common; and one `Attempt` record.
+    """The copies of an arena, one a robot; what their worlds have in common; and one `AttemptState` record.
 
     The arguments are those of `rollouts.compiled.training.train_learners`, and how many robots there are.
 
@@ -133,7 +133,7 @@ def paired_sides(
         for i in range(robots)
     ]
     marks = [given_records(side.start, side.foods, foods) for side in arenas]
-    attempt = np.zeros(1, dtype_of(Attempt))
+    attempt = np.zeros(1, dtype_of(AttemptState))
     attempt["limit"] = max_cycles
     attempt["patience"] = decisions.patience if patience is None else whole_number("patience", patience, 1)
     attempt["error"], attempt["heading_error"] = (
@@ -151,14 +151,16 @@ def paired_sides(
 
 
 @rule
-def put_on_marks(worlds: World, first: int, sides: Sides, attempt: Any, pairings: Any, key: Any) -> bool:
+def put_on_marks(
+    worlds: WorldRecords, first: int, sides: Sides, attempt: Any, pairings: Any, key: Any
+) -> bool:
     """Begin an attempt: robots and food on their marks, as well as an operator can put them there.
 
     Args:
         worlds: Of the robots, the teacher's the one with number `first`.
         first: See there.
         sides: What they have in common.
-        attempt: The `Attempt` record.
+        attempt: The `AttemptState` record.
         pairings: `Pairing` records, one a robot.
         key: Of the attempt's random numbers.
 
@@ -189,7 +191,7 @@ def put_on_marks(worlds: World, first: int, sides: Sides, attempt: Any, pairings
 
 @rule
 def carry_out_pair(
-    worlds: World, first: int, sides: Sides, attempt: Any, pairings: Any, actions: Any
+    worlds: WorldRecords, first: int, sides: Sides, attempt: Any, pairings: Any, actions: Any
 ) -> bool:
     """One round of paired robots. The first round of an attempt only takes the first frame.
 
@@ -250,7 +252,7 @@ def carry_out_pair(
 
 
 @rule
-def _command_learner(world: World, arena: Any, settings: Any, pairing: Any, behaviour: int) -> None:
+def _command_learner(world: WorldRecords, arena: Any, settings: Any, pairing: Any, behaviour: int) -> None:
     """Command what a behaviour commands, bent towards the teacher (4.5.2)."""
     robot, forager = world.robots[0], world.foragers[0]
     forager.behaviour = behaviour
@@ -263,7 +265,7 @@ def _command_learner(world: World, arena: Any, settings: Any, pairing: Any, beha
 def _step_pairs(
     first: int,
     last: int,
-    worlds: World,
+    worlds: WorldRecords,
     sides: Sides,
     attempts: Any,
     pairings: Any,

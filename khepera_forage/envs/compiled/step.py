@@ -92,7 +92,7 @@ forager_dtype, object_dtype, link_dtype, chosen_dtype, start_dtype, place_dtype 
 )
 
 
-class World(NamedTuple):
+class WorldRecords(NamedTuple):
     """The records of one world; or of many, with one row a world.
 
     Attributes:
@@ -120,9 +120,9 @@ class World(NamedTuple):
     chosen: Any
 
 
-def new_worlds(count: int, foods: int) -> World:
+def new_worlds(count: int, foods: int) -> WorldRecords:
     """Worlds without an episode, with room for this many food objects."""
-    return World(
+    return WorldRecords(
         np.zeros((count, 1), robot_dtype),
         np.zeros((count, 1), forager_dtype),
         np.zeros((count, 1), start_dtype),
@@ -137,9 +137,9 @@ def new_worlds(count: int, foods: int) -> World:
 
 
 @rule
-def world_of(worlds: World, i: int) -> World:
+def world_of(worlds: WorldRecords, i: int) -> WorldRecords:
     """The records of one world."""
-    return World(
+    return WorldRecords(
         worlds.robots[i],
         worlds.foragers[i],
         worlds.starts[i],
@@ -157,7 +157,9 @@ _WAIT = Behaviour.WAIT.value
 
 
 @rule
-def begin(world: World, arena: ArenaRecords, settings: Any, given_start: Any, given_places: Any) -> bool:
+def begin(
+    world: WorldRecords, arena: ArenaRecords, settings: Any, given_start: Any, given_places: Any
+) -> bool:
     """Begin an episode; its first frame is taken in the coming round.
 
     Args:
@@ -194,7 +196,7 @@ def begin(world: World, arena: ArenaRecords, settings: Any, given_start: Any, gi
 
 
 @rule
-def stand_ready(world: World, settings: Any) -> None:
+def stand_ready(world: WorldRecords, settings: Any) -> None:
     """Put robot and food where `starts` and `places` say, and forget what was known of the food."""
     robot, start, tracker = world.robots[0], world.starts[0], world.foragers[0].tracker
     robot.holes = settings.holes
@@ -217,7 +219,7 @@ def stand_ready(world: World, settings: Any) -> None:
 
 
 @rule
-def command_behaviour(world: World, arena: ArenaRecords, settings: Any, behaviour: int) -> None:
+def command_behaviour(world: WorldRecords, arena: ArenaRecords, settings: Any, behaviour: int) -> None:
     """Command what a behaviour commands."""
     forager = world.foragers[0]
     forager.behaviour = behaviour
@@ -225,7 +227,7 @@ def command_behaviour(world: World, arena: ArenaRecords, settings: Any, behaviou
 
 
 @rule
-def command_action(world: World, arena: ArenaRecords, settings: Any, action: Any) -> None:
+def command_action(world: WorldRecords, arena: ArenaRecords, settings: Any, action: Any) -> None:
     """Command the motors of an action, four numbers in -1..1.
 
     The behaviour is then the state if they are what the teacher would command, and WAIT otherwise.
@@ -238,7 +240,7 @@ def command_action(world: World, arena: ArenaRecords, settings: Any, action: Any
 
 
 @rule
-def motors_of(world: World, arena: ArenaMap, settings: Any, behaviour: int) -> Motors:
+def motors_of(world: WorldRecords, arena: ArenaMap, settings: Any, behaviour: int) -> Motors:
     """What a behaviour commands now. The way home is looked up only where the behaviour uses it."""
     raw, tracker, decisions = world.foragers[0].raw, world.foragers[0].tracker, settings.decisions
     known = not world.robots[0].first_frame  # before, nothing is perceived
@@ -248,7 +250,7 @@ def motors_of(world: World, arena: ArenaMap, settings: Any, behaviour: int) -> M
 
 
 @rule
-def drive(world: World, motors: Motors) -> None:
+def drive(world: WorldRecords, motors: Motors) -> None:
     """Give the robot its motors; before its first frame it stands as it was put down."""
     robot = world.robots[0]
     robot.left = robot.right = 0.0
@@ -258,7 +260,7 @@ def drive(world: World, motors: Motors) -> None:
 
 
 @rule
-def carry_out(world: World, arena: ArenaRecords, settings: Any) -> None:
+def carry_out(world: WorldRecords, arena: ArenaRecords, settings: Any) -> None:
     """One round, once the motors are commanded; and what it is worth."""
     robot, forager, numbers = world.robots[0], world.foragers[0], arena.numbers[0]
     forager.correct = forager.behaviour == forager.state
@@ -277,7 +279,7 @@ def carry_out(world: World, arena: ArenaRecords, settings: Any) -> None:
 
 
 @rule
-def _perceive(world: World, arena: ArenaMap, settings: Any) -> None:
+def _perceive(world: WorldRecords, arena: ArenaMap, settings: Any) -> None:
     """Track the food; then raw data, state vector and state."""
     robot, forager, decisions = world.robots[0], world.foragers[0], settings.decisions
     raw, vector = perceive(

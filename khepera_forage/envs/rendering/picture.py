@@ -47,7 +47,7 @@ LEGEND_SIZE = 16
 """Text size of the legend."""
 
 
-class Layout(NamedTuple):
+class PictureLayout(NamedTuple):
     """Positions and sizes of all parts of a picture.
 
     Attributes:
@@ -78,7 +78,7 @@ class Layout(NamedTuple):
         )
 
 
-def arrange(arenas: Sequence[Arena], robots: int) -> Layout:
+def arrange(arenas: Sequence[Arena], robots: int) -> PictureLayout:
     """The best of many layouts, with large arenas, large text and little empty space.
 
     Args:
@@ -101,7 +101,7 @@ def arrange(arenas: Sequence[Arena], robots: int) -> Layout:
 
 def _candidate(
     arenas: Sequence[Arena], robots: int, across: int, columns: int, text_scale: float
-) -> tuple[float, Layout]:
+) -> tuple[float, PictureLayout]:
     """The quality of a layout, and the layout; `across` is the number of panels side by side."""
     lefts, bottoms, rights, tops = zip(*(arena.bounds for arena in arenas), strict=True)
     ground = (max(rights) - min(lefts) + 2 * MARGIN, max(tops) - min(bottoms) + 2 * MARGIN)
@@ -132,7 +132,7 @@ def _candidate(
     # Oversize reduces the quality strongly, but does not exclude a layout: many robots need it.
     excess = max(width / MAX_WIDTH, 1.0) * max(body / MAX_HEIGHT, 1.0)
     quality = min(text_scale, 1.1) * scale * used / excess**4
-    return quality, Layout(
+    return quality, PictureLayout(
         size=(width + width % 2, height + height % 2),
         arena=pygame.Rect(GAP, HEADER + (body - arena[1]) // 2, *arena),
         scale=scale,
@@ -152,7 +152,7 @@ class Painter:
 
     def __init__(self) -> None:
         self._prepared_for: tuple[tuple[Arena, ...], int] | None = None
-        self._layout: Layout
+        self._layout: PictureLayout
         self._base: pygame.Surface
         self._canvas: Canvas
         self._floor: pygame.Surface
@@ -224,7 +224,9 @@ def _draw_header(picture: pygame.Surface, view: View) -> None:
         box(picture, (GAP, 48, (right - GAP) * clamped(view.step / view.limit), 3), palette.WALL)
 
 
-def _draw_names(picture: pygame.Surface, layout: Layout, robots: Sequence[tuple[RobotView, Colour]]) -> None:
+def _draw_names(
+    picture: pygame.Surface, layout: PictureLayout, robots: Sequence[tuple[RobotView, Colour]]
+) -> None:
     """Each robot's name below its marker."""
     picture.set_clip(layout.arena)
     for robot, colour in robots:

@@ -15,7 +15,14 @@ from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
 from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_of
 from khepera_forage.envs.compiled.batch import given_records
-from khepera_forage.envs.compiled.step import World, begin, carry_out, command_behaviour, new_worlds, world_of
+from khepera_forage.envs.compiled.step import (
+    WorldRecords,
+    begin,
+    carry_out,
+    command_behaviour,
+    new_worlds,
+    world_of,
+)
 from khepera_forage.envs.layouts import no_room
 from khepera_forage.noise import Noise
 from khepera_forage.policies.memories import BEHAVIOURS, NO_MEMORIES, Memories, plane_key
@@ -257,7 +264,7 @@ def _run_recalls(
     food_places: Any,
     collected: Any,
     free: Any,
-    worlds: World,
+    worlds: WorldRecords,
     policy_records: Any,
 ) -> None:
     """Run the recalls from `first` to `last`, one after the other in the only one of `worlds`."""
@@ -296,7 +303,7 @@ def _reset(policy: Any, number: int) -> None:
 
 
 @rule
-def _decide(world: World, diagonal: float, decisions: Any, memories: Memories, policy: Any) -> int:
+def _decide(world: WorldRecords, diagonal: float, decisions: Any, memories: Memories, policy: Any) -> int:
     """The policy's behaviour, which is counted.
 
     Args:
@@ -343,7 +350,7 @@ def _imitate(
 
 
 @rule
-def _record(world: World, policy: Any, outcome: Any) -> None:
+def _record(world: WorldRecords, policy: Any, outcome: Any) -> None:
     """Write down what became of a recall."""
     episode, tracker = world.foragers[0].episode, world.foragers[0].tracker
     outcome.steps, outcome.correct = episode.steps, episode.correct

@@ -17,7 +17,7 @@ from khepera_forage.envs.compiled.pairs import (
     pairing_dtype,
     put_on_marks,
 )
-from khepera_forage.envs.compiled.step import World, new_worlds
+from khepera_forage.envs.compiled.step import WorldRecords, new_worlds
 from khepera_forage.envs.layouts import no_room_on_marks
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise, checked_noise
@@ -227,7 +227,7 @@ def _train(
     records: Any,
     made: Any,
     free: Any,
-    worlds: World,
+    worlds: WorldRecords,
     attempts: Any,
     pairings: Any,
     actions: Any,
@@ -245,7 +245,7 @@ def _train(
         made: How many attempts at each episode there were.
         free: Whether robots and food found room on their marks.
         worlds: Two of them, the teacher's and the learner's.
-        attempts: One `Attempt` record.
+        attempts: One `AttemptState` record.
         pairings: Two `Pairing` records; that of the learner counts.
         actions: Two behaviours.
     """

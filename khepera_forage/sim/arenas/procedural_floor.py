@@ -74,7 +74,7 @@ class Notch(NamedTuple):
     dy: int
 
 
-class Box(NamedTuple):
+class Cells(NamedTuple):
     """A rectangle with level sides."""
 
     left: int
@@ -83,7 +83,7 @@ class Box(NamedTuple):
     top: int
 
     @classmethod
-    def around(cls, corners: Corners) -> "Box":
+    def around(cls, corners: Corners) -> "Cells":
         """The smallest one that contains a polygon."""
         xs, ys = [x for x, _ in corners], [y for _, y in corners]
         return cls(min(xs), min(ys), max(xs), max(ys))
@@ -97,7 +97,7 @@ class Box(NamedTuple):
             (self.left, self.top),
         )
 
-    def is_apart(self, other: "Box") -> bool:
+    def is_apart(self, other: "Cells") -> bool:
         """Whether there is a passage between two boxes."""
         dx = max(self.left - other.right, other.left - self.right, 0)
         dy = max(self.bottom - other.top, other.bottom - self.top, 0)
@@ -140,16 +140,16 @@ class Outline(NamedTuple):
                 bottom, top = (bottom, self.width - notch.dy) if notch.top else (notch.dy, top)
         return bottom, top
 
-    def has_room(self, box: Box) -> bool:
+    def has_room(self, box: Cells) -> bool:
         """Whether there are passages between a box and the rectangle around the floor."""
         return min(box.left, box.bottom, self.length - box.right, self.width - box.top) >= PASSAGE
 
-    def cut_out(self) -> list[Box]:
+    def cut_out(self) -> list[Cells]:
         """The notches as boxes."""
         boxes = []
         for right, top, dx, dy in self.notches:
             x, y = (self.length - dx) * right, (self.width - dy) * top
-            boxes.append(Box(x, y, x + dx, y + dy))
+            boxes.append(Cells(x, y, x + dx, y + dy))
         return boxes
 
 
@@ -181,10 +181,10 @@ def _outline(draws: Draws, difficulty: Difficulty) -> Outline:
     return Outline(length, width, tuple(notches))
 
 
-def _partitions(draws: Draws, outline: Outline, count: int, budget: int) -> list[Box]:
+def _partitions(draws: Draws, outline: Outline, count: int, budget: int) -> list[Cells]:
     """The pieces of walls across the floor, each wall with a door at an end or in the middle."""
     taken = [0, outline.length, *(x for notch in outline.cut_out() for x in (notch.left, notch.right))]
-    pieces: list[Box] = []
+    pieces: list[Cells] = []
     for left in range(count, 0, -1):
         x = _free_place(draws, outline.length, taken)
         taken.append(x)
@@ -202,7 +202,7 @@ def _partitions(draws: Draws, outline: Outline, count: int, budget: int) -> list
         )
         half = _THICKNESS // 2
         pieces += [
-            Box(x - half, y1, x + half, y2) for y1, y2 in ((bottom, low), (low + door, top)) if y2 > y1
+            Cells(x - half, y1, x + half, y2) for y1, y2 in ((bottom, low), (low + door, top)) if y2 > y1
         ]
     return pieces
 
@@ -216,7 +216,7 @@ def _free_place(draws: Draws, length: int, taken: list[int]) -> int:
 
 
 def _blocks(
-    draws: Draws, outline: Outline, partitions: list[Box], count: tuple[int, int], budget: int
+    draws: Draws, outline: Outline, partitions: list[Cells], count: tuple[int, int], budget: int
 ) -> list[Corners]:
     """Polygons that stand free."""
     least, most = count
@@ -225,7 +225,7 @@ def _blocks(
     for _ in range(draws.whole(least, most)):
         for _ in range(_TRIES):
             block = _block(draws, draws.whole(PASSAGE, outline.length), draws.whole(PASSAGE, outline.width))
-            around = Box.around(block)
+            around = Cells.around(block)
             if len(block) <= budget and outline.has_room(around) and all(map(around.is_apart, taken)):
                 budget -= len(block)
                 blocks.append(block)
@@ -247,4 +247,4 @@ def _block(draws: Draws, x: int, y: int) -> Corners:
         (draws.whole(160, 360), 30) if kind == "bar" else (draws.whole(60, 180), draws.whole(60, 180))
     )
     dx, dy = (long // 2, short // 2) if draws.whole(0, 1) else (short // 2, long // 2)
-    return Box(x - dx, y - dy, x + dx, y + dy).corners()
+    return Cells(x - dx, y - dy, x + dx, y + dy).corners()

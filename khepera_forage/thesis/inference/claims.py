@@ -14,7 +14,7 @@ from khepera_forage.task.decisions import decisions_text
 from khepera_forage.thesis.claims import Claim, Verdict, claims
 from khepera_forage.thesis.design import NO_LOSSES
 from khepera_forage.thesis.inference.posterior import Floats
-from khepera_forage.thesis.inference.prior import Laboratory, laboratory_text
+from khepera_forage.thesis.inference.prior import LabModel, laboratory_text
 from khepera_forage.thesis.replication import compiled_jobs, job_counts
 
 RESAMPLES = 500
@@ -44,7 +44,7 @@ class LaboratoryClaims:
     effects: tuple[float, ...]
 
 
-def claims_of(laboratory: Laboratory, seed: int, replications: int) -> list[Claim]:
+def claims_of(laboratory: LabModel, seed: int, replications: int) -> list[Claim]:
     """Measure every claim of the thesis under one laboratory, always in the same order.
 
     The jobs are those of a reproduction on the compiled backend. Of the other noise conditions only the laboratory
@@ -73,7 +73,7 @@ def claims_of(laboratory: Laboratory, seed: int, replications: int) -> list[Clai
     )
 
 
-def measure(seed: int, number: int, laboratory: Laboratory, replications: int) -> list[LaboratoryClaims]:
+def measure(seed: int, number: int, laboratory: LabModel, replications: int) -> list[LaboratoryClaims]:
     """The claims of one laboratory, with a seed of its own."""
     own = int(np.random.SeedSequence(seed, spawn_key=(number,)).generate_state(1)[0])
     reason, found = "", list[Claim]()
@@ -86,7 +86,7 @@ def measure(seed: int, number: int, laboratory: Laboratory, replications: int) -
 
 
 def measured(
-    given: Arguments, laboratories: Sequence[Laboratory], weights: Floats
+    given: Arguments, laboratories: Sequence[LabModel], weights: Floats
 ) -> tuple[list[LaboratoryClaims], list[LaboratoryClaims]]:
     """The claims under a sample of admissible laboratories, and under an unweighted sample of the posterior."""
     count = min(QUICK_LABORATORIES if given.quick else LABORATORIES, len(laboratories))

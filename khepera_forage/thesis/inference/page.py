@@ -29,7 +29,7 @@ from khepera_forage.thesis.inference.posterior import (
     rank,
     shortest,
 )
-from khepera_forage.thesis.inference.prior import PRIOR, Laboratory, Range
+from khepera_forage.thesis.inference.prior import PRIOR, LabModel, PriorRange
 from khepera_forage.thesis.inference.simulate import Drawn, Sets, replicate
 from khepera_forage.thesis.inference.summary import (
     ALL,
@@ -89,7 +89,7 @@ def page(given: Arguments, drawn: Drawn) -> Page:
         under["default"] = Decisions()
     each = QUICK_EXPERIMENTS if given.quick else EXPERIMENTS
     single = [
-        Predictions(name, replicate(Laboratory(own, Noise.laboratory()), given.seed, each), np.ones(each))
+        Predictions(name, replicate(LabModel(own, Noise.laboratory()), given.seed, each), np.ones(each))
         for name, own in under.items()
     ]
     count, experiments, width = drawn.statistics.shape
@@ -114,13 +114,13 @@ def page(given: Arguments, drawn: Drawn) -> Page:
         claim_table(*measured(given, drawn.laboratories, posterior.weights)),
         _questions(found),
     ]
-    return Page("Which readings of the thesis do its own tables support?", parts)
+    return Page("Which decisions do the tables of the thesis support?", parts)
 
 
 def tables_page(given: Arguments, sets: Sets, observed: Floats, name: str) -> Page:
     """What the fitted statistics of any experiment's tables say, from simulated sets that were kept."""
     posterior = infer(sets.parameters, sets.statistics, observed, given.seed)
-    return Page(f"Which readings of the thesis do {name} support?", posterior_parts(posterior, sets))
+    return Page(f"Which decisions do {name} support?", posterior_parts(posterior, sets))
 
 
 def posterior_parts(posterior: Posterior, sets: Sets, quick: bool = False) -> list[str | Table | Picture]:
@@ -143,7 +143,7 @@ def posterior_parts(posterior: Posterior, sets: Sets, quick: bool = False) -> li
         _calibrations(posterior),
         Picture("ranks", "ranks of the true values in their posteriors", _ranks(posterior)),
         _numbers(posterior),
-        _readings(posterior),
+        _alternatives(posterior),
         Picture("posterior", "admissible sets and posterior, decision by decision", _marginals(posterior)),
     ]
 
@@ -151,15 +151,15 @@ def posterior_parts(posterior: Posterior, sets: Sets, quick: bool = False) -> li
 def _prior() -> Table:
     rows: list[dict[str, Value]] = []
     for name, part in PRIOR.parts.items():
-        if isinstance(part, Range):
+        if isinstance(part, PriorRange):
             values = f"{part.least:g} to {part.most:g}"
         else:
-            values = "; ".join(f"{reading} ({share:.0%})" for reading, share in part.of.items())
+            values = "; ".join(f"{alternative} ({share:.0%})" for alternative, share in part.of.items())
         rows.append({"decision or noise": name, "values": values, "source": part.source})
     return table_of(
         "prior",
         "The prior",
-        "Numbers are uniform in their range; readings have the probability in brackets. Everything else has the "
+        "Numbers are uniform in their range; alternatives have the probability in brackets. Everything else has the "
         "value of version 0.1, or the laboratory's noise. The ranges were written before anything was fitted, but for "
         "three whose end was a default, which were widened afterwards: `round_duration`, `jaw_travel_time` and "
         "`back_off_distance`.",
@@ -212,10 +212,11 @@ def _calibrations(posterior: Posterior) -> Table:
         "Calibration and error of each decision",
         f"One experiment of each of {posterior.held_out} held-out sets stands in for the thesis. The posterior's "
         "error, divided by the error of guessing from the admissible sets: 1 or more means that the tables say "
-        "nothing. The error is the continuous ranked probability score of a number, and Brier's score of a reading. "
-        "50 % and 90 % intervals of a right posterior contain the true value in 50 % and 90 % of the sets. The last "
-        f"column tests whether all ranks are equally frequent (chi-squared, {CLASSES} classes). `determined` is `yes` "
-        "if the upper end of the error's interval is below 0.9, `a little` if it is below 1, and `not calibrated` if "
+        "nothing. The error is the continuous ranked probability score of a number, and Brier's score of an "
+        "alternative. 50 % and 90 % intervals of a right posterior contain the true value in 50 % and 90 % of the "
+        f"sets. The last column tests whether all ranks are equally frequent (chi-squared, {CLASSES} classes). "
+        "`determined` is `yes` if the upper end of the error's interval is below 0.9, `a little` if it is below 1, and "
+        "`not calibrated` if "
         f"that test fails after correction for {len(ordered)} tests (Holm, 5 %), or there are too few sets for it.",
         [
             {
@@ -267,7 +268,7 @@ def _numbers(posterior: Posterior) -> Table:
     even = np.ones_like(posterior.weights)
     rows: list[dict[str, Value]] = []
     for parameter, calibration in zip(posterior.parameters, posterior.calibrations, strict=True):
-        if not parameter.readings:
+        if not parameter.alternatives:
             values = parameter.values
             before, after = (
                 Estimate(quantiles(values, weights, (0.5,))[0], *shortest(values, weights, 0.9))
@@ -294,22 +295,22 @@ def _numbers(posterior: Posterior) -> Table:
     )
 
 
-def _readings(posterior: Posterior) -> Table:
+def _alternatives(posterior: Posterior) -> Table:
     return table_of(
-        "posterior_readings",
-        "Readings",
-        "Probability of each reading, percent.",
+        "posterior_alternatives",
+        "Alternatives",
+        "Probability of each alternative, percent.",
         [
             {
                 "decision": parameter.name,
-                "reading": str(reading),
+                "alternative": str(alternative),
                 "admissible (%)": 100 * float(before),
                 "posterior (%)": 100 * float(after),
                 "determined": str(calibration.determined),
             }
             for parameter, calibration in zip(posterior.parameters, posterior.calibrations, strict=True)
-            for reading, before, after in zip(
-                parameter.readings,
+            for alternative, before, after in zip(
+                parameter.alternatives,
                 parameter.indicators.mean(axis=0),
                 posterior.weights @ parameter.indicators,
                 strict=True,
@@ -320,11 +321,11 @@ def _readings(posterior: Posterior) -> Table:
 
 
 def _marginals(posterior: Posterior) -> "Figure":
-    """Histograms of each decision; of readings, their numbers in the order of the table."""
+    """Histograms of each decision; of alternatives, their numbers in the order of the table."""
     figure, axes = _panels(len(posterior.parameters), 1.35, share=False)
     even = np.full(len(posterior.weights), 1 / len(posterior.weights))
     for axis, parameter in zip(axes, posterior.parameters, strict=True):
-        values, count = parameter.values, len(parameter.readings)
+        values, count = parameter.values, len(parameter.alternatives)
         low, high = float(values.min()), float(values.max())
         ends = (low, high) if low < high else (low - 0.5, low + 0.5)
         bins = (np.arange(count + 1) - 0.5 if count else np.linspace(*ends, 9)).tolist()
@@ -342,7 +343,7 @@ def _marginals(posterior: Posterior) -> "Figure":
         for side in ("left", "right", "top"):
             axis.spines[side].set_visible(False)
         axis.spines["bottom"].set_color(GREY)
-    legend(figure, axes[0], "height: share of the sets; named readings have their numbers in the table")
+    legend(figure, axes[0], "height: share of the sets; named alternatives have their numbers in the table")
     return figure
 
 
@@ -449,7 +450,7 @@ def explained(posterior: Posterior, statistics: NDArray[np.float32], rng: Genera
     means = (means - centre)[:, varies] / np.sqrt(variance[varies])
     found = []
     for one in posterior.parameters:
-        if one.readings:
+        if one.alternatives:
             classes = one.indicators[used]
         else:
             ends = quantiles(one.values[used], weights, [k / PARTS for k in range(1, PARTS)])

@@ -29,7 +29,7 @@ from scipy.sparse import csr_array
 from sklearn.ensemble import RandomForestRegressor
 
 from khepera_forage.estimates import Estimate, bootstrap, holm, percent, ratio
-from khepera_forage.thesis.inference.prior import Laboratory, Prior, Range
+from khepera_forage.thesis.inference.prior import LabModel, Prior, PriorRange
 
 Floats = NDArray[np.float64]
 TREES = 200
@@ -54,41 +54,41 @@ class Parameter:
     """A field that the prior draws, and its values in some sets.
 
     Attributes:
-        readings: Its named readings; empty if it is a number.
-        values: One a set; a reading is its place among the readings.
+        alternatives: Its named alternatives; empty if it is a number.
+        values: One a set; an alternative is its place among the alternatives.
     """
 
     name: str
-    readings: tuple[Any, ...]
+    alternatives: tuple[Any, ...]
     values: Floats
 
     def of(self, sets: NDArray[np.intp]) -> "Parameter":
         """The same in some of the sets."""
-        return Parameter(self.name, self.readings, self.values[sets])
+        return Parameter(self.name, self.alternatives, self.values[sets])
 
     @property
     def indicators(self) -> Floats:
-        """Whether a set has a reading, 0 or 1; shape (sets, readings)."""
-        return np.asarray(self.values[:, None] == np.arange(len(self.readings)), dtype=np.float64)
+        """Whether a set has an alternative, 0 or 1; shape (sets, alternatives)."""
+        return np.asarray(self.values[:, None] == np.arange(len(self.alternatives)), dtype=np.float64)
 
     @property
     def targets(self) -> Floats:
-        """What a forest predicts, shape (sets, columns): the number, or one column a reading; variance 1 together."""
-        columns = self.indicators if self.readings else self.values[:, None]
+        """What a forest predicts, shape (sets, columns): the number, or a column an alternative; variance 1 in all."""
+        columns = self.indicators if self.alternatives else self.values[:, None]
         variance = columns.var(axis=0).sum()
         return np.asarray(columns / np.sqrt(variance) if variance > 0 else columns)
 
 
-def parameters_of(prior: Prior, laboratories: Sequence[Laboratory]) -> list[Parameter]:
+def parameters_of(prior: Prior, laboratories: Sequence[LabModel]) -> list[Parameter]:
     """What the prior draws, in the order of the prior, with the values in each laboratory."""
     found = []
     for name, part in prior.parts.items():
-        readings = () if isinstance(part, Range) else tuple(part.of)
+        alternatives = () if isinstance(part, PriorRange) else tuple(part.of)
         drawn = [
             getattr(lab.decisions if name in prior.decisions else lab.noise, name) for lab in laboratories
         ]
-        values = [readings.index(value) for value in drawn] if readings else drawn
-        found.append(Parameter(name, readings, np.array(values, dtype=np.float64)))
+        values = [alternatives.index(value) for value in drawn] if alternatives else drawn
+        found.append(Parameter(name, alternatives, np.array(values, dtype=np.float64)))
     return found
 
 
@@ -169,12 +169,13 @@ class Determined(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Calibration:
+class Coverage:
     """Of one decision.
 
     Attributes:
         ranks: Of the true values in their posteriors, 0 to 1, shape (held-out sets,).
-        half: Percent of true values in the 50 % interval: the shortest one of a number, the central one of a reading.
+        half: Percent of true values in the 50 % interval: the shortest one of a number, the central one of an
+            alternative.
         most: The same for 90 %.
         error: Error of the posterior divided by that of guessing from the prior.
         equal_ranks: p-value of the test whether all ranks are equally frequent; nan with few sets.
@@ -205,14 +206,14 @@ class Calibration:
 
 def calibrate(
     learned: Parameter, weights: Floats, true: Parameter, rng: Generator, guesses: Floats
-) -> Calibration:
+) -> Coverage:
     """Compare posteriors with true values.
 
     Args:
         learned: The decision in all sets that forests have learned.
         weights: Posteriors: weights of these sets, shape (held-out sets, learned sets), each row's sum is 1.
         true: The decision in the held-out sets.
-        rng: Orders readings with equal ranks at random; draws resamples.
+        rng: Orders alternatives with equal ranks at random; draws resamples.
         guesses: The same weights without any tables.
     """
     # Weight below the true value, and a random share of the weight at it: uniform if the posterior is right.
@@ -222,7 +223,7 @@ def calibrate(
     ranks = np.clip(ranks, 0.0, 1.0)
     errors = np.stack([_errors(learned, some, true) for some in (weights, guesses)], axis=1)
     counts, _ = np.histogram(ranks, CLASSES, range=(0.0, 1.0))
-    return Calibration(
+    return Coverage(
         learned.name,
         ranks,
         _coverage(learned, weights, true, ranks, 0.5),
@@ -234,7 +235,7 @@ def calibrate(
 
 def _coverage(learned: Parameter, weights: Floats, true: Parameter, ranks: Floats, share: float) -> Estimate:
     """Percent of the true values in an interval of their posteriors."""
-    if learned.readings:
+    if learned.alternatives:
         inside = np.abs(ranks - 0.5) <= share / 2
     else:
         low, high = np.array([shortest(learned.values, row, share) for row in weights]).T
@@ -243,8 +244,8 @@ def _coverage(learned: Parameter, weights: Floats, true: Parameter, ranks: Float
 
 
 def _errors(learned: Parameter, weights: Floats, true: Parameter) -> Floats:
-    """Of each posterior: for readings Brier's score, for numbers the continuous ranked probability score."""
-    if learned.readings:
+    """Of each posterior: for alternatives Brier's score, for numbers the continuous ranked probability score."""
+    if learned.alternatives:
         return np.asarray(((weights @ learned.indicators - true.indicators) ** 2).sum(axis=1))
     order = np.argsort(learned.values)
     values, sorted_weights = learned.values[order], weights[:, order]
@@ -339,7 +340,7 @@ class Posterior:
 
     parameters: tuple[Parameter, ...]
     weights: Floats
-    calibrations: tuple[Calibration, ...]
+    calibrations: tuple[Coverage, ...]
     held_out: int
     check: PriorCheck
 

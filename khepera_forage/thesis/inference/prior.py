@@ -21,7 +21,7 @@ _TRIES = 10_000
 _SPEEDS = "robot drivers of the time: KSIM2 10, WSU 9, FHV at most 15, NIC-IF 20 units"
 
 
-class Range(NamedTuple):
+class PriorRange(NamedTuple):
     """A number, uniform between two ends, and the source of these."""
 
     least: float
@@ -30,30 +30,30 @@ class Range(NamedTuple):
 
 
 class Shares(NamedTuple):
-    """The probability of each named reading, and the source of these."""
+    """The probability of each named alternative, and the source of these."""
 
     of: Mapping[Any, float]
     source: str
 
 
-def _equal(source: str, *readings: Any) -> Shares:
-    return Shares(dict.fromkeys(readings, 1.0 / len(readings)), source)
+def _equal(source: str, *alternatives: Any) -> Shares:
+    return Shares(dict.fromkeys(alternatives, 1.0 / len(alternatives)), source)
 
 
-class Laboratory(NamedTuple):
+class LabModel(NamedTuple):
     """What a replication of the thesis needs to know: how it is read, and how inaccurate its devices and hands are."""
 
     decisions: Decisions
     noise: Noise
 
 
-def laboratory_text(laboratory: Laboratory) -> str:
+def laboratory_text(laboratory: LabModel) -> str:
     """The text of a laboratory; equal laboratories have equal texts."""
     decisions, noise = laboratory
     return json.dumps({"decisions": asdict(decisions), "noise": asdict(noise)})
 
 
-def laboratory_from_text(text: str) -> Laboratory:
+def laboratory_from_text(text: str) -> LabModel:
     """The laboratory that a text of `laboratory_text` describes; decisions that it leaves out are those of version 0.1.
 
     Raises:
@@ -61,9 +61,7 @@ def laboratory_from_text(text: str) -> Laboratory:
     """
     try:
         parts = json.loads(text)
-        return Laboratory(
-            Decisions.from_changes(parts["decisions"], Decisions.v0_1()), Noise(**parts["noise"])
-        )
+        return LabModel(Decisions.from_changes(parts["decisions"], Decisions.v0_1()), Noise(**parts["noise"]))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"{text!r} is no laboratory: {error}") from error
 
@@ -77,11 +75,11 @@ class Prior:
         noise: By the name of a field of `Noise`; ranges only.
     """
 
-    decisions: Mapping[str, Range | Shares]
-    noise: Mapping[str, Range]
+    decisions: Mapping[str, PriorRange | Shares]
+    noise: Mapping[str, PriorRange]
 
     @property
-    def parts(self) -> dict[str, Range | Shares]:
+    def parts(self) -> dict[str, PriorRange | Shares]:
         """What is drawn, by the name of the field, decisions first."""
         return {**self.decisions, **self.noise}
 
@@ -89,12 +87,12 @@ class Prior:
     def text(self) -> str:
         """Everything that draws depend on."""
         values = {
-            name: part[:2] if isinstance(part, Range) else list(part.of.items())
+            name: part[:2] if isinstance(part, PriorRange) else list(part.of.items())
             for name, part in self.parts.items()
         }
         return json.dumps(values)
 
-    def draw(self, rng: Generator) -> Laboratory:
+    def draw(self, rng: Generator) -> LabModel:
         """A random laboratory; sets that break a rule between decisions, or do not fit an arena, are drawn again.
 
         Raises:
@@ -105,7 +103,7 @@ class Prior:
             values = {name: _value(part, rng) for name, part in self.decisions.items()}
             sizes = {name: _value(part, rng) for name, part in self.noise.items()}
             try:
-                return Laboratory(_decisions(values), replace(Noise.laboratory(), **sizes))
+                return LabModel(_decisions(values), replace(Noise.laboratory(), **sizes))
             except ValueError as error:
                 problem = str(error)
         raise ValueError(f"none of {_TRIES} draws of this prior is possible; the last one: {problem}")
@@ -126,41 +124,45 @@ def _decisions(values: Mapping[str, Any]) -> Decisions:
     return decisions
 
 
-def _value(part: Range | Shares, rng: Generator) -> Any:
+def _value(part: PriorRange | Shares, rng: Generator) -> Any:
     """A random value of one field."""
-    if isinstance(part, Range):
+    if isinstance(part, PriorRange):
         return float(rng.uniform(part.least, part.most))
     return list(part.of)[rng.choice(len(part.of), p=list(part.of.values()))]
 
 
 PRIOR = Prior(
     decisions={
-        "round_duration": Range(
+        "round_duration": PriorRange(
             0.08,
             0.4,
             "a robot's six exchanges are about 120 bytes: 0.14 s at 9600 baud, 0.03 s at 38400, for two robots one "
             "after the other (4.5); a frame takes 0.02 to 0.04 s",
         ),
-        "arm_travel_time": Range(
+        "arm_travel_time": PriorRange(
             0.1, 1.0, "WART 0.1 s, KNET and Webots wait 1 s; less than a round is like a round"
         ),
-        "jaw_travel_time": Range(0.1, 2.0, "WART 0.1 s, KNET waits 0.6 s, Webots 2 s"),
-        "start_to_wall": Range(60, 150, "a robot with its raised gripper at one end of the corridor"),
-        "food_to_home": Range(120, 300, "outside the home, and before the start, in a corridor of 650 mm"),
-        "home_to_wall": Range(50, 150, "a home at the other end, whole within the corridor"),
-        "home_radius": Range(
+        "jaw_travel_time": PriorRange(0.1, 2.0, "WART 0.1 s, KNET waits 0.6 s, Webots 2 s"),
+        "start_to_wall": PriorRange(60, 150, "a robot with its raised gripper at one end of the corridor"),
+        "food_to_home": PriorRange(
+            120, 300, "outside the home, and before the start, in a corridor of 650 mm"
+        ),
+        "home_to_wall": PriorRange(50, 150, "a home at the other end, whole within the corridor"),
+        "home_radius": PriorRange(
             50, 110, "one food object with the robot in front of it, up to the corridor's width"
         ),
-        "start_aside": Range(-45, 45, "the picture of figure 5.1 is lost; a gripper's width from the walls"),
-        "food_aside": Range(-45, 45, "as the start"),
-        "home_aside": Range(-45, 45, "as the start"),
+        "start_aside": PriorRange(
+            -45, 45, "the picture of figure 5.1 is lost; a gripper's width from the walls"
+        ),
+        "food_aside": PriorRange(-45, 45, "as the start"),
+        "home_aside": PriorRange(-45, 45, "as the start"),
         "food_beside_robot": _equal(
             "4.2.2: covered food is not detected when the camera redetects; not said when it does",
             "seen at its last place",
             "unseen",
             "unseen until the arm is down",
         ),
-        "redetection_time": Range(
+        "redetection_time": PriorRange(
             0, 5, "0 is at once, in every frame, to a person who starts the redetection"
         ),
         "no_food_distance": _equal("not said", "diagonal of the arena", "last one known"),
@@ -171,45 +173,47 @@ PRIOR = Prior(
             "candidate in the gripper",
             "hides all food",
         ),
-        "next_to_food": Range(12, 24, "from where the fingers enclose food, to where they just clear it"),
-        "close_to_food": Range(22, 50, "beyond next, within half a corridor"),
+        "next_to_food": PriorRange(
+            12, 24, "from where the fingers enclose food, to where they just clear it"
+        ),
+        "close_to_food": PriorRange(22, 50, "beyond next, within half a corridor"),
         "equal_distance": _equal("table 4.2 leaves it out", "nearer state", "farther state"),
-        "search_speed": Range(6, 15, _SPEEDS),
-        "home_speed": Range(6, 15, _SPEEDS),
-        "slow_speed": Range(3, 10, f'"slowly" beside search; {_SPEEDS}'),
-        "orient_speed": Range(2, 6, "a tenth of a finger in a control period"),
-        "retreat_speed": Range(3, 8, "as MOVE SLOWLY, backwards"),
-        "turn_speed": Range(3, 8, "a turn of 5 to 14 degrees in 0.1 s"),
-        "quick_turn_speed": Range(5, 12, "a turn of 9 to 21 degrees in 0.1 s"),
+        "search_speed": PriorRange(6, 15, _SPEEDS),
+        "home_speed": PriorRange(6, 15, _SPEEDS),
+        "slow_speed": PriorRange(3, 10, f'"slowly" beside search; {_SPEEDS}'),
+        "orient_speed": PriorRange(2, 6, "a tenth of a finger in a control period"),
+        "retreat_speed": PriorRange(3, 8, "as MOVE SLOWLY, backwards"),
+        "turn_speed": PriorRange(3, 8, "a turn of 5 to 14 degrees in 0.1 s"),
+        "quick_turn_speed": PriorRange(5, 12, "a turn of 9 to 21 degrees in 0.1 s"),
         "search_without_food": _equal("4.2: SEARCH FOR FOOD, no more", "small circle", "wander"),
         "beside_food": _equal("not said", "back off", "turn away", "drive on"),
-        "back_off_distance": Range(
+        "back_off_distance": PriorRange(
             10,
             19,
             "from food that touches the body, to the reach of the infra-reds: 50 mm between body and food",
         ),
         "orienting": _equal("3.7 names arm, jaw and barrier", "lowered before food", "lowered over food"),
         "arm_after_orienting": _equal("not said", "raised", "as it is"),
-        "aimed": Range(2, 10, "orientations are whole degrees; open fingers leave 10 mm on either side"),
-        "astray": Range(15, 45, "beyond aimed; from there a finger sweeps food away"),
-        "missed_distance": Range(8, 11, "food that touches the body, to food beyond the barrier"),
-        "release_depth": Range(3, 10, "inside the home, so that jitter does not undo it"),
-        "rounds_after_training": Range(
+        "aimed": PriorRange(2, 10, "orientations are whole degrees; open fingers leave 10 mm on either side"),
+        "astray": PriorRange(15, 45, "beyond aimed; from there a finger sweeps food away"),
+        "missed_distance": PriorRange(8, 11, "food that touches the body, to food beyond the barrier"),
+        "release_depth": PriorRange(3, 10, "inside the home, so that jitter does not undo it"),
+        "rounds_after_training": PriorRange(
             0, 50, "never before the end; an operator who sees that both are done, and stops two robots"
         ),
         "distance_arithmetic": Shares(
             {"32-bit floats": 0.5, "64-bit floats": 0.25, "exact": 0.25},
             'a C program\'s "float number" (4.6.1)',
         ),
-        "food_to_walls": Range(40, 60, "the open gripper, 55 mm wide, with its fingers of 4 mm"),
+        "food_to_walls": PriorRange(40, 60, "the open gripper, 55 mm wide, with its fingers of 4 mm"),
         "recall_marker": _equal("3.5 has both robots' markers", 1, 2),
     },
     noise={
-        "placement_error": Range(
+        "placement_error": PriorRange(
             0, 25, '"with a bit of effort a small displacement" (4.5.2): up to a robot\'s radius'
         ),
-        "placement_heading_error": Range(0, 15, "as the displacement, by eye"),
-        "position_jitter": Range(
+        "placement_heading_error": PriorRange(0, 15, "as the displacement, by eye"),
+        "position_jitter": PriorRange(
             0.05, 0.5, "from our tracker to a bare threshold on an analog picture (docs/tracker.md)"
         ),
     },

@@ -28,7 +28,7 @@ from khepera_forage.thesis.design import THESIS, files_needed
 from khepera_forage.thesis.inference.posterior import Parameter, parameters_of
 from khepera_forage.thesis.inference.prior import (
     PRIOR,
-    Laboratory,
+    LabModel,
     laboratory_from_text,
     laboratory_text,
 )
@@ -72,7 +72,7 @@ FILE, KEPT = "sets.jsonl.gz", "sets.npz"
 """Rows of a run; what is kept of its admissible sets, also in the package."""
 
 
-def reason_against(laboratory: Laboratory, seed: int) -> str:
+def reason_against(laboratory: LabModel, seed: int) -> str:
     """Why a laboratory is not admissible; empty if it is.
 
     What costs least is looked at first, until there is a reason. Near a threshold more recalls are simulated.
@@ -97,7 +97,7 @@ def reason_against(laboratory: Laboratory, seed: int) -> str:
     return "" if complete.mean() >= COMPLETE else "training is seldom complete"
 
 
-def _teacher(laboratory: Laboratory, arena: str, rng: Generator) -> tuple[float, float]:
+def _teacher(laboratory: LabModel, arena: str, rng: Generator) -> tuple[float, float]:
     """Share of the food that the teacher brings home, and steps of its fastest forage."""
     delivered, fastest = np.zeros(0), math.inf
     slow = LUCK * FASTEST[arena]
@@ -119,7 +119,7 @@ def _undecided(values: NDArray[np.float64], threshold: float, first: int) -> boo
     return bool(abs(values.mean() - threshold) <= SURE * math.sqrt(share * (1 - share) / count))
 
 
-def _forages(laboratory: Laboratory, arena: str, policy: int, count: int, rng: Generator) -> Episodes:
+def _forages(laboratory: LabModel, arena: str, policy: int, count: int, rng: Generator) -> Episodes:
     """Forages from random starts, each with a seed of its own."""
     foods, limit = ARENAS[arena]
     return run_recalls(
@@ -134,7 +134,7 @@ def _forages(laboratory: Laboratory, arena: str, policy: int, count: int, rng: G
     )
 
 
-def _attempts(laboratory: Laboratory, episodes: int, rng: Generator) -> NDArray[np.bool_]:
+def _attempts(laboratory: LabModel, episodes: int, rng: Generator) -> NDArray[np.bool_]:
     """Whether each attempt at some training episodes was complete."""
     decisions, noise = laboratory
     seed = int(rng.integers(2**62))
@@ -175,7 +175,7 @@ def simulate(seed: int, number: int, experiments: int) -> SetRow:
     return SetRow(number, laboratory_text(laboratory), reason, tuple(map(float, short)))
 
 
-def replicate(laboratory: Laboratory, seed: int, experiments: int) -> NDArray[np.float64]:
+def replicate(laboratory: LabModel, seed: int, experiments: int) -> NDArray[np.float64]:
     """The statistics of some experiments of the thesis's size, shape (experiments, statistics)."""
     decisions, noise = laboratory
     training, recalling = np.random.SeedSequence(seed).spawn(2)
@@ -252,7 +252,7 @@ class Drawn(NamedTuple):
     """
 
     reasons: list[str]
-    laboratories: list[Laboratory]
+    laboratories: list[LabModel]
     statistics: NDArray[np.float32]
 
     @property
