@@ -73,18 +73,13 @@ _LASTS = (60.0, 60.0)
 
 @dataclass
 class FaultRow:
-    """One fault.
+    """One fault of a part of the laboratory, with one of the outcomes above; times in seconds.
 
     Attributes:
-        part: Of the laboratory: robot, camera or disk.
-        kind: Name of the kind of fault.
-        outcome: `RECOVERED`, `ATTEMPT_LOST` or `STOPPED`.
-        seconds: From the beginning of the fault until it had passed, or until the training noticed a loss.
-        unattended: Longest time in seconds that a wheel within reach of its line turned since the last round.
-        moving: Robots within reach that moved after the attempt had ended.
-        out_of_reach: Robots that moved, and that no program can reach.
-        notices: Messages: warnings, and the error with which the command ended.
-        named: Notices that name the device or file, and the cause.
+        seconds: From its beginning until it had passed, or until the training noticed a loss.
+        unattended: Longest time that a wheel within reach of its line turned since the last round.
+        moving: Robots within reach that moved after the attempt had ended; `out_of_reach`: others.
+        notices: Warnings, and the error with which the command ended; `named`: those with device or file and cause.
         continued: Whether a round of training followed.
         text: The first notice.
     """
@@ -104,21 +99,14 @@ class FaultRow:
 
 @dataclass
 class TrainingResult:
-    """One whole training.
+    """One whole training: faults, losses without a fault, attempts, rounds, and stored vectors.
 
     Attributes:
-        faults: That happened in it.
-        unexpected: Losses without a fault.
-        attempts: Begun ones.
-        rounds: Of all attempts.
-        vectors: Stored ones.
         missing: Vectors that the learner perceived, and that are not on disk, unless the attempt was discarded (5.2).
         altered: Vectors in the file of an attempt that the learner did not perceive like this.
-        wrong: Stored vectors that differ from what is true, on the camera's newest scene.
-        outdated: Stored vectors perceived while the camera's scene was not that of the round.
+        wrong: Stored vectors that differ from what is true; `outdated`: perceived on an old scene of the camera.
         complete: Whether there is a file for each planned episode, with its closing line, and with the row and the
             vectors of its complete attempt.
-        seconds: Of the whole training.
     """
 
     faults: int
@@ -172,9 +160,6 @@ class Injector:
         remaining: Kinds that have not happened yet.
         rows: All faults so far; the last one may be present.
         notices: What the user has read since the beginning of the last fault.
-        folder: Of the present training's files.
-        attempts: At the present training.
-        unexpected: Losses without a fault.
     """
 
     def __init__(self, kinds: Sequence[Kind], rng: np.random.Generator, pause: int) -> None:
@@ -400,16 +385,9 @@ def _by_kind(rows: Sequence[FaultRow]) -> list[tuple[Kind, list[FaultRow]]]:
 def fault_table(rows: Sequence[FaultRow]) -> Table:
     """Outcomes, motion, experience and messages by kind of fault."""
     note = (
-        "Faults in random rounds of trainings of three robots. Recovered: the attempt went on. Attempt lost: the "
-        "operator was asked to repair, and another attempt followed. Stopped: the command ended with an error, and was "
-        "continued with --continue. Until noticed: seconds from the fault to the end of the attempt or, for a fault "
-        "that passed, to the eighth round after it; median [lowest, highest]. Wheels unattended: the longest time for "
-        "which a wheel within reach of its line was commanded to turn since the last round had ended. Moving: robots "
-        "that moved after the attempt had ended. Out of reach: robots that moved although the driver tried to stop "
-        "them, because their line was interrupted and their power supply was not; no program can stop these. One "
-        "message: faults after which the user read exactly one warning or error, which names the device or file and "
-        "the cause; a fault that passes by itself needs none. Continued: a round of training followed. Message: the "
-        "first one after a fault."
+        "Faults in random rounds of trainings of three robots. Until noticed: to the end of the attempt, or to the "
+        "eighth round after a fault that passed; median [lowest, highest]. Wheels: within reach of the line. "
+        "One message: exactly one, which names device or file and cause. Message: the first one."
     )
     lines: list[tuple[Value, ...]] = []
     for kind, own in _by_kind(rows):
@@ -438,13 +416,7 @@ def fault_table(rows: Sequence[FaultRow]) -> Table:
 
 def training_table(rows: Sequence[TrainingResult]) -> Table:
     """Sums over all trainings."""
-    note = (
-        f"Whole trainings of {EPISODES} episodes each, with the functions of `khepera-forage train --lab lab.toml`. "
-        "Unexpected: losses without a fault. Missing: vectors that were perceived, and are not on disk. Altered: "
-        "stored other than perceived. Wrong: stored other than the learner's body senses, or with another behaviour "
-        "than the teacher's. Outdated: stored while the camera's poses were more than 15 mm from the true ones. "
-        "Complete: trainings with a complete file for each episode."
-    )
+    note = f"Whole trainings of {EPISODES} episodes, and the vectors that they stored."
     names = [field.name for field in fields(TrainingResult) if field.name != "seconds"]
     columns = (Column("trainings"), *map(Column, names), Column("hours", digits=2))
     line = (len(rows), *(sum(getattr(row, name) for row in rows) for name in names))
