@@ -194,7 +194,7 @@ def _robot_reader(markers: Sequence[int]) -> Callable[[str, Any], RobotSettings]
         index = int(key.removeprefix("robots[").removesuffix("]"))
         driver = serial_driver(given.get("type", KHEPERA.name))
         if driver is not None:
-            baud = given.get("baud", driver.default_baud)
+            baud = given.get("baud", driver.protocol.baud)
             given["baud"] = one_of(driver.protocol.baud_rates)(f"{key}.baud", baud)
         elif "baud" in given:
             raise ValueError(

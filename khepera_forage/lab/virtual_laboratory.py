@@ -118,7 +118,7 @@ class VirtualLaboratory(Laboratory):
         self.virtual_operator = VirtualOperator(self.simulation, noise, self._attach, self._reconnect_lines)
         drivers = [serial_driver(robot.type) for robot in settings.robots]
         self._bauds = [
-            (robot.baud or driver.default_baud) if paced and driver is not None else None
+            (robot.baud or driver.protocol.baud) if paced and driver is not None else None
             for robot, driver in zip(settings.robots, drivers, strict=True)
         ]
         self._faults, self._rngs = faults, np.random.default_rng(fault_seed).spawn(len(drivers))

@@ -38,7 +38,11 @@ PROTOCOL = Protocol(
     identity=Request("V"),
     queries=tuple(Request(letter) for letter in "EQONV"),
     baud_rates=(115200,),
+    baud=115200,
     stop_bits=1,
+    motion=("D",),
+    counters=("Q", 16),
+    lamps=(8,),
     remark="HW version",
     end=b"\r",
     hint="is this the port of an e-puck2, switched on, with its selector in position 3 (Bluetooth) or 8 (USB)?",
@@ -61,10 +65,6 @@ class SerialEPuck(SerialRobot):
 
     model = E_PUCK
     protocol = PROTOCOL
-    default_baud = 115200
-    motion_commands = ("D",)
-    lamps = (8,)
-    counter_bits = 16
 
     def _requests(self, command: Motors) -> list[Request]:
         return [Request("D", (round(command.left * self.model.unit), round(command.right * self.model.unit)))]

@@ -38,10 +38,6 @@ class SerialKhepera(SerialRobot):
 
     model = KHEPERA
     protocol = PROTOCOL
-    default_baud = 38400
-    motion_commands = ("C", "D", "P")
-    lamps = (0, 1)
-    counter_bits = 32
 
     def turn_wheels(self, left: int, right: int) -> None:
         """See `RealRobot`."""

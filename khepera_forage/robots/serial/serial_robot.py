@@ -66,12 +66,6 @@ class SerialRobot(RealRobot):
     """
 
     protocol: ClassVar[Protocol]
-    default_baud: ClassVar[int]
-    motion_commands: ClassVar[tuple[str, ...]]
-    """Requests that set the wheels in motion."""
-    lamps: ClassVar[tuple[int, ...]]
-    """Arguments of request L that switch all lamps."""
-    counter_bits: ClassVar[int]
 
     def __init__(
         self,
@@ -84,7 +78,7 @@ class SerialRobot(RealRobot):
         period: float | None = CONTROL_PERIOD,
     ) -> None:
         super().__init__(port, self.model.max_speed if max_speed is None else max_speed)
-        self.baud = self.default_baud if baud is None else baud
+        self.baud = self.protocol.baud if baud is None else baud
         self._period = period
         self._base_timeout = timeout
         self._watchdog: Watchdog | None = None
@@ -103,7 +97,7 @@ class SerialRobot(RealRobot):
             check=self._check,
         )
         self.statistics = self._line.statistics
-        self._counters = Counters(self.counter_bits)
+        self._counters = Counters(self.protocol.counters[1])
         self._prepare()
         self._open(self._begin_session)
         if watchdog:
@@ -140,7 +134,7 @@ class SerialRobot(RealRobot):
 
     def _turns(self, request: Request) -> bool:
         """Whether a request sets the wheels in motion."""
-        return request.command in self.motion_commands and (request.command == "C" or any(request.values))
+        return request.command in self.protocol.motion and (request.command == "C" or any(request.values))
 
     # The methods below run in the robot's thread.
 
@@ -239,7 +233,7 @@ class SerialRobot(RealRobot):
 
     def _request(self, request: Request) -> Reply:
         self._begin_call()
-        if request.command in self.motion_commands:
+        if request.command in self.protocol.motion:
             self._moves = self._turns(request)
             if self._moves:
                 self._held = self.stop_confirmed = False
@@ -255,7 +249,7 @@ class SerialRobot(RealRobot):
 
     def _flash(self) -> None:
         for action in (1, 0, 1, 0):
-            for lamp in self.lamps:
+            for lamp in self.protocol.lamps:
                 self._request(Request("L", (lamp, action)))
             time.sleep(_FLASH)
 
