@@ -33,7 +33,7 @@ class Noise:
     diameters differ by 6 % between robots (7.5 to 7.96 mm)."""
     proximity_gain: float = 0.1
     """Largest error of an infra-red reading, as a share of it, uniform in both directions (KSIM2, WSU: 10 %)."""
-    proximity_floor: int = 6
+    proximity_floor: float = 6
     """Readings up to this are noise, uniform in 0..this (KSIM2, WSU)."""
     position_jitter: float = 0.06
     """Standard deviation of a region's centre in pixels of 5 mm. Measured: our tracker on rendered frames is off by

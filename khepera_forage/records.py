@@ -6,6 +6,7 @@ declared once, as a class, and `dtype_of` derives the dtype.
 """
 
 from dataclasses import astuple, fields, is_dataclass
+from types import SimpleNamespace
 from typing import Annotated, Any, get_args, get_origin
 
 import numpy as np
@@ -41,6 +42,12 @@ def dtype_of(kind: type) -> np.dtype[Any]:
             if inner.names:
                 parts.append((name, inner))
     return np.dtype((np.record, np.dtype(parts, align=True)))
+
+
+def blank(kind: Any) -> Any:
+    """A record in Python with the fields of a named tuple, all 0; a tuple in it becomes a list."""
+    lengths = {name: len(get_args(annotation)) for name, annotation in kind.__annotations__.items()}
+    return SimpleNamespace(**{name: [0] * length if length else 0 for name, length in lengths.items()})
 
 
 def array_of(record: Any) -> NDArray[Any]:

@@ -31,7 +31,7 @@ from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, checked_difficult
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
 from khepera_forage.sim.arenas.procedural import LEVELS, procedural_arena
 from khepera_forage.sim.layout_checks import check_seen
-from khepera_forage.sim.ways import check_ways, path_length, shortest_path, too_narrow
+from khepera_forage.sim.waypoints import check_paths, path_length, shortest_path, too_narrow
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 PROCEDURAL = "procedural"
@@ -159,7 +159,7 @@ def _find(plan: ArenaPlan) -> Findings:
             to_home=_paths(arena, [(food, arena.home) for food in arena.foods]),
             narrow=too_narrow(arena),
         )
-        check_ways(arena)
+        check_paths(arena)
     except ValueError as error:
         return found._replace(refusal=str(error))
     return found

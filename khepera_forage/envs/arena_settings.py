@@ -7,7 +7,7 @@ from khepera_forage.sim.arenas.difficulty import Difficulty, checked_difficulty
 from khepera_forage.sim.arenas.named import ARENAS, FAMILY, step_limit
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
-from khepera_forage.sim.ways import longest_path
+from khepera_forage.sim.waypoints import longest_path
 
 _THESIS = {CORRIDOR: {"foods": 1, "limit": 500}, RECTANGLE: {"foods": 2, "limit": 700}}
 """Of recalls (5.4)."""

@@ -13,7 +13,7 @@ from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
 from khepera_forage.sim.arenas.thesis import SetUp
-from khepera_forage.sim.ways import check_ways
+from khepera_forage.sim.waypoints import check_paths
 from khepera_forage.sim.world import Timing, World
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType
@@ -135,7 +135,7 @@ def checked_arena(arena: Arena | str, decisions: Decisions, what: str = "arena")
     """
     given = given_arena(arena, decisions, what)
     if given is arena:
-        check_ways(given)
+        check_paths(given)
     return given
 
 

@@ -12,7 +12,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot
-from khepera_forage.sim.ways import is_home_free, pixel_walls, way_out, ways_of
+from khepera_forage.sim.waypoints import is_home_free, path_tables_of, pixel_walls, way_out
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.arena_map import EVERY_SIDE, OUTSIDE, ArenaMap, Floor, whole_pixels
 from khepera_forage.task.decisions import DecisionValues
@@ -38,7 +38,7 @@ def arena_map_of(arena: Arena) -> ArenaMap:
         x2 / MM_PER_PIXEL + OUTSIDE,
         y2 / MM_PER_PIXEL + OUTSIDE,
         pixel_walls(arena),
-        ways_of(arena),
+        path_tables_of(arena),
     )
 
 

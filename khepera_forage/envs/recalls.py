@@ -24,11 +24,11 @@ from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import Simulation
 from khepera_forage.sim.world import Layout, World
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_way_home
+from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_path_home
 from khepera_forage.task.decisions import Decisions, DecisionValues
 from khepera_forage.task.episode import Episode, begin_episode, end_step, penalty, score
-from khepera_forage.task.food_tracking import FoodTracker, share_identified
-from khepera_forage.task.perception import RawData, look_up_way_home, own_region, perceive
+from khepera_forage.task.food_tracking import FoodTracker, can_explore, share_identified
+from khepera_forage.task.perception import RawData, look_up_path_home, own_region, perceive
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
 from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for, classify
 from khepera_forage.vision.scene import Region, Scene
@@ -74,8 +74,8 @@ class Forager:
     def motors_for(self, behaviour: int) -> Motors:
         """What a behaviour commands now. The way home is looked up only where the behaviour uses it."""
         tracker, raw = self.tracker, self.raw
-        if uses_way_home(behaviour, raw, tracker.foods, self.arena, self.decisions):
-            bearing, path = look_up_way_home(raw, tracker, tracker.foods, tracker.chosen, self.arena)
+        if uses_path_home(behaviour, raw, tracker.foods, self.arena, self.decisions):
+            bearing, path = look_up_path_home(raw, tracker, tracker.foods, tracker.chosen, self.arena)
             self.raw = raw._replace(home_bearing=bearing, home_path=path)
         return command(behaviour, self.raw, self.decisions)
 
@@ -89,7 +89,8 @@ class Forager:
         Raises:
             RuntimeError: The scene has no marker of the robot.
         """
-        before, self.senses = self.senses, self.robot.sense()
+        could_explore = can_explore(self.senses)
+        self.senses = self.robot.sense()
         own = own_region(scene, self.arena, self.holes)
         if own is None:
             raise RuntimeError("the camera's scene has lost all trace of the robot's marker")
@@ -101,7 +102,7 @@ class Forager:
             tracker.chosen,
             tracker.links,
             scene.regions,
-            before,
+            could_explore,
             self.senses,
             self.applied,
             own.x,

@@ -1,12 +1,12 @@
 """Shortest paths around walls: where to drive next to get to a place. Plain functions, also compiled.
 
-An arena is prepared once (`sim.ways`): the waypoints lie around the corners of walls and obstacles that point into the
-floor, with room for a robot that turns with food in its gripper. Two tables hold the lengths of the shortest paths
+An arena is prepared once (`sim.waypoints`): the waypoints lie around the corners of walls and obstacles that point into
+the floor, with room for a robot that turns with food in its gripper. Two tables hold the lengths of the shortest paths
 between them, and which of them may be seen from each cell of a coarse grid. The functions here look up, in every round,
 which waypoint comes next. An arena without such corners, like those of the thesis, has no waypoints, and every way is
 straight.
 
-Robots count in pixels. Walls are `geometry.walls.Wall` records.
+Robots count in pixels. Walls are `geometry.plane.Wall` records.
 """
 
 import math
@@ -70,7 +70,7 @@ class Corner(NamedTuple):
     after: int
 
 
-class Ways(NamedTuple):
+class PathTables(NamedTuple):
     """What is prepared of an arena.
 
     Attributes:
@@ -107,19 +107,23 @@ class Ways(NamedTuple):
     seen: Any
 
 
-NO_WAYS = Ways(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, (), (), (), (), b"")
+NO_CORNERS = PathTables(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, (), (), (), (), b"")
 """Of an arena in which every way is straight."""
 
 
-def has_path(x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, ways: Ways) -> bool:
+def has_path(
+    x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, paths: PathTables
+) -> bool:
     """Whether there is a path from one place to another; arguments as for `next_waypoint`."""
     return (
-        is_clear(x, y, to_x, to_y, past_home, walls, ways)
-        or _choose_waypoint(x, y, to_x, to_y, past_home, walls, ways)[0] >= 0
+        is_clear(x, y, to_x, to_y, past_home, walls, paths)
+        or _choose_waypoint(x, y, to_x, to_y, past_home, walls, paths)[0] >= 0
     )
 
 
-def is_clear(x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, ways: Ways) -> bool:
+def is_clear(
+    x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, paths: PathTables
+) -> bool:
     """Whether a robot can drive straight from one place to another.
 
     A way crosses no wall, and passes every corner at the clearance, or at half its length if that is less: a robot just
@@ -133,35 +137,35 @@ def is_clear(x: float, y: float, to_x: float, to_y: float, past_home: bool, wall
         to_y: Of the other place.
         past_home: Whether the way must pass the home at its berth. It may come about as near to it as its ends are.
         walls: In pixels.
-        ways: What is prepared of the arena.
+        paths: What is prepared of the arena.
     """
-    if past_home and crosses_home(x, y, to_x, to_y, ways):
+    if past_home and crosses_home(x, y, to_x, to_y, paths):
         return False
-    return not is_blocked(x, y, to_x, to_y, walls, ways)
+    return not is_blocked(x, y, to_x, to_y, walls, paths)
 
 
-def is_blocked(x: float, y: float, to_x: float, to_y: float, walls: Any, ways: Ways) -> bool:
+def is_blocked(x: float, y: float, to_x: float, to_y: float, walls: Any, paths: PathTables) -> bool:
     """Whether a way crosses a wall, or passes a corner too closely; the home is left aside."""
     for k in range(len(walls)):
         if _is_crossed(x, y, to_x, to_y, walls[k]):
             return True
-    for k in range(len(ways.corners)):  # noqa: SIM110 (numba compiles no generator expressions)
-        if _is_passed_closely(x, y, to_x, to_y, ways.corners[k], walls, ways):
+    for k in range(len(paths.corners)):  # noqa: SIM110 (numba compiles no generator expressions)
+        if _is_passed_closely(x, y, to_x, to_y, paths.corners[k], walls, paths):
             return True
     return False
 
 
-def crosses_home(x: float, y: float, to_x: float, to_y: float, ways: Ways) -> bool:
+def crosses_home(x: float, y: float, to_x: float, to_y: float, paths: PathTables) -> bool:
     """Whether a way passes the home more closely than at its berth; arguments as for `is_clear`."""
     dx, dy = to_x - x, to_y - y
-    home_x, home_y = ways.home_x - x, ways.home_y - y
+    home_x, home_y = paths.home_x - x, paths.home_y - y
     squared = dx * dx + dy * dy
     along = home_x * dx + home_y * dy
     if along <= 0.0 or along >= squared:
         return False
     # How far the home lies aside, times the length of the way, squared: roots and quotients would take longer.
     aside = (home_x * dy - home_y * dx) ** 2
-    if aside >= ways.berth * ways.berth * squared:
+    if aside >= paths.berth * paths.berth * squared:
         return False
     nearer_end = min(home_x * home_x + home_y * home_y, (home_x - dx) ** 2 + (home_y - dy) ** 2)
     return bool(aside < _NEARER * _NEARER * squared * nearer_end)
@@ -180,7 +184,7 @@ def _is_crossed(x: float, y: float, to_x: float, to_y: float, wall: Any) -> bool
 
 
 def _is_passed_closely(
-    x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any, ways: Ways
+    x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any, paths: PathTables
 ) -> bool:
     """Whether a way passes a corner too closely."""
     dx, dy = to_x - x, to_y - y
@@ -190,7 +194,7 @@ def _is_passed_closely(
         return False
     # As in `crosses_home`, with the corner in place of the home.
     aside = (corner_x * dy - corner_y * dx) ** 2
-    if aside >= min(ways.clearance * ways.clearance, squared / 4.0) * squared:
+    if aside >= min(paths.clearance * paths.clearance, squared / 4.0) * squared:
         return False
     return bool(aside < _NEARER * _NEARER * squared * _nearest_end(x, y, to_x, to_y, corner, walls))
 
@@ -221,7 +225,7 @@ def _squared_distance(x: float, y: float, wall: Any) -> float:
 
 
 def is_straight(
-    x: float, y: float, to_x: float, to_y: float, past_home: bool, chosen: Any, walls: Any, ways: Ways
+    x: float, y: float, to_x: float, to_y: float, past_home: bool, chosen: Any, walls: Any, paths: PathTables
 ) -> bool:
     """Whether the straight way is clear, as `is_clear`; if not, `next_waypoint` says where to drive.
 
@@ -233,17 +237,17 @@ def is_straight(
         past_home: Whether the way must pass the home at its berth.
         chosen: The `ChosenWaypoint` record of this way; changed in place.
         walls: In pixels.
-        ways: What is prepared of the arena.
+        paths: What is prepared of the arena.
     """
-    chosen.blocked = is_blocked(x, y, to_x, to_y, walls, ways)
+    chosen.blocked = is_blocked(x, y, to_x, to_y, walls, paths)
     if chosen.blocked:
         return False
     chosen.x = chosen.y = math.inf
-    return not (past_home and crosses_home(x, y, to_x, to_y, ways))
+    return not (past_home and crosses_home(x, y, to_x, to_y, paths))
 
 
 def next_waypoint(
-    x: float, y: float, to_x: float, to_y: float, past_home: bool, chosen: Any, walls: Any, ways: Ways
+    x: float, y: float, to_x: float, to_y: float, past_home: bool, chosen: Any, walls: Any, paths: PathTables
 ) -> tuple[float, float, float]:
     """Where to drive next on the shortest path to a place to which the way is not straight.
 
@@ -255,65 +259,65 @@ def next_waypoint(
         past_home: As for `is_clear`. Without, the place is the home.
         chosen: The `ChosenWaypoint` record of this way, after `is_straight`; changed in place.
         walls: In pixels.
-        ways: What is prepared of the arena.
+        paths: What is prepared of the arena.
 
     Returns:
         x and y of the waypoint, and the length of the path, which is infinite where there is none.
     """
-    if not _is_kept(x, y, past_home, chosen, walls, ways):
-        number, rest = _choose_waypoint(x, y, to_x, to_y, past_home, walls, ways)
+    if not _is_kept(x, y, past_home, chosen, walls, paths):
+        number, rest = _choose_waypoint(x, y, to_x, to_y, past_home, walls, paths)
         if number < 0:
             return x, y, math.inf
         chosen.number, chosen.rest = number, rest
         # Where only the home is in the way, a robot looks for a shorter way in every round.
         if chosen.blocked:
             chosen.x, chosen.y = x, y
-    point = ways.waypoints[chosen.number]
+    point = paths.waypoints[chosen.number]
     return point.x, point.y, length(point.x - x, point.y - y) + chosen.rest
 
 
-def _is_kept(x: float, y: float, past_home: bool, chosen: Any, walls: Any, ways: Ways) -> bool:
+def _is_kept(x: float, y: float, past_home: bool, chosen: Any, walls: Any, paths: PathTables) -> bool:
     """Whether the waypoint last chosen still comes next; arguments as for `next_waypoint`."""
     if length(x - chosen.x, y - chosen.y) >= KEPT:
         return False
-    point = ways.waypoints[chosen.number]
+    point = paths.waypoints[chosen.number]
     if length(point.x - x, point.y - y) <= KEPT:
         return False
-    return is_clear(x, y, point.x, point.y, past_home, walls, ways)
+    return is_clear(x, y, point.x, point.y, past_home, walls, paths)
 
 
 def _choose_waypoint(
-    x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, ways: Ways
+    x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, paths: PathTables
 ) -> tuple[int, float]:
     """The next waypoint on the shortest path, -1 without a path, and the length of the path from there.
 
     Arguments as for `next_waypoint`.
     """
     best, found, rest = math.inf, -1, math.inf
-    count = len(ways.waypoints)
-    row = _cell_of(x, y, ways) * count
+    count = len(paths.waypoints)
+    row = _cell_of(x, y, paths) * count
     for k in range(count):
-        if ways.seen[row + k]:
-            point = ways.waypoints[k]
+        if paths.seen[row + k]:
+            point = paths.waypoints[k]
             first = length(point.x - x, point.y - y)
             if first > _REACHED and first + _AT_LEAST * length(to_x - point.x, to_y - point.y) < best:
-                beyond = _length_from(k, to_x, to_y, best - first, past_home, walls, ways)
-                if first + beyond < best and is_clear(x, y, point.x, point.y, past_home, walls, ways):
+                beyond = _length_from(k, to_x, to_y, best - first, past_home, walls, paths)
+                if first + beyond < best and is_clear(x, y, point.x, point.y, past_home, walls, paths):
                     best, found, rest = first + beyond, k, beyond
     return found, rest
 
 
 def _length_from(
-    number: int, to_x: float, to_y: float, most: float, past_home: bool, walls: Any, ways: Ways
+    number: int, to_x: float, to_y: float, most: float, past_home: bool, walls: Any, paths: PathTables
 ) -> float:
     """Length of the shortest path from a waypoint to a place; arguments as for `shortest_length`."""
     if not past_home:
-        return float(ways.home_lengths[number])
-    return shortest_length(number, to_x, to_y, most, True, walls, ways)
+        return float(paths.home_lengths[number])
+    return shortest_length(number, to_x, to_y, most, True, walls, paths)
 
 
 def shortest_length(
-    number: int, to_x: float, to_y: float, most: float, past_home: bool, walls: Any, ways: Ways
+    number: int, to_x: float, to_y: float, most: float, past_home: bool, walls: Any, paths: PathTables
 ) -> float:
     """Length of the shortest path from a waypoint to a place by the table of lengths.
 
@@ -324,34 +328,34 @@ def shortest_length(
         most: Length at which paths are too long to matter.
         past_home: As for `is_clear`.
         walls: In pixels.
-        ways: What is prepared of the arena.
+        paths: What is prepared of the arena.
 
     Returns:
         The length; infinite without a path, or where it is not less than `most`.
     """
-    count = len(ways.waypoints)
-    row, column = number * count, _cell_of(to_x, to_y, ways) * count
+    count = len(paths.waypoints)
+    row, column = number * count, _cell_of(to_x, to_y, paths) * count
     tried, last = 0.0, -1
     while True:
         # The shortest of those not tried: whether a way is clear takes longest to find out.
         best, found = math.inf, -1
         for k in range(count):
-            if ways.seen[column + k]:
-                point = ways.waypoints[k]
-                total = ways.lengths[row + k] + length(to_x - point.x, to_y - point.y)
+            if paths.seen[column + k]:
+                point = paths.waypoints[k]
+                total = paths.lengths[row + k] + length(to_x - point.x, to_y - point.y)
                 if total < best and (total > tried or (total == tried and k > last)):
                     best, found = total, k
         if best >= most:
             return math.inf
-        point = ways.waypoints[found]
-        if is_clear(point.x, point.y, to_x, to_y, past_home, walls, ways):
+        point = paths.waypoints[found]
+        if is_clear(point.x, point.y, to_x, to_y, past_home, walls, paths):
             return best
         tried, last = best, found
 
 
-def _cell_of(x: float, y: float, ways: Ways) -> int:
+def _cell_of(x: float, y: float, paths: PathTables) -> int:
     """Number of the cell of a place in the grid."""
-    column, row = math.floor((x - ways.left) * ways.columns), math.floor((y - ways.bottom) * ways.rows)
+    column, row = math.floor((x - paths.left) * paths.columns), math.floor((y - paths.bottom) * paths.rows)
     if 0 <= column < CELLS and 0 <= row < CELLS:
         return int(row * CELLS + column)
     return CELLS * CELLS

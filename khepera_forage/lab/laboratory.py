@@ -19,13 +19,16 @@ from khepera_forage.lab.localisation import (
 )
 from khepera_forage.lab.operator import Operator, OperatorRequest, RobotMark, ask_person
 from khepera_forage.lab.settings_file import LabSettings
-from khepera_forage.robots.khepera import ARM_RAISED, FOOD_RADIUS, JAW_OPEN, RADIUS, Motors, RobotLost
-from khepera_forage.robots.proximity import clean_readings, reported_readings
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, RobotLost
 from khepera_forage.robots.real_robot import RealRobot, stop_all, stop_and_log
 from khepera_forage.robots.toio.driver import ToioRobot
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen
-from khepera_forage.sim.world import FoodPlace, Layout
+from khepera_forage.sim.records import FoodState, RobotState, constants_of
+from khepera_forage.sim.sensing import sense
+from khepera_forage.sim.simulation import SimulatedKhepera
+from khepera_forage.sim.world import FoodPlace, Layout, Timing
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.tracked_camera import TrackedCamera
 from khepera_forage.vision.video import CameraLost
@@ -281,17 +284,17 @@ class Laboratory:
 
     def _note_surroundings(self) -> None:
         """Tell robots with fewer sensors than a Khepera what the map shows."""
-        foods = [(food.x, food.y, FOOD_RADIUS) for food in self.food_places()]
-        for number, (robot, pose, arena) in enumerate(
-            zip(self.robots, self._poses, self.arenas, strict=True)
-        ):
-            if robot.model.has_gripper:
-                continue
-            ahead = self._foods.ahead_of(pose, robot.model.reach) is not None
-            readings = None
-            if not robot.model.infra_reds:
-                others = [(p.x, p.y, RADIUS) for i, p in enumerate(self._poses) if i != number]
-                cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
-                clean = clean_readings(pose.x, pose.y, cosine, sine, arena.segments, [*foods, *others])
-                readings = reported_readings(clean, False, 0.0, 0, (0.0,) * 8)
-            robot.note_surroundings(ahead, readings)
+        foods = [FoodState(food.x, food.y) for food in self.food_places()]
+        states = [
+            RobotState(*pose, math.cos(pose.heading), math.sin(pose.heading), has_gripper=False)
+            for pose in self._poses
+        ]
+        timing = Timing(self.round_duration, 0.0, 0.0)
+        for number, (robot, arena) in enumerate(zip(self.robots, self.arenas, strict=True)):
+            if not robot.model.has_gripper:
+                constants = constants_of(Noise.none(), timing, model=robot.model)
+                sense(states, number, foods, arena.wall_records, constants)
+                shown = SimulatedKhepera(states[number]).sense()
+                robot.note_surroundings(
+                    shown.object_presence != 0, None if robot.model.infra_reds else shown.proximity
+                )

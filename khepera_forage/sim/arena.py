@@ -87,7 +87,7 @@ class Arena:
 
     @property
     def wall_records(self) -> tuple[Wall, ...]:
-        """All walls as `geometry.walls.Wall` records, in mm."""
+        """All walls as `geometry.plane.Wall` records, in mm."""
         return walls_of((self.walls, *self.obstacles))
 
     @property

@@ -27,8 +27,11 @@ from khepera_forage.robots.khepera import (
     Motors,
     half_gap,
 )
-from khepera_forage.sim.world import FINE_TRAVEL, SUBSTEPS
 
+SUBSTEPS = 5
+"""Steps of a round, 20 ms each, in which something is pushed."""
+_FINE_TRAVEL = 0.8
+"""How far a point of a robot may travel in one step near a wall, in mm: overlaps then stay below 1 mm."""
 _THIN = FINGER_THICKNESS / 2
 _TOUCH = 0.5
 """mm of play within which the fingers count as touching food, and by which one may overlap a wall."""
@@ -38,192 +41,6 @@ _PALM, _PALM_HALF = JAW_ROOT - _THIN, half_gap(JAW_OPEN) + _THIN
 """Middle and half length of the palm, mm."""
 _PALM_END = half_gap(JAW_OPEN) + FINGER_THICKNESS
 """From the middle to the outside of the palm, mm."""
-
-
-def tip_of(robot: Any) -> float:
-    """Mm from a robot's centre forward to the tips of its fingers."""
-    return float(FINGER_TIP - robot.finger_shortage)
-
-
-def seen_from(robot: Any, x: float, y: float) -> tuple[float, float]:
-    """A place in the robot's frame, mm forward and left."""
-    dx, dy = x - robot.x, y - robot.y
-    return dx * robot.cos + dy * robot.sin, dy * robot.cos - dx * robot.sin
-
-
-def grip_place(robot: Any) -> tuple[float, float]:
-    """Where held food is."""
-    u, v, cos, sin = robot.grip_x, robot.grip_y, robot.cos, robot.sin
-    return robot.x + u * cos - v * sin, robot.y + u * sin + v * cos
-
-
-def finger_overlap(u: float, v: float, tip: float, jaw: float, radius: float) -> float:
-    """Overlap in mm of a disc at (u, v) in the robot's frame with the nearer finger; negative when clear."""
-    along = u - min(tip - _THIN, max(JAW_ROOT, u))
-    aside = abs(v) - half_gap(jaw) - _THIN
-    return radius + _THIN - math.sqrt(along * along + aside * aside)
-
-
-def palm_overlap(u: float, v: float, radius: float) -> float:
-    """Overlap in mm of a disc at (u, v) with the palm behind the fingers; negative when clear."""
-    along = u - _PALM
-    aside = max(abs(v) - _PALM_HALF, 0.0)
-    return radius + _THIN - math.sqrt(along * along + aside * aside)
-
-
-def push_out(u: float, v: float, tip: float, jaw: float, radius: float) -> tuple[float, float, float]:
-    """Overlap in mm of a disc with the gripper, and the way out as a unit vector in the robot's frame."""
-    fingers, palm = finger_overlap(u, v, tip, jaw, radius), palm_overlap(u, v, radius)
-    if fingers >= palm:
-        depth = fingers
-        along = u - min(tip - _THIN, max(JAW_ROOT, u))
-        aside = math.copysign(1.0, v) * (abs(v) - half_gap(jaw) - _THIN)
-    else:
-        depth = palm
-        along = u - _PALM
-        aside = math.copysign(1.0, v) * max(abs(v) - _PALM_HALF, 0.0)
-    far = math.sqrt(along * along + aside * aside)
-    if far < 1e-9:
-        return depth, 1.0, 0.0
-    return depth, along / far, aside / far
-
-
-def behind_wall(robot: Any, corner: int, wide: float, wall: Any) -> tuple[float, float, float, float, float]:
-    """How far a corner of the gripper is behind a wall.
-
-    A corner counts only if the gripper's own way to it crosses the wall: a finger from its root, the palm from the
-    robot's centre. Beyond the end of a wall of an obstacle, a corner is behind its line without being in the obstacle.
-
-    Args:
-        robot: The robot.
-        corner: 0 and 1 for the tips of the right and the left finger, 2 and 3 for the ends of the palm.
-        wide: From the middle to the outside of the fingers, mm.
-        wall: The wall.
-
-    Returns:
-        The corner in the robot's frame (mm forward, mm left), its depth behind the wall seen from the robot's side in
-        mm (negative if the way to it does not cross the wall), and the wall's unit normal on the robot's side.
-    """
-    from_u, u = (JAW_ROOT, tip_of(robot)) if corner < 2 else (0.0, JAW_ROOT)
-    v = wide if corner < 2 else _PALM_END
-    v = v if corner & 1 else -v
-    from_v = v if corner < 2 else 0.0
-    cos, sin = robot.cos, robot.sin
-    nx, ny = wall.normal_x, wall.normal_y
-    off = nx * robot.x + ny * robot.y - wall.offset
-    side = math.copysign(1.0, off)
-    from_x, from_y = from_u * cos - from_v * sin, from_u * sin + from_v * cos
-    dx, dy = (u - from_u) * cos - (v - from_v) * sin, (u - from_u) * sin + (v - from_v) * cos
-    front = side * (off + nx * from_x + ny * from_y)
-    depth = -front - side * (nx * dx + ny * dy)
-    if front < 0.0 or depth <= 0.0:
-        return u, v, -1.0, side * nx, side * ny
-    share = front / max(front + depth, 1e-9)
-    x, y = robot.x + from_x + share * dx, robot.y + from_y + share * dy
-    t = ((x - wall.x1) * wall.ex + (y - wall.y1) * wall.ey) * wall.share
-    return u, v, (depth if 0.0 <= t <= 1.0 else -1.0), side * nx, side * ny
-
-
-def in_barrier(u: float, v: float, jaw: float) -> bool:
-    """Whether a food disc at (u, v) in the robot's frame cuts the optical barrier between the fingers."""
-    lateral = max(abs(v) - half_gap(jaw), 0.0)
-    ahead = u - BARRIER
-    return ahead * ahead + lateral * lateral < FOOD_RADIUS * FOOD_RADIUS
-
-
-def room_below(robots: Any, i: int, foods: Any) -> bool:
-    """Whether the arm can be lowered: no food below the fingers, and nothing below held food."""
-    robot = robots[i]
-    if robot.held >= 0 and not _floor_free(robots, i, foods):
-        return False
-    finger, near = half_gap(robot.jaw) + _THIN, (FOOD_RADIUS - _TOUCH) ** 2
-    for k in range(len(foods)):
-        if k == robot.held:
-            continue
-        u, v = seen_from(robot, foods[k].x, foods[k].y)
-        ahead = max(JAW_ROOT - u, u - tip_of(robot), 0.0)
-        aside = max(abs(abs(v) - finger) - _THIN, 0.0)
-        behind = max(abs(v) - finger, 0.0)
-        palm = u - JAW_ROOT + _THIN
-        if ahead * ahead + aside * aside < near or palm * palm + behind * behind < near:
-            return False
-    return True
-
-
-def _floor_free(robots: Any, i: int, foods: Any) -> bool:
-    """Whether held food could be set down without touching other food or a robot."""
-    robot = robots[i]
-    for k in range(len(foods)):
-        u, v = seen_from(robot, foods[k].x, foods[k].y)
-        du, dv = u - robot.grip_x, v - robot.grip_y
-        if k != robot.held and du * du + dv * dv < 4 * FOOD_RADIUS * FOOD_RADIUS:
-            return False
-    for j in range(len(robots)):
-        u, v = seen_from(robot, robots[j].x, robots[j].y)
-        du, dv = u - robot.grip_x, v - robot.grip_y
-        if j != i and du * du + dv * dv < (FOOD_RADIUS + RADIUS) ** 2:
-            return False
-    return True
-
-
-def moves_jaw(robot: Any) -> bool:
-    """Whether the jaw is on its way: one that holds food closes no further."""
-    return bool(robot.jaw_target > robot.jaw or (robot.jaw_target < robot.jaw and robot.held < 0))
-
-
-def move_jaw(robots: Any, i: int, foods: Any, walls: Any, step: float) -> None:
-    """Move the jaw of one robot: closing on food grips it, opening releases it.
-
-    Args:
-        robots: All robots of the world.
-        i: Number of the robot.
-        foods: The food objects.
-        walls: The walls near the robot; a finger does not open into one.
-        step: The largest change of the jaw's position.
-    """
-    robot = robots[i]
-    jaw, target, held = robot.jaw, robot.jaw_target, robot.held
-    if not moves_jaw(robot):
-        return
-    new = min(target, jaw + step) if target > jaw else max(target, jaw - step)
-    if new > jaw and _opens_into_wall(robot, new, walls):
-        return
-    low = robot.arm >= ARM_ON_FLOOR
-    if held >= 0:
-        if not low and not _floor_free(robots, i, foods):
-            return
-        foods[held].x, foods[held].y = grip_place(robot)
-        robot.held = -1
-    elif new < jaw and low:
-        k = _between(robot, foods, new)
-        if k >= 0:
-            new = JAW_ON_FOOD
-            u, v = seen_from(robot, foods[k].x, foods[k].y)
-            if abs(v) < _CENTRED:
-                robot.held, robot.grip_x, robot.grip_y = k, u, v
-    robot.jaw = new
-
-
-def _between(robot: Any, foods: Any, jaw: float) -> int:
-    """Number of the food object that the fingers hold when the jaw closes to this position; -1 without."""
-    if half_gap(jaw) <= FOOD_RADIUS:
-        for k in range(len(foods)):
-            u, v = seen_from(robot, foods[k].x, foods[k].y)
-            if JAW_ROOT < u < tip_of(robot) and abs(v) < half_gap(robot.jaw):
-                return k
-    return -1
-
-
-def _opens_into_wall(robot: Any, jaw: float, walls: Any) -> bool:
-    """Whether a finger at this position of the jaw would overlap a wall."""
-    aside = half_gap(jaw) + FINGER_THICKNESS
-    for k in range(len(walls)):
-        for corner in range(4):
-            if behind_wall(robot, corner, aside, walls[k])[2] > _TOUCH:
-                return True
-    return False
-
-
 _EXTENT = 94.0
 """mm from a robot's centre to the furthest point of the robot and the food in its gripper."""
 _PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
@@ -236,22 +53,13 @@ _FAR = 30.0
 """mm a round from which a finger could pass through food unnoticed: the robot then counts as touching it."""
 
 
-def put_down(robot: Any, x: float, y: float, heading: float, constants: Any) -> None:
-    """Put a robot down at the start of an episode, at rest, with its gripper raised and open; it is not seen yet.
-
-    Args:
-        robot: The robot, with the key of its random numbers.
-        x: Place in mm.
-        y: Place in mm.
-        heading: Radians.
-        constants: `Constants`.
-    """
+def put_down(robot: Any, constants: Any) -> None:
+    """Put a robot down at its pose for an episode: at rest, its gripper raised and open, and not seen yet."""
     bits = draw(robot, DRAW_BIAS)
-    mean, bias = constants.wheel_speed - 1.0, constants.wheel_bias
+    mean, bias = constants.wheel_speed - 1.0, constants.noise.wheel_bias
     robot.bias_left = mean + robot.left_wheel_error + bias * normal(draw(robot, DRAW_BIAS + 2), bits)
     robot.bias_right = mean + bias * normal(draw(robot, DRAW_BIAS + 1), bits >> 32)
-    robot.x, robot.y, robot.heading = x, y, heading
-    robot.cos, robot.sin = cosine_sine(heading)
+    robot.cos, robot.sin = cosine_sine(robot.heading)
     robot.arm = robot.arm_target = float(ARM_RAISED)
     robot.jaw = robot.jaw_target = float(JAW_OPEN)
     robot.held = -1
@@ -262,7 +70,7 @@ def put_down(robot: Any, x: float, y: float, heading: float, constants: Any) -> 
     )
     robot.left = robot.right = robot.forward = robot.turn = robot.last_forward = robot.last_turn = 0.0
     robot.left_pulses = robot.right_pulses = 0.0
-    robot.object_presence = robot.arm_reading = robot.jaw_reading = 0
+    robot.senses.object_presence = 0
     robot.marker_x = robot.marker_y = robot.marker_heading = 0.0
     robot.marker_found = robot.marker_lost = False
     robot.first_frame = True
@@ -289,14 +97,14 @@ def begin_round(robots: Any, i: int, foods: Any, constants: Any) -> None:
         foods: The food objects.
         constants: `Constants`.
     """
-    robot, duration = robots[i], constants.round_duration
+    robot, duration = robots[i], constants.timing.round_duration
     robot.round += 1
-    arm = _towards(robot.arm_target, robot.arm, constants.arm_speed * duration)
+    arm = _towards(robot.arm_target, robot.arm, constants.timing.arm_speed * duration)
     # It does not come down on food or robots.
     if arm >= ARM_ON_FLOOR and robot.arm < ARM_ON_FLOOR and not room_below(robots, i, foods):
         arm = ARM_ON_FLOOR - 1.0
     robot.arm = arm
-    bits, slip = draw(robot, DRAW_WHEELS + 2), constants.wheel_slip
+    bits, slip = draw(robot, DRAW_WHEELS + 2), constants.noise.wheel_slip
     left_share = 1.0 + robot.bias_left + slip * normal(draw(robot, DRAW_WHEELS), bits)
     right_share = 1.0 + robot.bias_right + slip * normal(draw(robot, DRAW_WHEELS + 1), bits >> 32)
     left, right = robot.left * SPEED_UNIT * left_share, robot.right * SPEED_UNIT * right_share
@@ -305,68 +113,6 @@ def begin_round(robots: Any, i: int, foods: Any, constants: Any) -> None:
     pulses = SPEED_UNIT * duration / PULSE
     robot.left_pulses += robot.left * pulses
     robot.right_pulses += robot.right * pulses
-
-
-def travel_of(robot: Any, duration: float) -> float:
-    """The furthest way of any point of a robot in this round, mm."""
-    return float((abs(robot.forward) + abs(robot.turn) * FINGER_TIP) * duration)
-
-
-def steps_of(travel: float, near_wall: bool) -> float:
-    """How many steps of physics a round has; near a wall no point of a robot travels more than 0.8 mm in one."""
-    return max(float(SUBSTEPS), math.ceil(travel / FINE_TRAVEL)) if near_wall else float(SUBSTEPS)
-
-
-def lateness(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> float:
-    """The share of a round in which the wheels still turn as in the round before.
-
-    Rigid bodies get to a new speed one step of physics late: 20 ms, or less near a wall. So does a robot that is near
-    enough to something to push it, or to be stopped by it.
-
-    Args:
-        robots: All robots of the arena.
-        i: Number of the robot.
-        foods: The food objects.
-        walls: The walls of its arena.
-        constants: `Constants`.
-    """
-    travel = travel_of(robots[i], constants.round_duration)
-    near_food = _is_near_food(robots, i, foods, travel)
-    near_wall = is_near_wall(robots[i], walls, travel, near_food)
-    return 1.0 / steps_of(travel, near_wall) if near_food or near_wall else 0.0
-
-
-def _is_near_food(robots: Any, i: int, foods: Any, travel: float) -> bool:
-    """Whether the robot could push food that it does not hold, or another robot, in this round."""
-    robot = robots[i]
-    reach = (_PUSHED if robot.arm >= ARM_ON_FLOOR else _SHOVED) + travel
-    for k in range(len(foods)):
-        dx, dy = foods[k].x - robot.x, foods[k].y - robot.y
-        if dx * dx + dy * dy < reach * reach and robot.held != k:
-            return True
-    for j in range(len(robots)):
-        dx, dy = robots[j].x - robot.x, robots[j].y - robot.y
-        if j != i and dx * dx + dy * dy < (_PUSHED + RADIUS + travel) ** 2:
-            return True
-    return False
-
-
-def is_near_wall(robot: Any, walls: Any, travel: float, pushes: bool) -> bool:
-    """Whether the robot, or food that it pushes, could touch a wall in this round."""
-    body_reach = travel + (_PUSHED if pushes else RADIUS)
-    gripper_reach = travel + _GRIPPER_RADIUS
-    furthest = max(body_reach, gripper_reach + _GRIPPER_AHEAD) + 1.0
-    for k in range(len(walls)):
-        wall = walls[k]
-        # The distance from a wall's line is cheap, and mostly shows that the wall is out of reach.
-        if abs(wall.normal_x * robot.x + wall.normal_y * robot.y - wall.offset) > furthest:
-            continue
-        if squared_from_wall(robot.x, robot.y, wall) < body_reach * body_reach:
-            return True
-        x, y = robot.x + _GRIPPER_AHEAD * robot.cos, robot.y + _GRIPPER_AHEAD * robot.sin
-        if squared_from_wall(x, y, wall) < gripper_reach * gripper_reach:
-            return True
-    return False
 
 
 def glide(robots: Any, i: int, foods: Any, walls: Any, corners: Any, constants: Any) -> bool:
@@ -383,11 +129,11 @@ def glide(robots: Any, i: int, foods: Any, walls: Any, corners: Any, constants: 
     Returns:
         Whether it has moved.
     """
-    robot, duration = robots[i], constants.round_duration
+    robot, duration = robots[i], constants.timing.round_duration
     travel = travel_of(robot, duration)
     jaw = robot.jaw
     if robot.held < 0:
-        jaw = _towards(robot.jaw_target, jaw, constants.jaw_speed * duration)
+        jaw = _towards(robot.jaw_target, jaw, constants.timing.jaw_speed * duration)
     elif robot.jaw_target > jaw:
         return False  # A jaw that opens and releases food moves step by step; one that holds food closes no further.
     if travel == 0.0 and jaw == robot.jaw:
@@ -505,3 +251,249 @@ def _touches_robot(
         if robot.held >= 0 and gx * gx + gy * gy < (FOOD_RADIUS + near) ** 2:
             return True
     return False
+
+
+def lateness(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> float:
+    """The share of a round in which the wheels still turn as in the round before.
+
+    Rigid bodies get to a new speed one step of physics late: 20 ms, or less near a wall. So does a robot that is near
+    enough to something to push it, or to be stopped by it.
+
+    Args:
+        robots: All robots of the arena.
+        i: Number of the robot.
+        foods: The food objects.
+        walls: The walls of its arena.
+        constants: `Constants`.
+    """
+    travel = travel_of(robots[i], constants.timing.round_duration)
+    near_food = _is_near_food(robots, i, foods, travel)
+    near_wall = is_near_wall(robots[i], walls, travel, near_food)
+    return 1.0 / steps_of(travel, near_wall) if near_food or near_wall else 0.0
+
+
+def travel_of(robot: Any, duration: float) -> float:
+    """The furthest way of any point of a robot in this round, mm."""
+    return float((abs(robot.forward) + abs(robot.turn) * FINGER_TIP) * duration)
+
+
+def steps_of(travel: float, near_wall: bool) -> float:
+    """How many steps of physics a round has; near a wall no point of a robot travels more than 0.8 mm in one."""
+    return max(float(SUBSTEPS), math.ceil(travel / _FINE_TRAVEL)) if near_wall else float(SUBSTEPS)
+
+
+def _is_near_food(robots: Any, i: int, foods: Any, travel: float) -> bool:
+    """Whether the robot could push food that it does not hold, or another robot, in this round."""
+    robot = robots[i]
+    reach = (_PUSHED if robot.arm >= ARM_ON_FLOOR else _SHOVED) + travel
+    for k in range(len(foods)):
+        dx, dy = foods[k].x - robot.x, foods[k].y - robot.y
+        if dx * dx + dy * dy < reach * reach and robot.held != k:
+            return True
+    for j in range(len(robots)):
+        dx, dy = robots[j].x - robot.x, robots[j].y - robot.y
+        if j != i and dx * dx + dy * dy < (_PUSHED + RADIUS + travel) ** 2:
+            return True
+    return False
+
+
+def is_near_wall(robot: Any, walls: Any, travel: float, pushes: bool) -> bool:
+    """Whether the robot, or food that it pushes, could touch a wall in this round."""
+    body_reach = travel + (_PUSHED if pushes else RADIUS)
+    gripper_reach = travel + _GRIPPER_RADIUS
+    furthest = max(body_reach, gripper_reach + _GRIPPER_AHEAD) + 1.0
+    for k in range(len(walls)):
+        wall = walls[k]
+        # The distance from a wall's line is cheap, and mostly shows that the wall is out of reach.
+        if abs(wall.normal_x * robot.x + wall.normal_y * robot.y - wall.offset) > furthest:
+            continue
+        if squared_from_wall(robot.x, robot.y, wall) < body_reach * body_reach:
+            return True
+        x, y = robot.x + _GRIPPER_AHEAD * robot.cos, robot.y + _GRIPPER_AHEAD * robot.sin
+        if squared_from_wall(x, y, wall) < gripper_reach * gripper_reach:
+            return True
+    return False
+
+
+def moves_jaw(robot: Any) -> bool:
+    """Whether the jaw is on its way: one that holds food closes no further."""
+    return bool(robot.jaw_target > robot.jaw or (robot.jaw_target < robot.jaw and robot.held < 0))
+
+
+def move_jaw(robots: Any, i: int, foods: Any, walls: Any, step: float) -> None:
+    """Move the jaw of one robot: closing on food grips it, opening releases it.
+
+    Args:
+        robots: All robots of the world.
+        i: Number of the robot.
+        foods: The food objects.
+        walls: The walls near the robot; a finger does not open into one.
+        step: The largest change of the jaw's position.
+    """
+    robot = robots[i]
+    jaw, target, held = robot.jaw, robot.jaw_target, robot.held
+    if not moves_jaw(robot):
+        return
+    new = min(target, jaw + step) if target > jaw else max(target, jaw - step)
+    if new > jaw and _opens_into_wall(robot, new, walls):
+        return
+    low = robot.arm >= ARM_ON_FLOOR
+    if held >= 0:
+        if not low and not _floor_free(robots, i, foods):
+            return
+        foods[held].x, foods[held].y = grip_place(robot)
+        robot.held = -1
+    elif new < jaw and low:
+        k = _between(robot, foods, new)
+        if k >= 0:
+            new = JAW_ON_FOOD
+            u, v = seen_from(robot, foods[k].x, foods[k].y)
+            if abs(v) < _CENTRED:
+                robot.held, robot.grip_x, robot.grip_y = k, u, v
+    robot.jaw = new
+
+
+def _between(robot: Any, foods: Any, jaw: float) -> int:
+    """Number of the food object that the fingers hold when the jaw closes to this position; -1 without."""
+    if half_gap(jaw) <= FOOD_RADIUS:
+        for k in range(len(foods)):
+            u, v = seen_from(robot, foods[k].x, foods[k].y)
+            if JAW_ROOT < u < tip_of(robot) and abs(v) < half_gap(robot.jaw):
+                return k
+    return -1
+
+
+def _opens_into_wall(robot: Any, jaw: float, walls: Any) -> bool:
+    """Whether a finger at this position of the jaw would overlap a wall."""
+    aside = half_gap(jaw) + FINGER_THICKNESS
+    for k in range(len(walls)):
+        for corner in range(4):
+            if behind_wall(robot, corner, aside, walls[k])[2] > _TOUCH:
+                return True
+    return False
+
+
+def room_below(robots: Any, i: int, foods: Any) -> bool:
+    """Whether the arm can be lowered: no food below the fingers, and nothing below held food."""
+    robot = robots[i]
+    if robot.held >= 0 and not _floor_free(robots, i, foods):
+        return False
+    finger, near = half_gap(robot.jaw) + _THIN, (FOOD_RADIUS - _TOUCH) ** 2
+    for k in range(len(foods)):
+        if k == robot.held:
+            continue
+        u, v = seen_from(robot, foods[k].x, foods[k].y)
+        ahead = max(JAW_ROOT - u, u - tip_of(robot), 0.0)
+        aside = max(abs(abs(v) - finger) - _THIN, 0.0)
+        behind = max(abs(v) - finger, 0.0)
+        palm = u - JAW_ROOT + _THIN
+        if ahead * ahead + aside * aside < near or palm * palm + behind * behind < near:
+            return False
+    return True
+
+
+def _floor_free(robots: Any, i: int, foods: Any) -> bool:
+    """Whether held food could be set down without touching other food or a robot."""
+    robot = robots[i]
+    for k in range(len(foods)):
+        u, v = seen_from(robot, foods[k].x, foods[k].y)
+        du, dv = u - robot.grip_x, v - robot.grip_y
+        if k != robot.held and du * du + dv * dv < 4 * FOOD_RADIUS * FOOD_RADIUS:
+            return False
+    for j in range(len(robots)):
+        u, v = seen_from(robot, robots[j].x, robots[j].y)
+        du, dv = u - robot.grip_x, v - robot.grip_y
+        if j != i and du * du + dv * dv < (FOOD_RADIUS + RADIUS) ** 2:
+            return False
+    return True
+
+
+def in_barrier(u: float, v: float, jaw: float) -> bool:
+    """Whether a food disc at (u, v) in the robot's frame cuts the optical barrier between the fingers."""
+    lateral = max(abs(v) - half_gap(jaw), 0.0)
+    ahead = u - BARRIER
+    return ahead * ahead + lateral * lateral < FOOD_RADIUS * FOOD_RADIUS
+
+
+def tip_of(robot: Any) -> float:
+    """Mm from a robot's centre forward to the tips of its fingers."""
+    return float(FINGER_TIP - robot.finger_shortage)
+
+
+def seen_from(robot: Any, x: float, y: float) -> tuple[float, float]:
+    """A place in the robot's frame, mm forward and left."""
+    dx, dy = x - robot.x, y - robot.y
+    return dx * robot.cos + dy * robot.sin, dy * robot.cos - dx * robot.sin
+
+
+def grip_place(robot: Any) -> tuple[float, float]:
+    """Where held food is."""
+    u, v, cos, sin = robot.grip_x, robot.grip_y, robot.cos, robot.sin
+    return robot.x + u * cos - v * sin, robot.y + u * sin + v * cos
+
+
+def finger_overlap(u: float, v: float, tip: float, jaw: float, radius: float) -> float:
+    """Overlap in mm of a disc at (u, v) in the robot's frame with the nearer finger; negative when clear."""
+    along = u - min(tip - _THIN, max(JAW_ROOT, u))
+    aside = abs(v) - half_gap(jaw) - _THIN
+    return radius + _THIN - math.sqrt(along * along + aside * aside)
+
+
+def palm_overlap(u: float, v: float, radius: float) -> float:
+    """Overlap in mm of a disc at (u, v) with the palm behind the fingers; negative when clear."""
+    along = u - _PALM
+    aside = max(abs(v) - _PALM_HALF, 0.0)
+    return radius + _THIN - math.sqrt(along * along + aside * aside)
+
+
+def push_out(u: float, v: float, tip: float, jaw: float, radius: float) -> tuple[float, float, float]:
+    """Overlap in mm of a disc with the gripper, and the way out as a unit vector in the robot's frame."""
+    fingers, palm = finger_overlap(u, v, tip, jaw, radius), palm_overlap(u, v, radius)
+    if fingers >= palm:
+        depth = fingers
+        along = u - min(tip - _THIN, max(JAW_ROOT, u))
+        aside = math.copysign(1.0, v) * (abs(v) - half_gap(jaw) - _THIN)
+    else:
+        depth = palm
+        along = u - _PALM
+        aside = math.copysign(1.0, v) * max(abs(v) - _PALM_HALF, 0.0)
+    far = math.sqrt(along * along + aside * aside)
+    if far < 1e-9:
+        return depth, 1.0, 0.0
+    return depth, along / far, aside / far
+
+
+def behind_wall(robot: Any, corner: int, wide: float, wall: Any) -> tuple[float, float, float, float, float]:
+    """How far a corner of the gripper is behind a wall.
+
+    A corner counts only if the gripper's own way to it crosses the wall: a finger from its root, the palm from the
+    robot's centre. Beyond the end of a wall of an obstacle, a corner is behind its line without being in the obstacle.
+
+    Args:
+        robot: The robot.
+        corner: 0 and 1 for the tips of the right and the left finger, 2 and 3 for the ends of the palm.
+        wide: From the middle to the outside of the fingers, mm.
+        wall: The wall.
+
+    Returns:
+        The corner in the robot's frame (mm forward, mm left), its depth behind the wall seen from the robot's side in
+        mm (negative if the way to it does not cross the wall), and the wall's unit normal on the robot's side.
+    """
+    from_u, u = (JAW_ROOT, tip_of(robot)) if corner < 2 else (0.0, JAW_ROOT)
+    v = wide if corner < 2 else _PALM_END
+    v = v if corner & 1 else -v
+    from_v = v if corner < 2 else 0.0
+    cos, sin = robot.cos, robot.sin
+    nx, ny = wall.normal_x, wall.normal_y
+    off = nx * robot.x + ny * robot.y - wall.offset
+    side = math.copysign(1.0, off)
+    from_x, from_y = from_u * cos - from_v * sin, from_u * sin + from_v * cos
+    dx, dy = (u - from_u) * cos - (v - from_v) * sin, (u - from_u) * sin + (v - from_v) * cos
+    front = side * (off + nx * from_x + ny * from_y)
+    depth = -front - side * (nx * dx + ny * dy)
+    if front < 0.0 or depth <= 0.0:
+        return u, v, -1.0, side * nx, side * ny
+    share = front / max(front + depth, 1e-9)
+    x, y = robot.x + from_x + share * dx, robot.y + from_y + share * dy
+    t = ((x - wall.x1) * wall.ex + (y - wall.y1) * wall.ey) * wall.share
+    return u, v, (depth if 0.0 <= t <= 1.0 else -1.0), side * nx, side * ny

@@ -10,27 +10,13 @@ from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
 
-def check_world(arenas: Sequence[Arena], markers: Sequence[int]) -> None:
-    """Complain about a world that cannot be.
-
-    Raises:
-        ValueError: No arena, arenas that the camera does not see, no robot, or a marker with another number of holes.
-    """
-    if not arenas:
-        raise ValueError("a world with no arena; allowed: at least 1")
-    check_seen(arenas)
-    if not markers or any(holes not in (1, 2) for holes in markers):
-        raise ValueError(f"markers {tuple(markers)!r}; allowed: one or more of 1 and 2 holes")
-
-
 def check_seen(arenas: Sequence[Arena]) -> None:
     """Complain about arenas that the camera does not see.
 
     Raises:
         ValueError: One reaches outside the picture of 640 x 480 pixels of 5 mm.
     """
-    x1, y1 = min(arena.bounds[0] for arena in arenas), min(arena.bounds[1] for arena in arenas)
-    x2, y2 = max(arena.bounds[2] for arena in arenas), max(arena.bounds[3] for arena in arenas)
+    x1, y1, x2, y2 = _bounds(arenas)
     width, height = PICTURE_WIDTH * MM_PER_PIXEL, PICTURE_HEIGHT * MM_PER_PIXEL
     if x1 < 0 or y1 < 0 or x2 > width or y2 > height:
         raise ValueError(
@@ -41,9 +27,13 @@ def check_seen(arenas: Sequence[Arena]) -> None:
 
 def cable_anchor(arenas: Sequence[Arena]) -> tuple[float, float]:
     """Where the robots' cables hang from (3.7), as seen from above: the middle of all arenas, in mm."""
-    x1, y1 = min(arena.bounds[0] for arena in arenas), min(arena.bounds[1] for arena in arenas)
-    x2, y2 = max(arena.bounds[2] for arena in arenas), max(arena.bounds[3] for arena in arenas)
+    x1, y1, x2, y2 = _bounds(arenas)
     return (x1 + x2) / 2, (y1 + y2) / 2
+
+
+def _bounds(arenas: Sequence[Arena]) -> tuple[float, float, float, float]:
+    left, bottom, right, top = zip(*(arena.bounds for arena in arenas), strict=True)
+    return min(left), min(bottom), max(right), max(top)
 
 
 def arena_of(arenas: Sequence[Arena], what: str, place: Point | Pose, radius: float) -> Arena:

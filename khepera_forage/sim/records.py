@@ -4,12 +4,12 @@ On pymunk they are these classes, on compiled worlds records of numpy arrays wit
 Units are millimetres, radians and seconds unless a comment says otherwise.
 """
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from khepera_forage.noise import Noise
-from khepera_forage.records import Word
-from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN
+from khepera_forage.records import Word, blank
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Senses
 from khepera_forage.robots.model import KHEPERA, RobotModel
 from khepera_forage.sim.world import Timing
 
@@ -45,23 +45,21 @@ class RobotState:
         turn: Likewise, rad/s.
         last_forward: The same in the round before.
         last_turn: Likewise.
-        object_presence: As sensed at the end of the last round: 255 or 0.
-        arm_reading: Position of the arm as sensed.
-        jaw_reading: Position of the jaw as sensed.
         marker_x: Centre of its marker as last shown, pixels.
         marker_y: Likewise.
         marker_heading: Whole degrees.
-        marker_found: Whether the last frame showed the marker.
+        marker_found: Whether the last frame showed the marker: it is not lost, and in the picture.
         marker_lost: Whether the tracker does not see the marker at present.
         first_frame: Whether the coming frame is the first after a reset.
-        next_label: Label of the next new track of food.
+        next_label: Label of the next new track of food; counted by the first robot of an arena.
         holes: Of its marker, 1 or 2.
         has_gripper: Whether it has a gripper. Without one, arm and jaw stay raised and open, where they touch nothing.
         wheel_base: Distance of its wheels, mm.
         max_speed: Highest speed of its wheels, in speed units.
         key: Of the random numbers of its world.
         round: Rounds since the key was set.
-        proximity: Readings of the eight infra-reds.
+        response: Of each infra-red to what is before it, without noise.
+        senses: What it senses, at the end of the last round.
     """
 
     x: float = 0.0
@@ -90,9 +88,6 @@ class RobotState:
     turn: float = 0.0
     last_forward: float = 0.0
     last_turn: float = 0.0
-    object_presence: int = 0
-    arm_reading: int = 0
-    jaw_reading: int = 0
     marker_x: float = 0.0
     marker_y: float = 0.0
     marker_heading: float = 0.0
@@ -106,7 +101,8 @@ class RobotState:
     max_speed: float = KHEPERA.max_speed
     key: Word = 0
     round: int = 0
-    proximity: list[float] = field(default_factory=lambda: [0.0] * 8)
+    response: list[float] = field(default_factory=lambda: [0.0] * 8)
+    senses: Senses = field(default_factory=lambda: blank(Senses))
 
 
 @dataclass(slots=True)
@@ -137,25 +133,12 @@ class FoodDetection:
 
 @dataclass(slots=True)
 class Constants:
-    """Sizes and rates of `Noise`, how the bodies move in time, and what kind of robots they are.
+    """Sizes and rates of noise, how the bodies move in time, and what kind of robots they are.
 
     Attributes:
-        wheel_slip: As in `Noise`; so are those down to `cable_loss_factor`.
-        wheel_bias: Likewise.
-        proximity_gain: Likewise.
-        proximity_floor: Likewise.
-        position_jitter: Likewise.
-        heading_jitter: Likewise.
-        reversal_rate: Likewise.
-        loss_rate_one_hole: Likewise.
-        loss_rate_two_holes: Likewise.
-        loss_rate_food: Likewise.
-        cable_loss_factor: Likewise.
-        loss_end: Chance that a loss ends.
+        noise: Sizes and rates.
+        timing: Duration of a round, and speeds of arm and jaw.
         wheel_speed: Share of the commanded speed that wheels reach.
-        round_duration: As in `Timing`; so are the last two.
-        arm_speed: Positions a second.
-        jaw_speed: Positions a second.
         has_gripper: As in `RobotModel`; so are the others.
         wheel_base: On the plan, mm.
         max_speed: Likewise.
@@ -163,26 +146,13 @@ class Constants:
         sensors: The infra-reds: mm forward and left, cosine and sine of each one's direction, one after another.
     """
 
-    wheel_slip: float = 0.0
-    wheel_bias: float = 0.0
-    proximity_gain: float = 0.0
-    proximity_floor: float = 0.0
-    position_jitter: float = 0.0
-    heading_jitter: float = 0.0
-    reversal_rate: float = 0.0
-    loss_rate_one_hole: float = 0.0
-    loss_rate_two_holes: float = 0.0
-    loss_rate_food: float = 0.0
-    cable_loss_factor: float = 1.0
-    loss_end: float = 1.0
-    wheel_speed: float = 1.0
-    round_duration: float = 0.1
-    arm_speed: float = 0.0
-    jaw_speed: float = 0.0
-    has_gripper: bool = True
-    wheel_base: float = KHEPERA.plan_base
-    max_speed: float = KHEPERA.max_speed
-    reach: float = 0.0
+    noise: Noise
+    timing: Timing
+    wheel_speed: float
+    has_gripper: bool
+    wheel_base: float
+    max_speed: float
+    reach: float
     sensors: list[float] = field(default_factory=lambda: [v for sensor in KHEPERA.sensors for v in sensor])
 
 
@@ -209,23 +179,14 @@ class Enclosure(NamedTuple):
 def constants_of(
     noise: Noise, timing: Timing, wheel_speed: float = 1.0, model: RobotModel = KHEPERA
 ) -> Constants:
-    """The `Constants` of worlds.
-
-    Args:
-        noise: Sizes and rates.
-        timing: Duration of a round, and speeds of arm and jaw.
-        wheel_speed: Share of the commanded speed that wheels reach.
-        model: The kind of robots.
-    """
-    names = {known.name for known in fields(Constants)} & {known.name for known in fields(noise)}
+    """The `Constants` of worlds with robots of a kind."""
     return Constants(
-        **{name: getattr(noise, name) for name in names},
-        **timing._asdict(),
-        loss_end=1.0 / noise.loss_rounds,
-        wheel_speed=wheel_speed,
-        has_gripper=model.has_gripper,
-        wheel_base=model.plan_base,
-        max_speed=model.max_speed,
-        reach=model.reach,
-        sensors=[value for sensor in model.sensors for value in sensor],
+        noise,
+        timing,
+        wheel_speed,
+        model.has_gripper,
+        model.plan_base,
+        model.max_speed,
+        model.reach,
+        [value for sensor in model.sensors for value in sensor],
     )

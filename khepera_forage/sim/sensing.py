@@ -23,8 +23,6 @@ Each robot has a track of its own, which never ends. Food becomes tracks by the 
 is visible to that rule when food lying there would be clear of every marker by five standard deviations of the jitter
 (no last place is known better: with less, food just gone under the rim of a marker is taken for vanished) and would not
 touch food that is under a loss (whatever hides that also hides the floor around it).
-
-Plain functions, also compiled; `SimulatedCamera` shows what they have found.
 """
 
 import math
@@ -65,9 +63,8 @@ from khepera_forage.robots.proximity import (
     RESPONSE_GAIN,
     RESPONSE_OFFSET,
 )
-from khepera_forage.sim.driving import grip_place, in_barrier, seen_from
-from khepera_forage.sim.records import Enclosure, FoodDetection, FoodState, RobotState, constants_of
-from khepera_forage.sim.world import Timing
+from khepera_forage.sim.driving import grip_place, in_barrier, put_down, seen_from
+from khepera_forage.sim.records import Enclosure, FoodDetection, FoodState, RobotState
 from khepera_forage.vision.association import Track, match, may_vanish, start_tracks
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene, Truth
 from khepera_forage.vision.shapes import (
@@ -89,6 +86,19 @@ _FRONT = 6
 _HIDDEN_LOW, _HIDDEN_VALUES = float(HIDDEN_BY_ARM[0]), float(HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1)
 
 
+def begin(enclosure: Enclosure, constants: Any) -> None:
+    """Begin an episode: robots stand at their poses, at rest, and nothing is tracked."""
+    for i in range(len(enclosure.robots)):
+        put_down(enclosure.robots[i], constants)
+    forget_tracks(enclosure.foods, enclosure.tracks)
+
+
+def sense_all(enclosure: Enclosure, constants: Any) -> None:
+    """What the robots of an arena sense."""
+    for i in range(len(enclosure.robots)):
+        sense(enclosure.robots, i, enclosure.foods, enclosure.walls, constants)
+
+
 def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
     """Read all sensors of one robot; food in its gripper has moved along.
 
@@ -100,12 +110,14 @@ def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
         constants: `Constants`.
     """
     robot = robots[i]
+    senses = robot.senses
+    senses.left_pulses, senses.right_pulses = int(robot.left_pulses), int(robot.right_pulses)
     if robot.has_gripper:
         _sense_gripper(robot, foods)
     else:
         _sense_food_ahead(robot, foods, constants.reach)
     for sensor in range(8):
-        robot.proximity[sensor] = 0.0
+        robot.response[sensor] = 0.0
     first = _FRONT if robot.arm >= ARM_ON_FLOOR else 0
     for k in range(len(walls)):
         wall = walls[k]
@@ -123,30 +135,31 @@ def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
     for pair in range(4):
         bits = draw(robot, DRAW_PROXIMITY + pair)
         one, other = 2 * pair, 2 * pair + 1
-        robot.proximity[one] = _measured(robot, one, one < first, constants, upper(bits))
-        robot.proximity[other] = _measured(robot, other, one < first, constants, lower(bits))
+        senses.proximity[one] = _measured(robot, one, one < first, constants.noise, upper(bits))
+        senses.proximity[other] = _measured(robot, other, one < first, constants.noise, lower(bits))
 
 
 def _sense_gripper(robot: Any, foods: Any) -> None:
-    robot.object_presence = 0
+    senses = robot.senses
+    senses.object_presence = 0
     raised = (1.0 + robot.arm_reading_error) * (ARM_DOWN - robot.arm)
-    robot.arm_reading, robot.jaw_reading = math.floor(ARM_DOWN - raised + 0.5), math.floor(robot.jaw + 0.5)
+    senses.arm, senses.jaw = math.floor(ARM_DOWN - raised + 0.5), math.floor(robot.jaw + 0.5)
     if robot.held >= 0:
         foods[robot.held].x, foods[robot.held].y = grip_place(robot)
     for k in range(len(foods)):
         if robot.held == k or (robot.held < 0 and robot.arm >= ARM_ON_FLOOR):
             u, v = seen_from(robot, foods[k].x, foods[k].y)
             if in_barrier(u, v, robot.jaw):
-                robot.object_presence = PRESENT
+                senses.object_presence = PRESENT
 
 
 def _sense_food_ahead(robot: Any, foods: Any, reach: float) -> None:
     """What stands for the readings of a gripper: an object is present while food lies before the robot."""
-    robot.object_presence, robot.arm_reading, robot.jaw_reading = 0, ARM_DOWN, JAW_OPEN
+    robot.senses.object_presence, robot.senses.arm, robot.senses.jaw = 0, ARM_DOWN, JAW_OPEN
     for k in range(len(foods)):
         ahead, aside = seen_from(robot, foods[k].x, foods[k].y)
         if 0.0 < ahead <= reach and abs(aside) <= FOOD_RADIUS:
-            robot.object_presence = PRESENT
+            robot.senses.object_presence = PRESENT
 
 
 def _see_wall(robot: Any, wall: Any, first: int, sensors: Any) -> None:
@@ -182,52 +195,42 @@ def _keep_largest(robot: Any, sensor: int, dx: float, dy: float, radius: float, 
     inverse = 1.0 / (near * near * distance)
     response = min(float(MAX_READING), RESPONSE_GAIN * (inverse * distance - RESPONSE_AT_RANGE))
     reading = response * (2.0 * along * (inverse * near * near) - 1.0)
-    robot.proximity[sensor] = max(robot.proximity[sensor], reading)
+    robot.response[sensor] = max(robot.response[sensor], reading)
 
 
-def _measured(robot: Any, sensor: int, hidden: bool, constants: Any, uniform: float) -> int:
+def _measured(robot: Any, sensor: int, hidden: bool, noise: Any, uniform: float) -> int:
     """The reading of a sensor as a robot reports it: a whole number with noise."""
     if hidden:
-        return math.floor(_HIDDEN_LOW + _HIDDEN_VALUES * (uniform if constants.proximity_gain > 0.0 else 0.5))
-    clean = robot.proximity[sensor] * (1.0 + robot.infra_red_error)
-    reading = min(clean * (1.0 + constants.proximity_gain * (2.0 * uniform - 1.0)), float(MAX_READING))
-    floor = constants.proximity_floor
+        return math.floor(_HIDDEN_LOW + _HIDDEN_VALUES * (uniform if noise.proximity_gain > 0.0 else 0.5))
+    clean = robot.response[sensor] * (1.0 + robot.infra_red_error)
+    reading = min(clean * (1.0 + noise.proximity_gain * (2.0 * uniform - 1.0)), float(MAX_READING))
+    floor = noise.proximity_floor
     if reading <= floor and floor > 0.0:
         reading = (floor + 1.0) * uniform
     return math.floor(float(reading))
 
 
-def look(
-    robots: Any,
-    foods: Any,
-    tracks: Any,
-    detections: Any,
-    anchor_x: float,
-    anchor_y: float,
-    constants: Any,
-) -> None:
+def look(enclosure: Enclosure, anchor_x: float, anchor_y: float, noise: Any) -> None:
     """Take one frame, in which the first time after a reset nothing is lost, and continue the tracks.
 
     Args:
-        robots: All robots of the world.
-        foods: The food objects.
-        tracks: Slots of `Track` records, twice as many as food objects.
-        detections: Room for one `FoodDetection` record a food object; it holds nothing between rounds.
+        enclosure: Everything in an arena.
         anchor_x: The point from which the robots' cables hang, mm.
         anchor_y: Likewise.
-        constants: `Constants`.
+        noise: Sizes and rates.
     """
+    robots, foods, tracks, detections, _, _ = enclosure
     first_frame = robots[0].first_frame
     for i in range(len(robots)):
-        _look_at_marker(robots, i, anchor_x, anchor_y, constants)
+        _look_at_marker(robots, i, anchor_x, anchor_y, noise)
     count = 0
     for k in range(len(foods)):
-        if _look_at_food(robots, foods[k], k, detections[count], anchor_x, anchor_y, first_frame, constants):
+        if _look_at_food(robots, foods[k], k, detections[count], anchor_x, anchor_y, first_frame, noise):
             count += 1
     new = match(tracks, detections, count, False)
-    clearance = visible_clearance(constants.position_jitter)
+    clearance = visible_clearance(noise.position_jitter)
     for k in range(len(tracks)):
-        if may_vanish(tracks[k], False) and _is_visible(robots, foods, tracks[k], clearance, constants):
+        if may_vanish(tracks[k], False) and _is_visible(robots, foods, tracks[k], clearance):
             tracks[k].label = -1
     if new:
         robots[0].next_label = start_tracks(tracks, detections, count, robots[0].next_label)
@@ -245,27 +248,27 @@ def forget_tracks(foods: Any, tracks: Any) -> None:
         track.found = False
 
 
-def _is_lost(lost: bool, chance: float, rate: float, end: float) -> bool:
-    """Whether the tracker does not see a region in this frame: losses begin at a rate and end with a chance."""
-    return chance >= end if lost else chance < rate
+def _is_lost(lost: bool, chance: float, rate: float, loss_rounds: float) -> bool:
+    """Whether the tracker does not see a region in this frame: losses begin at a rate and last some rounds."""
+    return chance >= 1.0 / loss_rounds if lost else chance < rate
 
 
-def _look_at_marker(robots: Any, i: int, anchor_x: float, anchor_y: float, constants: Any) -> None:
+def _look_at_marker(robots: Any, i: int, anchor_x: float, anchor_y: float, noise: Any) -> None:
     """What this frame shows of a robot's marker."""
     robot = robots[i]
-    jitter, chances = constants.position_jitter, draw(robot, DRAW_MARKER + 4)
+    jitter, chances = noise.position_jitter, draw(robot, DRAW_MARKER + 4)
     smoothing = draw(robot, DRAW_MARKER + 2)
     x = robot.x / MM_PER_PIXEL + jitter * normal(draw(robot, DRAW_MARKER), smoothing)
     y = robot.y / MM_PER_PIXEL + jitter * normal(draw(robot, DRAW_MARKER + 1), smoothing >> 32)
-    rate = constants.loss_rate_one_hole if robot.holes == 1 else constants.loss_rate_two_holes
+    rate = noise.loss_rate_one_hole if robot.holes == 1 else noise.loss_rate_two_holes
     chance = upper(chances)
     # A robot's own cable never disturbs its marker (3.7).
-    if not robot.marker_lost and rate <= chance < rate * constants.cable_loss_factor:
+    if not robot.marker_lost and rate <= chance < rate * noise.cable_loss_factor:
         for j in range(len(robots)):
             if j != i and _is_under_cable(robot, MARKER_WIDTH / 2, robots[j], anchor_x, anchor_y):
-                rate = rate * constants.cable_loss_factor
+                rate = rate * noise.cable_loss_factor
                 break
-    lost = _is_lost(robot.marker_lost, chance, rate, constants.loss_end)
+    lost = _is_lost(robot.marker_lost, chance, rate, noise.loss_rounds)
     robot.marker_lost = lost and not robot.first_frame
     robot.marker_found = not robot.marker_lost and 0.0 < x < PICTURE_WIDTH and 0.0 < y < PICTURE_HEIGHT
     robot.first_frame = False
@@ -273,8 +276,8 @@ def _look_at_marker(robots: Any, i: int, anchor_x: float, anchor_y: float, const
         return
     turn = draw(robot, DRAW_MARKER + 3)
     degrees = robot.heading * (180.0 / math.pi)
-    degrees += constants.heading_jitter * normal(turn, random_bits(turn, DRAW_MARKER + 2))
-    degrees = math.floor(degrees + (180.5 if lower(chances) < constants.reversal_rate else 0.5))
+    degrees += noise.heading_jitter * normal(turn, random_bits(turn, DRAW_MARKER + 2))
+    degrees = math.floor(degrees + (180.5 if lower(chances) < noise.reversal_rate else 0.5))
     robot.marker_x, robot.marker_y = x, y
     robot.marker_heading = float(degrees % 360)
 
@@ -287,19 +290,19 @@ def _look_at_food(
     anchor_x: float,
     anchor_y: float,
     first_frame: bool,
-    constants: Any,
+    noise: Any,
 ) -> bool:
     """What this frame shows of food object `k`; returns whether it is seen, and then writes the detection."""
-    robot, jitter, number = robots[0], constants.position_jitter, DRAW_FOOD + k * FOOD_DRAWS
-    chance, rate = upper(draw(robot, number + 3)), constants.loss_rate_food
+    robot, jitter, number = robots[0], noise.position_jitter, DRAW_FOOD + k * FOOD_DRAWS
+    chance, rate = upper(draw(robot, number + 3)), noise.loss_rate_food
     # A cable makes a loss likelier: so seldom that only then cables are looked at.
-    if not food.lost and rate <= chance < rate * constants.cable_loss_factor:
+    if not food.lost and rate <= chance < rate * noise.cable_loss_factor:
         for i in range(len(robots)):
             if _is_under_cable(food, FOOD_RADIUS, robots[i], anchor_x, anchor_y):
-                rate = rate * constants.cable_loss_factor
+                rate = rate * noise.cable_loss_factor
                 break
-    food.lost = _is_lost(food.lost, chance, rate, constants.loss_end) and not first_frame
-    if food.lost or _is_hidden(robots, food.x, food.y, FOOD_RADIUS, constants):
+    food.lost = _is_lost(food.lost, chance, rate, noise.loss_rounds) and not first_frame
+    if food.lost or _is_hidden(robots, food.x, food.y, FOOD_RADIUS):
         return False
     smoothing = draw(robot, number + 2)
     x = food.x / MM_PER_PIXEL + jitter * normal(draw(robot, number), smoothing)
@@ -319,22 +322,22 @@ def _is_under_cable(what: Any, radius: float, robot: Any, anchor_x: float, ancho
     return bool(dx * dx + dy * dy <= radius * radius)
 
 
-def _is_hidden(robots: Any, x: float, y: float, radius: float, constants: Any) -> bool:
+def _is_hidden(robots: Any, x: float, y: float, radius: float) -> bool:
     """Whether a disc on the floor touches the marker of any robot."""
-    for i in range(len(robots) if constants.has_gripper else 0):
+    for i in range(len(robots)):
         robot = robots[i]
-        if touches_plate(x, y, radius, Plate(robot.x, robot.y, robot.cos, robot.sin)):
+        if robot.has_gripper and touches_plate(x, y, radius, Plate(robot.x, robot.y, robot.cos, robot.sin)):
             return True
     return False
 
 
-def _is_visible(robots: Any, foods: Any, track: Any, clearance: float, constants: Any) -> bool:
+def _is_visible(robots: Any, foods: Any, track: Any, clearance: float) -> bool:
     """Whether food at the last place of a track would have shown in this frame."""
     x, y = track.x * MM_PER_PIXEL, track.y * MM_PER_PIXEL
     for k in range(len(foods)):
         if foods[k].lost and not shows_beside_lost_food(x, y, foods[k].x, foods[k].y):
             return False
-    return not _is_hidden(robots, x, y, clearance, constants)
+    return not _is_hidden(robots, x, y, clearance)
 
 
 class SimulatedCamera:
@@ -380,9 +383,7 @@ class OverheadCamera(SimulatedCamera):
     ) -> None:
         super().__init__()
         self._truth, self._anchor = truth, anchor or (0.0, 0.0)
-        self._constants = constants_of(
-            noise if anchor else replace(noise, cable_loss_factor=1.0), Timing(0.1, 0.0, 0.0)
-        )
+        self._noise = noise if anchor else replace(noise, cable_loss_factor=1.0)
 
     def reset(self, rng: np.random.Generator) -> None:
         """Forget all tracks and losses, and take the first frame; `rng` only spawns another."""
@@ -412,7 +413,7 @@ class OverheadCamera(SimulatedCamera):
             robot.round += 1
         for food, place in zip(enclosure.foods, truth.foods, strict=True):
             food.x, food.y = place
-        look(*enclosure[:4], *self._anchor, self._constants)
+        look(enclosure, *self._anchor, self._noise)
 
 
 def marker_region(label: int, robot: Any) -> Region:

@@ -28,11 +28,11 @@ from khepera_forage.sim.layout_checks import (
     cable_anchor,
     check_apart,
     check_robot,
+    check_seen,
     check_starts,
-    check_world,
 )
 from khepera_forage.sim.records import Enclosure, constants_of
-from khepera_forage.sim.sensing import SimulatedCamera, look, sense
+from khepera_forage.sim.sensing import SimulatedCamera
 from khepera_forage.sim.world import FoodPlace, Layout, Timing
 from khepera_forage.vision.scene import Truth
 
@@ -59,16 +59,8 @@ class SimulatedKhepera:
 
     def sense(self) -> Senses:
         """What the robot senses since the last round."""
-        robot = self.record
-        a, b, c, d, e, f, g, h = map(int, robot.proximity)
-        return Senses(
-            (a, b, c, d, e, f, g, h),
-            int(robot.left_pulses),
-            int(robot.right_pulses),
-            int(robot.arm_reading),
-            int(robot.jaw_reading),
-            int(robot.object_presence),
-        )
+        values = (np.asarray(getattr(self.record.senses, name)).tolist() for name in Senses._fields)
+        return Senses._make(tuple(value) if isinstance(value, list) else value for value in values)
 
     def drive(self, motors: Motors) -> Motors:
         """Command motors from the next round on; returns the command as applied."""
@@ -82,26 +74,6 @@ class SimulatedKhepera:
     def close(self) -> None:
         """Stop."""
         self.stop()
-
-
-def observe(enclosure: Enclosure, anchor_x: float, anchor_y: float, constants: Any) -> None:
-    """What robots sense and the camera shows at the end of a round.
-
-    Args:
-        enclosure: Everything in an arena.
-        anchor_x: The point from which the robots' cables hang, mm.
-        anchor_y: Likewise.
-        constants: `Constants`.
-    """
-    robots, foods = enclosure.robots, enclosure.foods
-    sense_all(enclosure, constants)
-    look(robots, foods, enclosure.tracks, enclosure.detections, anchor_x, anchor_y, constants)
-
-
-def sense_all(enclosure: Enclosure, constants: Any) -> None:
-    """What the robots of an arena sense."""
-    for i in range(len(enclosure.robots)):
-        sense(enclosure.robots, i, enclosure.foods, enclosure.walls, constants)
 
 
 class Simulation(ABC):
@@ -130,7 +102,11 @@ class Simulation(ABC):
         timing: Timing,
         model: RobotModel = KHEPERA,
     ) -> None:
-        check_world(arenas, markers)
+        if not arenas:
+            raise ValueError("a world with no arena; allowed: at least 1")
+        check_seen(arenas)
+        if not markers or any(holes not in (1, 2) for holes in markers):
+            raise ValueError(f"markers {tuple(markers)!r}; allowed: one or more of 1 and 2 holes")
         if robot_parameters is not None and len(robot_parameters) != len(markers):
             raise ValueError(
                 f"{len(robot_parameters)} robot_parameters given; allowed: {len(markers)}, one per robot"
@@ -174,46 +150,51 @@ class Simulation(ABC):
             ValueError: As `reset`.
         """
         check_starts(layout, len(self.markers))
-        homes = [arena_of(self.arenas, "robot", start, RADIUS) for start in layout.starts]
-        for home, start in zip(homes, layout.starts, strict=True):
-            check_robot(home, start)
-        plates = [arena_of(self.arenas, "food", food, FOOD_RADIUS) for food in layout.foods]
+        robot_arenas = [self._number_of("robot", start, RADIUS) for start in layout.starts]
+        for number, start in zip(robot_arenas, layout.starts, strict=True):
+            check_robot(self.arenas[number], start)
+        food_arenas = [self._number_of("food", food, FOOD_RADIUS) for food in layout.foods]
         check_apart(layout)
         enclosures = []
-        for arena in self.arenas:
-            places = [food for food, plate in zip(layout.foods, plates, strict=True) if plate is arena]
-            if len(places) > MOST_FOODS:
-                raise ValueError(f"{len(places)} food objects; allowed: at most {MOST_FOODS} in an arena")
-            numbers = [i for i, home in enumerate(homes) if home is arena]
-            enclosure = self._empty(arena, len(numbers), len(places))
-            for i, robot in zip(numbers, enclosure.robots, strict=True):
-                robot.key, robot.round = random_bits(key, i) if i else key, rounds
-                robot.holes = self.markers[i]
-                deviations = self.robot_parameters[i]
-                robot.left_wheel_error = deviations.left_wheel_error
-                robot.infra_red_error = deviations.infra_red_gain - 1.0
-                robot.arm_reading_error = deviations.arm_reading_scale - 1.0
-                robot.finger_shortage = FINGER_LENGTH - deviations.finger_length
-                robot.x, robot.y, robot.heading = map(float, layout.starts[i])
-            for place, food in zip(places, enclosure.foods, strict=True):
-                food.x, food.y = map(float, place)
-            enclosures.append(enclosure)
-        self._show(enclosures, [self.arenas.index(a) for a in homes], [self.arenas.index(a) for a in plates])
+        for number, arena in enumerate(self.arenas):
+            foods = food_arenas.count(number)
+            if foods > MOST_FOODS:
+                raise ValueError(f"{foods} food objects; allowed: at most {MOST_FOODS} in an arena")
+            enclosures.append(self._empty(arena, robot_arenas.count(number), foods))
+        for i, (number, k) in enumerate(_numbered(robot_arenas)):
+            robot, deviations = enclosures[number].robots[k], self.robot_parameters[i]
+            robot.key, robot.round = random_bits(key, i) if i else key, rounds
+            robot.holes = self.markers[i]
+            robot.left_wheel_error = deviations.left_wheel_error
+            robot.infra_red_error = deviations.infra_red_gain - 1.0
+            robot.arm_reading_error = deviations.arm_reading_scale - 1.0
+            robot.finger_shortage = FINGER_LENGTH - deviations.finger_length
+            robot.x, robot.y, robot.heading = map(float, layout.starts[i])
+        for place, (number, k) in zip(layout.foods, _numbered(food_arenas), strict=True):
+            food = enclosures[number].foods[k]
+            food.x, food.y = map(float, place)
+        self._show(enclosures, robot_arenas, food_arenas)
         for enclosure in enclosures:
             self._begin(enclosure)
         self.advance()  # Nothing moves: this takes the first frame.
 
-    def _show(self, enclosures: Sequence[Enclosure], homes: Sequence[int], plates: Sequence[int]) -> None:
+    def _number_of(self, what: str, place: Point | Pose, radius: float) -> int:
+        """Number of the arena on whose free floor something stands."""
+        return self.arenas.index(arena_of(self.arenas, what, place, radius))
+
+    def _show(
+        self, enclosures: Sequence[Enclosure], robot_arenas: Sequence[int], food_arenas: Sequence[int]
+    ) -> None:
         """Be the world of these records, which others may change.
 
         Args:
             enclosures: What is in each arena.
-            homes: Number of the arena of each robot.
-            plates: Number of the arena of each food object.
+            robot_arenas: Number of the arena of each robot.
+            food_arenas: Number of the arena of each food object.
         """
-        self._enclosures, self._homes = tuple(enclosures), tuple(homes)
-        self._plates = _numbered(plates)
-        robots = [enclosures[home].robots[i] for home, i in _numbered(homes)]
+        self._enclosures, self._robot_arenas = tuple(enclosures), tuple(robot_arenas)
+        self._food_numbers = _numbered(food_arenas)
+        robots = [enclosures[number].robots[k] for number, k in _numbered(robot_arenas)]
         self.robots = tuple(map(SimulatedKhepera, robots))
         self.camera = SimulatedCamera(robots, self._enclosures)
 
@@ -252,7 +233,7 @@ class Simulation(ABC):
     def food_places(self) -> tuple[FoodPlace, ...]:
         """Where the food truly is."""
         places = []
-        for number, k in self._plates:
+        for number, k in self._food_numbers:
             enclosure = self._enclosures[number]
             food = enclosure.foods[k]
             lifted = any(robot.held == k and robot.arm < ARM_ON_FLOOR for robot in enclosure.robots)
@@ -269,12 +250,12 @@ class Simulation(ABC):
         Raises:
             ValueError: The place is not on the free floor, or taken.
         """
-        record, home = self.robots[robot].record, self._homes[robot]
+        record, home = self.robots[robot].record, self._robot_arenas[robot]
         check_robot(self.arenas[home], pose)
         others = tuple(other for i, other in enumerate(self.poses()) if i != robot)
         places = tuple(
             Point(place.x, place.y)
-            for number, place in zip(self._plates, self.food_places(), strict=True)
+            for number, place in zip(self._food_numbers, self.food_places(), strict=True)
             if not place.lifted and number != (home, record.held)
         )
         check_apart(Layout((*others, pose), places))
@@ -300,7 +281,7 @@ class Simulation(ABC):
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         if self._enclosures:  # robots and camera of a copy show its own records
-            self._show(self._enclosures, self._homes, [number for number, _ in self._plates])
+            self._show(self._enclosures, self._robot_arenas, [number for number, _ in self._food_numbers])
 
     def stop(self) -> None:
         """Stop the wheels of all robots."""

@@ -13,11 +13,6 @@ from khepera_forage.vision.video import CameraLost
 LOST = RobotLost, CameraLost
 """What any method of a real world may raise: a robot or the camera is gone, and all robots have been stopped."""
 
-SUBSTEPS = 5
-"""Steps of a round, 20 ms each, in which something is pushed."""
-FINE_TRAVEL = 0.8
-"""How far a point of a robot may travel in one step near a wall, in mm: overlaps then stay below 1 mm."""
-
 
 class Layout(NamedTuple):
     """Where everything stands at a reset, in mm and radians of the world's frame.

@@ -7,7 +7,7 @@ shove home before it. Both go straight, or around walls (`geometry.paths`). Plai
 import math
 from typing import Any, NamedTuple
 
-from khepera_forage.geometry.paths import Ways, has_path, is_straight, next_waypoint
+from khepera_forage.geometry.paths import PathTables, has_path, is_straight, next_waypoint
 from khepera_forage.geometry.plane import clearance, length
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.task.states import FoodType
@@ -35,8 +35,8 @@ class ArenaMap(NamedTuple):
         bottom: Smallest y of such a region.
         right: Largest x of such a region.
         top: Largest y of such a region.
-        walls: `geometry.walls.Wall` records.
-        ways: How to drive around its walls.
+        walls: `geometry.plane.Wall` records.
+        paths: How to drive around its walls.
     """
 
     home_x: float
@@ -51,7 +51,7 @@ class ArenaMap(NamedTuple):
     right: float
     top: float
     walls: Any
-    ways: Ways
+    paths: PathTables
 
 
 class Floor(NamedTuple):
@@ -65,7 +65,7 @@ class Floor(NamedTuple):
         home_x: Centre of the home.
         home_y: Centre of the home.
         home_radius: Of the home.
-        walls: `geometry.walls.Wall` records.
+        walls: `geometry.plane.Wall` records.
     """
 
     left: float
@@ -89,7 +89,7 @@ def is_within(x: float, y: float, arena: ArenaMap) -> bool:
     return (arena.left <= x) & (x <= arena.right) & (arena.bottom <= y) & (y <= arena.top)
 
 
-Way = tuple[float, float, float]
+NextWaypoint = tuple[float, float, float]
 """The way to a place in pixels: x and y of the next waypoint, and the length of the path, which is 0 if every way in
 the arena is straight, and infinite if there is none."""
 
@@ -106,7 +106,7 @@ _LEFT, _RIGHT, _NO_ROOM = 1, -1, 2
 _UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
 
 
-def way_home(x: float, y: float, tracker: Any, foods: Any, chosen: Any, arena: ArenaMap) -> Way:
+def path_home(x: float, y: float, tracker: Any, foods: Any, chosen: Any, arena: ArenaMap) -> NextWaypoint:
     """The way home of a robot.
 
     Args:
@@ -117,19 +117,19 @@ def way_home(x: float, y: float, tracker: Any, foods: Any, chosen: Any, arena: A
         chosen: `ChosenWaypoint` records: on its way home, then on its way to each food object; changed in place.
         arena: Its arena.
     """
-    to_x, to_y, ways, walls = arena.home_x, arena.home_y, arena.ways, arena.walls
+    to_x, to_y, paths, walls = arena.home_x, arena.home_y, arena.paths, arena.walls
     way = to_x, to_y, 0.0
-    if len(ways.corners) > 0:
-        if is_straight(x, y, to_x, to_y, False, chosen[0], walls, ways):
+    if len(paths.corners) > 0:
+        if is_straight(x, y, to_x, to_y, False, chosen[0], walls, paths):
             way = to_x, to_y, length(to_x - x, to_y - y)
         else:
-            way = drivable(next_waypoint(x, y, to_x, to_y, False, chosen[0], walls, ways), to_x, to_y)
+            way = drivable(next_waypoint(x, y, to_x, to_y, False, chosen[0], walls, paths), to_x, to_y)
     if tracker.held < 0 or not is_poison_about(tracker.held, foods):
         return way
     return *past_poison(x, y, way[0], way[1], tracker.held, foods, arena), way[2]
 
 
-def way_to_food(x: float, y: float, to_x: float, to_y: float, chosen: Any, arena: ArenaMap) -> Way:
+def path_to_food(x: float, y: float, to_x: float, to_y: float, chosen: Any, arena: ArenaMap) -> NextWaypoint:
     """The way past the home from a place to food.
 
     Args:
@@ -140,15 +140,15 @@ def way_to_food(x: float, y: float, to_x: float, to_y: float, chosen: Any, arena
         chosen: The `ChosenWaypoint` record of the way to this food object; changed in place.
         arena: Its arena.
     """
-    ways, walls = arena.ways, arena.walls
-    if len(ways.corners) == 0:
+    paths, walls = arena.paths, arena.walls
+    if len(paths.corners) == 0:
         return to_x, to_y, 0.0
-    if is_straight(x, y, to_x, to_y, True, chosen, walls, ways):
+    if is_straight(x, y, to_x, to_y, True, chosen, walls, paths):
         return to_x, to_y, length(to_x - x, to_y - y)
-    return next_waypoint(x, y, to_x, to_y, True, chosen, walls, ways)
+    return next_waypoint(x, y, to_x, to_y, True, chosen, walls, paths)
 
 
-def drivable(way: Way, to_x: float, to_y: float) -> Way:
+def drivable(way: NextWaypoint, to_x: float, to_y: float) -> NextWaypoint:
     """The way that a robot takes: without a path, such as when it was pushed into a corner, it drives straight on."""
     if way[2] == math.inf:
         return to_x, to_y, 0.0
@@ -157,11 +157,11 @@ def drivable(way: Way, to_x: float, to_y: float) -> Way:
 
 def can_be_reached(x: float, y: float, arena: ArenaMap) -> bool:
     """Whether there is a way home from a place in pixels, and a way past the home from it to the start of training."""
-    ways, walls = arena.ways, arena.walls
-    if len(ways.corners) == 0:
+    paths, walls = arena.paths, arena.walls
+    if len(paths.corners) == 0:
         return True
-    return has_path(x, y, arena.home_x, arena.home_y, False, walls, ways) and has_path(
-        x, y, arena.start_x, arena.start_y, True, walls, ways
+    return has_path(x, y, arena.home_x, arena.home_y, False, walls, paths) and has_path(
+        x, y, arena.start_x, arena.start_y, True, walls, paths
     )
 
 

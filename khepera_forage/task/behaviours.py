@@ -62,7 +62,7 @@ from khepera_forage.task.decisions import (
     WANDER,
     DecisionValues,
 )
-from khepera_forage.task.perception import RawData, perceives_paths, ways_home_can_bend
+from khepera_forage.task.perception import RawData, paths_home_can_bend, perceives_paths
 from khepera_forage.task.states import Behaviour
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
@@ -137,7 +137,7 @@ def command(behaviour: int, raw: RawData, decisions: DecisionValues) -> Motors:
     return wait(raw)
 
 
-def uses_way_home(
+def uses_path_home(
     behaviour: int, raw: RawData, foods: Any, arena: ArenaMap, decisions: DecisionValues
 ) -> bool:
     """Whether motors of a behaviour depend on the way home around walls, and raw data have the straight one.
@@ -149,7 +149,7 @@ def uses_way_home(
         arena: The arena.
         decisions: Likewise.
     """
-    if perceives_paths(decisions) or not ways_home_can_bend(foods, arena):
+    if perceives_paths(decisions) or not paths_home_can_bend(foods, arena):
         return False
     if behaviour in (_SEARCH_FOR_FOOD, _MOVE_SLOWLY):
         return is_home_across(raw)
@@ -414,7 +414,7 @@ def is_home_across(raw: RawData) -> bool:
     """Whether the home lies between a searching robot and where it drives for food, or beside that way."""
     if not raw.food_seen or raw.home_distance <= raw.home_radius:
         return False
-    fx, fy = raw.food_way_x - raw.x, raw.food_way_y - raw.y
+    fx, fy = raw.food_waypoint_x - raw.x, raw.food_waypoint_y - raw.y
     along = (raw.home_x - raw.x) * fx + (raw.home_y - raw.y) * fy
     return 0.0 < along < fx * fx + fy * fy
 
@@ -433,7 +433,9 @@ def detour(raw: RawData) -> float:
     if raw.home_opening != EVERY_SIDE and berth - abs(aside) > _SQUARE:
         # Past the open side of the home, which may stand against a wall. Every robot on that way finds the same side.
         robot = turn_to(bearing_of(raw.x - raw.home_x, raw.y - raw.home_y), raw.home_opening)
-        food = turn_to(bearing_of(raw.food_way_x - raw.home_x, raw.food_way_y - raw.home_y), raw.home_opening)
+        food = turn_to(
+            bearing_of(raw.food_waypoint_x - raw.home_x, raw.food_waypoint_y - raw.home_y), raw.home_opening
+        )
         side = math.copysign(1.0, robot - food)
     return math.copysign(berth, side) - aside
 

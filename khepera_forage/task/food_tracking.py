@@ -13,8 +13,8 @@ from typing import Any
 
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.geometry.plane import heading_of, length
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, BARRIER, JAW_OPEN, Motors, Senses
-from khepera_forage.task.arena_map import ArenaMap, drivable, is_within, way_to_food
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, BARRIER, JAW_OPEN, Senses
+from khepera_forage.task.arena_map import ArenaMap, drivable, is_within, path_to_food
 from khepera_forage.task.decisions import (
     HIDES_ALL_FOOD,
     IN_GRIPPER,
@@ -150,8 +150,8 @@ class FoodTracker:
         nearest: Number of the nearest candidate food; -1 if there is none, or if it is not known which one it is.
         food_x: Its place in pixels; 0 without one.
         food_y: Its place in pixels; 0 without one.
-        food_way_x: Of the next waypoint on the way to it, pixels: the food itself where the way is clear.
-        food_way_y: Likewise.
+        food_waypoint_x: Of the next waypoint on the way to it, pixels: the food itself where the way is clear.
+        food_waypoint_y: Likewise.
         food_path: Length of the path, pixels; 0 if the way is straight.
         last_distance: From the robot to the nearest candidate when there last was one, pixels; -1 before. Kept if
             RobotFoodDistance is then the last one known.
@@ -169,8 +169,8 @@ class FoodTracker:
     nearest: int = -1
     food_x: float = 0.0
     food_y: float = 0.0
-    food_way_x: float = 0.0
-    food_way_y: float = 0.0
+    food_waypoint_x: float = 0.0
+    food_waypoint_y: float = 0.0
     food_path: float = 0.0
     last_distance: float = -1.0
     foods: list[FoodObject] = field(default_factory=list)
@@ -206,7 +206,7 @@ def update_food(
         y: Of the robot, pixels.
         orientation: Of the robot, whole degrees 0..359.
         object_present: Whether the optical barrier is interrupted.
-        explored: Whether food has been explored in this round (`identification.explored`).
+        explored: Whether food has been explored in this round (see `can_explore`).
         arm: Position of its arm.
         decisions: `DecisionValues`.
     """
@@ -298,7 +298,6 @@ def _count(tracker: Any, foods: Any) -> None:
     tracker.type_in_gripper = foods[tracker.held].known if tracker.held >= 0 else _UNKNOWN
 
 
-_POISONOUS = FoodType.POISONOUS.value
 _NO_PATH = 1e6
 """Pixels that stand for the path to food that cannot be reached: any other food is nearer."""
 
@@ -356,8 +355,8 @@ def find_nearest(
                 number = links[k].food
                 if number == excluded or not is_candidate(foods[number], number == held):
                     continue
-                if len(arena.ways.corners) > 0:
-                    to_x, to_y, length = way_to_food(x, y, track.x, track.y, chosen[1 + number], arena)
+                if len(arena.paths.corners) > 0:
+                    to_x, to_y, length = path_to_food(x, y, track.x, track.y, chosen[1 + number], arena)
                     squared = min(length, _NO_PATH) ** 2
                     if squared >= best:
                         continue
@@ -367,7 +366,7 @@ def find_nearest(
     if path > 0.0:
         way_x, way_y, path = drivable((way_x, way_y, path), food_x, food_y)
     tracker.food_seen, tracker.nearest, tracker.food_x, tracker.food_y = seen, nearest, food_x, food_y
-    tracker.food_way_x, tracker.food_way_y, tracker.food_path = way_x, way_y, path
+    tracker.food_waypoint_x, tracker.food_waypoint_y, tracker.food_path = way_x, way_y, path
 
 
 def is_candidate(food: Any, held: bool) -> bool:
@@ -386,24 +385,9 @@ _DOWN = ARM_DOWN - 3
 _OPEN = JAW_OPEN - 5
 
 
-def explored(before: Senses, after: Senses, applied: Motors) -> bool:
-    """Whether food was in the barrier, arm down, jaw open and wheels still, for one whole round.
-
-    Args:
-        before: What the robot sensed when the round began.
-        after: What it senses now.
-        applied: What its motors did in between.
-    """
-    return (
-        before.object_presence != 0
-        and after.object_presence != 0
-        and before.arm >= _DOWN
-        and after.arm >= _DOWN
-        and before.jaw >= _OPEN
-        and after.jaw >= _OPEN
-        and applied.left == 0
-        and applied.right == 0
-    )
+def can_explore(senses: Senses) -> bool:
+    """Whether food is in the barrier, arm down and jaw open: a whole round of this explores it, if the wheels rest."""
+    return senses.object_presence != 0 and senses.arm >= _DOWN and senses.jaw >= _OPEN
 
 
 def drawn_type(draw: float, odds: Any) -> int:

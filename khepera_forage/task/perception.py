@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 from khepera_forage.geometry.plane import bearing_of, length, to_nearest_wall, turn_to
 from khepera_forage.robots.khepera import Motors, Senses
-from khepera_forage.task.arena_map import ArenaMap, Way, is_within, way_home
+from khepera_forage.task.arena_map import ArenaMap, NextWaypoint, is_within, path_home
 from khepera_forage.task.decisions import ALONG_PATH, LAST_DISTANCE, DecisionValues
-from khepera_forage.task.food_tracking import FoodTracker, explored, update_food
+from khepera_forage.task.food_tracking import FoodTracker, can_explore, update_food
 from khepera_forage.task.states import FoodType, StateVector
 from khepera_forage.vision.scene import Region, Scene
 
@@ -41,8 +41,8 @@ class RawData(NamedTuple):
         food_distance: To the nearest candidate food; 0 without one.
         food_bearing: Of the way to that food from the heading; 0 without one.
         food_path: Length of the way to that food; 0 without one.
-        food_way_x: The next waypoint to that food: the food itself where the way is clear; 0 without one.
-        food_way_y: Likewise.
+        food_waypoint_x: The next waypoint to that food: the food itself where the way is clear; 0 without one.
+        food_waypoint_y: Likewise.
     """
 
     proximity: tuple[int, int, int, int, int, int]
@@ -69,8 +69,8 @@ class RawData(NamedTuple):
     food_distance: float
     food_bearing: float
     food_path: float
-    food_way_x: float
-    food_way_y: float
+    food_waypoint_x: float
+    food_waypoint_y: float
 
 
 def own_region(scene: Scene, arena: ArenaMap, holes: int) -> Region | None:
@@ -87,7 +87,7 @@ def perceive(
     chosen: Any,
     links: Any,
     regions: Any,
-    before: Senses,
+    could_explore: bool,
     senses: Senses,
     applied: Motors,
     x: float,
@@ -99,7 +99,7 @@ def perceive(
 ) -> tuple[RawData, StateVector]:
     """What one robot perceives at the end of a round, after which its food is accounted for.
 
-    The way home counts as straight as long as it is not asked for, see `look_up_way_home`.
+    The way home counts as straight as long as it is not asked for, see `look_up_path_home`.
 
     Args:
         tracker: The `FoodTracker` record of its arena; so are the next three arguments.
@@ -107,8 +107,8 @@ def perceive(
         chosen: `ChosenWaypoint` records.
         links: `Link` records.
         regions: Tracked regions of food.
-        before: What the robot reported of itself a round ago.
-        senses: What it reports now.
+        could_explore: Whether the robot could explore food a round ago (`can_explore`).
+        senses: What the robot reports now.
         applied: The motors in between, as applied.
         x: Of its marker's region.
         y: Of its marker's region.
@@ -117,7 +117,7 @@ def perceive(
         arena: Its arena.
         decisions: `DecisionValues`.
     """
-    present = senses.object_presence != 0
+    still = applied.left == 0 and applied.right == 0
     update_food(
         tracker,
         foods,
@@ -128,28 +128,28 @@ def perceive(
         x,
         y,
         orientation,
-        present,
-        present and explored(before, senses, applied),
+        senses.object_presence != 0,
+        could_explore and still and can_explore(senses),
         senses.arm,
         decisions,
     )
     way = arena.home_x, arena.home_y, 0.0
-    if perceives_paths(decisions) and ways_home_can_bend(foods, arena):
-        way = way_home(x, y, tracker, foods, chosen, arena)
+    if perceives_paths(decisions) and paths_home_can_bend(foods, arena):
+        way = path_home(x, y, tracker, foods, chosen, arena)
     raw = raw_data(senses, x, y, orientation, tracked, tracker, way, arena)
     return raw, state_vector(raw, without_food(tracker, arena, decisions), decisions)
 
 
-def ways_home_can_bend(foods: Any, arena: ArenaMap) -> bool:
+def paths_home_can_bend(foods: Any, arena: ArenaMap) -> bool:
     """Whether a way home may lead around walls or past poison."""
-    return len(arena.ways.corners) > 0 or bool(foods[0].may_be_poisonous)
+    return len(arena.paths.corners) > 0 or bool(foods[0].may_be_poisonous)
 
 
-def look_up_way_home(
+def look_up_path_home(
     raw: RawData, tracker: Any, foods: Any, chosen: Any, arena: ArenaMap
 ) -> tuple[float, float]:
     """Bearing and length of the way home around walls and past poison: `home_bearing` and `home_path` of raw data."""
-    x, y, path = way_home(raw.x, raw.y, tracker, foods, chosen, arena)
+    x, y, path = path_home(raw.x, raw.y, tracker, foods, chosen, arena)
     bearing = turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation)
     return bearing, path if path > raw.home_distance else raw.home_distance
 
@@ -161,7 +161,7 @@ def raw_data(
     orientation: int,
     tracked: bool,
     tracker: Any,
-    to_home: Way,
+    to_home: NextWaypoint,
     arena: ArenaMap,
 ) -> RawData:
     """Raw data of one robot, after the food tracker has accounted for the round.
@@ -176,15 +176,15 @@ def raw_data(
         to_home: The way home.
         arena: Likewise.
     """
-    a, b, c, d, e, f, _, _ = senses.proximity
-    home_way_x, home_way_y, home_path = to_home
+    near = senses.proximity
+    home_waypoint_x, home_waypoint_y, home_path = to_home
     wall_x, wall_y = to_nearest_wall(x, y, arena.walls)
     home_distance = length(arena.home_x - x, arena.home_y - y)
     food_distance = length(tracker.food_x - x, tracker.food_y - y)
-    food_bearing = turn_to(bearing_of(tracker.food_way_x - x, tracker.food_way_y - y), orientation)
+    food_bearing = turn_to(bearing_of(tracker.food_waypoint_x - x, tracker.food_waypoint_y - y), orientation)
     food_path = tracker.food_path if tracker.food_path > food_distance else food_distance
     return RawData(
-        (a, b, c, d, e, f),
+        (near[0], near[1], near[2], near[3], near[4], near[5]),
         senses.arm,
         senses.jaw,
         senses.object_presence,
@@ -203,13 +203,13 @@ def raw_data(
         math.sqrt(wall_x * wall_x + wall_y * wall_y),
         turn_to(bearing_of(wall_x, wall_y), orientation),
         home_distance,
-        turn_to(bearing_of(home_way_x - x, home_way_y - y), orientation),
+        turn_to(bearing_of(home_waypoint_x - x, home_waypoint_y - y), orientation),
         home_path if home_path > home_distance else home_distance,
         food_distance if tracker.food_seen else 0.0,
         food_bearing if tracker.food_seen else 0.0,
         food_path if tracker.food_seen else 0.0,
-        tracker.food_way_x,
-        tracker.food_way_y,
+        tracker.food_waypoint_x,
+        tracker.food_waypoint_y,
     )
 
 

@@ -2,19 +2,35 @@
 
 from pathlib import Path
 
+import gymnasium as gym
 import pytest
 
+from khepera_forage.envs import paired_corridors_v1
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
 
 pytest.importorskip("numba")
+
+from khepera_forage.rollouts.compiled.recalls import run_teacher
+from khepera_forage.rollouts.compiled.training import train_learners
+
 BACKENDS = ("pymunk", "compiled")
 
 
 @pytest.fixture(scope="module")
-def out(quick_run: QuickRun) -> Path:
+def kernels() -> None:
+    """All kernels, compiled before other processes need them: one process takes half the time of several."""
+    gym.make("khepera_forage/Corridor-v1", backend="compiled").reset(seed=0)
+    run_teacher("corridor", 1)
+    train_learners(1)
+    paired_corridors_v1.vector_env(1).reset(seed=0)
+    paired_corridors_v1.parallel_env(backend="compiled").reset(seed=0)
+
+
+@pytest.fixture(scope="module")
+def out(kernels: None, quick_run: QuickRun) -> Path:
     return quick_run("backends")
 
 

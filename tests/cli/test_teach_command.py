@@ -157,10 +157,10 @@ class TappingScript:
         self.chosen.append(wanted)
 
 
-@pytest.mark.parametrize("decision", [[], ["--decision", "next_to_food=22"]])
 def test_person_with_the_teachers_behaviours_records_the_same_file(
-    decision: list[str], run_script: Callable[[Script], None], capsys: pytest.CaptureFixture[str]
+    run_script: Callable[[Script], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
+    decision = ["--decision", "next_to_food=22"]
     run_script(HoldingScript())
     assert main(["teach", "--seed", "1", *FAST, *decision]) == 0
     printed = capsys.readouterr().out

@@ -15,7 +15,7 @@ from khepera_forage.envs.arena_settings import environment_name, procedural_sett
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY, family_arena, step_limit
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
-from khepera_forage.sim.ways import longest_path
+from khepera_forage.sim.waypoints import longest_path
 
 with warnings.catch_warnings():
     # PettingZoo's own test module imports one of its deprecated environments.

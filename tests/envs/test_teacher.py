@@ -17,7 +17,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import score
 from khepera_forage.task.states import Behaviour
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from tests.sim.test_ways import CLOSED, DOOR, HALL, L_ROOM, WINDING
+from tests.sim.test_waypoints import CLOSED, DOOR, HALL, L_ROOM, WINDING
 
 pytest.importorskip("numba")
 

@@ -6,15 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from khepera_forage.robots.proximity import (
-    HIDDEN_BY_ARM,
-    MAX_READING,
-    REACH,
-    SENSORS,
-    clean_readings,
-    reported_readings,
-    response,
-)
+from khepera_forage.geometry.plane import wall_of
+from khepera_forage.noise import Noise
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, FOOD_RADIUS
+from khepera_forage.robots.proximity import HIDDEN_BY_ARM, MAX_READING, REACH, SENSORS
+from khepera_forage.sim.records import FoodState, RobotState, constants_of
+from khepera_forage.sim.sensing import sense
+from khepera_forage.sim.world import Timing
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=200)
 MIRRORED = (5, 4, 3, 2, 1, 0, 7, 6)
@@ -31,8 +29,26 @@ discs = st.lists(st.tuples(near, near, st.sampled_from([17.5, 27.5])), max_size=
 angles = st.floats(-math.pi, math.pi)
 
 
-def read(walls: list[Wall], discs: list[Disc], x: float = 0, y: float = 0, heading: float = 0) -> list[float]:
-    return clean_readings(x, y, math.cos(heading), math.sin(heading), walls, discs)
+def sensed(
+    walls: list[Wall],
+    discs: list[Disc],
+    heading: float = 0,
+    noise: Noise | None = None,
+    arm: float = ARM_RAISED,
+    key: int = 0,
+) -> RobotState:
+    """A robot at (0, 0) that has sensed walls, food and other robots."""
+    state = RobotState(0.0, 0.0, heading, math.cos(heading), math.sin(heading), arm=arm, key=key)
+    robots = [state, *(RobotState(x, y) for x, y, radius in discs if radius != FOOD_RADIUS)]
+    foods = [FoodState(x, y) for x, y, radius in discs if radius == FOOD_RADIUS]
+    constants = constants_of(noise or Noise.none(), Timing(0.1, 0.0, 0.0))
+    sense(robots, 0, foods, list(map(wall_of, walls)), constants)
+    return state
+
+
+def read(walls: list[Wall], discs: list[Disc], heading: float = 0) -> list[float]:
+    """Its readings without noise."""
+    return sensed(walls, discs, heading).response
 
 
 def ahead_of(sensor: int, distance: float) -> tuple[float, float]:
@@ -48,10 +64,15 @@ def facing_wall(sensor: int, distance: float) -> Wall:
     return x - 200 * sine, y + 200 * cosine, x + 200 * sine, y - 200 * cosine
 
 
+def response(distance: float) -> float:
+    """What a sensor reads of a wall before it."""
+    return read([facing_wall(0, distance)], [])[0]
+
+
 # ---------------------------------------------------------------- response
 
 
-@given(st.floats(-10, 200), st.floats(-10, 200))
+@given(st.floats(0.1, 200), st.floats(0.1, 200))
 @PROPERTY
 def test_response_never_decreases_with_nearness(a: float, b: float) -> None:
     assert response(min(a, b)) >= response(max(a, b))
@@ -129,23 +150,24 @@ def test_obstacles_on_top_of_a_sensor_give_finite_readings() -> None:
 
 # ---------------------------------------------------------------- reported readings
 
-EIGHT = (0.0, 3.0, 100.0, 500.0, 1023.0, 7.0, 100.0, 900.0)
-uniform = st.lists(st.floats(0, 0.999999), min_size=8, max_size=8)
 
-
-def test_readings_without_noise_are_rounded_down() -> None:
-    assert reported_readings(EIGHT, False, 0.0, 0, [0.9] * 8) == (0, 3, 100, 500, 1023, 7, 100, 900)
-
-
-@given(uniform, st.booleans())
+@given(st.integers(0, 2**63), st.booleans(), walls, discs)
 @PROPERTY
-def test_noise_stays_within_its_limits(draws: list[float], arm_down: bool) -> None:
-    readings = reported_readings(EIGHT, arm_down, 0.1, 6, draws)
-    for i, (reading, clean) in enumerate(zip(readings, EIGHT, strict=True)):
+def test_noise_stays_within_its_limits(
+    key: int, arm_down: bool, walls: list[Wall], discs: list[Disc]
+) -> None:
+    arm = ARM_DOWN if arm_down else ARM_RAISED
+    robot = sensed(walls, discs, noise=Noise.only("infra-reds"), arm=arm, key=key)
+    quiet = sensed(walls, discs, arm=arm)
+    for i, clean in enumerate(robot.response):
+        reading, exact = robot.senses.proximity[i], quiet.senses.proximity[i]
         assert type(reading) is int
         if arm_down and i < 6:
             assert HIDDEN_BY_ARM[0] <= reading <= HIDDEN_BY_ARM[1]
-        elif clean <= 5:
+            assert HIDDEN_BY_ARM[0] <= exact <= HIDDEN_BY_ARM[1]
+            continue
+        assert exact == math.floor(clean), "rounded down"
+        if clean <= 5:
             assert 0 <= reading <= 6
         else:
             assert clean * 0.9 - 7 <= reading <= min(clean * 1.1, MAX_READING)

@@ -9,7 +9,7 @@ from khepera_forage.task.perception import RawData
 
 _FOLLOWING = (
     *("home_distance", "home_bearing", "home_path"),
-    *("food_distance", "food_bearing", "food_path", "food_way_x", "food_way_y"),
+    *("food_distance", "food_bearing", "food_path", "food_waypoint_x", "food_waypoint_y"),
 )
 """What `placed` finds."""
 _places = st.floats(0.0, 130.0) | st.just(50.0)
@@ -49,8 +49,8 @@ def placed(raw: RawData, **changes: Any) -> RawData:
         food_distance=length(*food),
         food_bearing=turn_to(bearing_of(*food), raw.orientation) if raw.food_seen else 0.0,
         food_path=length(*food),
-        food_way_x=raw.food_x if raw.food_seen else 0.0,
-        food_way_y=raw.food_y if raw.food_seen else 0.0,
+        food_waypoint_x=raw.food_x if raw.food_seen else 0.0,
+        food_waypoint_y=raw.food_y if raw.food_seen else 0.0,
     )
 
 

@@ -11,11 +11,11 @@ from khepera_forage.sim.arena import Point
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import (
     FoodObject,
-    explored,
+    can_explore,
     is_finished,
     share_identified,
-    update_food,
 )
+from khepera_forage.task.perception import perceive
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
 from tests.task.food_trackers import delivered, known_types, labels_of_no_candidates, linked_food
@@ -56,19 +56,20 @@ class Story:
         orientation: int = 0,
     ) -> None:
         own = region(0, robot, holes=2)._replace(orientation=orientation)
-        update_food(
+        perceive(
             self.tracker,
             self.tracker.foods,
             self.tracker.chosen,
             self.tracker.links,
             (own, *foods),
-            ARENA,
+            can_explore(self.senses),
+            senses,
+            motors,
             own.x,
             own.y,
             own.orientation,
-            senses.object_presence != 0,
-            explored(self.senses, senses, motors),
-            senses.arm,
+            own.found,
+            ARENA,
             self.decisions,
         )
         self.senses = senses

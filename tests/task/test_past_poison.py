@@ -8,7 +8,7 @@ from khepera_forage.envs.layouts import arena_map_of
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.task.arena_map import is_poison_about, past_poison, way_home
+from khepera_forage.task.arena_map import is_poison_about, past_poison, path_home
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker
 from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import FoodType
@@ -80,7 +80,7 @@ def test_unknown_food_is_passed_where_there_can_be_poison() -> None:
 @pytest.mark.parametrize(("held", "straight"), [(-1, True), (0, False)])
 def test_only_the_way_home_with_food_in_the_gripper_leads_past_poison(held: int, straight: bool) -> None:
     foods = _foods(AHEAD)
-    way = way_home(*ROBOT, FoodTracker(held=held), foods, [ChosenWaypoint()] * 3, HALL)
+    way = path_home(*ROBOT, FoodTracker(held=held), foods, [ChosenWaypoint()] * 3, HALL)
     assert (way == (*HOME, 0.0)) is straight
     assert way[2] == 0.0
 

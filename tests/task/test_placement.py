@@ -16,7 +16,7 @@ from khepera_forage.robots.footprint import GRIPPER_HALF_WIDTH
 from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, JAW_ROOT, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.layout_checks import check_layout, check_robot
-from khepera_forage.sim.ways import check_ways
+from khepera_forage.sim.waypoints import check_paths
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
 from khepera_forage.task.food_tracking import FoodObject
@@ -70,7 +70,7 @@ def arenas_with_obstacles(draw: st.DrawFn) -> Arena:
     )
     try:
         arena = replace(FIELD, obstacles=obstacles)
-        check_ways(arena)
+        check_paths(arena)
     except ValueError:  # on the home or a mark, or around one
         reject()
     return arena

@@ -15,7 +15,7 @@ from khepera_forage.compilation import rule
 from khepera_forage.envs.arena_pool import ArenaPool
 from khepera_forage.envs.arguments import FoodOdds, food_odds, timing_of, whole_number
 from khepera_forage.envs.layouts import arena_map_of, floor_of
-from khepera_forage.geometry.paths import CELLS, Corner, Spot, Ways
+from khepera_forage.geometry.paths import CELLS, Corner, PathTables, Spot
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.records import array_of, dtype_of
 from khepera_forage.robots.model import KHEPERA, model_of
@@ -43,9 +43,13 @@ settings_dtype = np.dtype(
 """What all worlds of a batch share."""
 
 _COUNTS = ("walls", "corners", "waypoints")
-_MAP, _FLOOR, _WAYS = (
-    [name for name in kind._fields if name not in ("walls", "ways", *Ways._fields[8:], "home_x", "home_y")]
-    for kind in (ArenaMap, Floor, Ways)
+_MAP, _FLOOR, _PATHS = (
+    [
+        name
+        for name in kind._fields
+        if name not in ("walls", "paths", *PathTables._fields[8:], "home_x", "home_y")
+    ]
+    for kind in (ArenaMap, Floor, PathTables)
 )
 arena_dtype = np.dtype(
     [
@@ -54,14 +58,14 @@ arena_dtype = np.dtype(
         *((name, "f8") for name in ("floor_home_x", "floor_home_y")),
         *((f"map_{name}", "f8") for name in _MAP),
         *((f"floor_{name}", "f8") for name in _FLOOR),
-        *((f"ways_{name}", "f8") for name in _WAYS),
+        *((f"paths_{name}", "f8") for name in _PATHS),
     ]
 )
 """One arena: counts of walls, corners and waypoints, where cables hang from, and the numbers of `ArenaMap` (pixels),
-`Floor` (mm) and `Ways`."""
-_way_corner_dtype, _spot_dtype = dtype_of(Corner), dtype_of(Spot)
+`Floor` (mm) and `PathTables`."""
+_path_corner_dtype, _spot_dtype = dtype_of(Corner), dtype_of(Spot)
 _ARENA, _WALL, _POINT, _CORNER, _SPOT = (
-    kind.itemsize for kind in (arena_dtype, wall_dtype, corner_dtype, _way_corner_dtype, _spot_dtype)
+    kind.itemsize for kind in (arena_dtype, wall_dtype, corner_dtype, _path_corner_dtype, _spot_dtype)
 )
 
 
@@ -73,9 +77,9 @@ class ArenaRecords(NamedTuple):
         walls: `Wall` records in mm.
         map_walls: The same in pixels.
         corners: The corners that point into the floor, mm.
-        way_corners: `Corner` records in pixels.
+        path_corners: `Corner` records in pixels.
         waypoints: `Spot` records in pixels.
-        lengths: Of the paths between waypoints; also the next two, as in `Ways`.
+        lengths: Of the paths between waypoints; also the next two, as in `PathTables`.
         home_lengths: Likewise.
         seen: Likewise.
     """
@@ -84,7 +88,7 @@ class ArenaRecords(NamedTuple):
     walls: Any
     map_walls: Any
     corners: Any
-    way_corners: Any
+    path_corners: Any
     waypoints: Any
     lengths: Any
     home_lengths: Any
@@ -110,7 +114,7 @@ def arena_at(blocks: Any, place: int) -> ArenaRecords:
         blocks[a:b].view(wall_dtype),
         blocks[b:c].view(wall_dtype),
         blocks[c:d].view(corner_dtype),
-        blocks[d:e].view(_way_corner_dtype),
+        blocks[d:e].view(_path_corner_dtype),
         blocks[e:f].view(_spot_dtype),
         blocks[f:g].view(np.float64),
         blocks[g:h].view(np.float64),
@@ -136,16 +140,16 @@ def map_of(arena: ArenaRecords) -> ArenaMap:
         numbers.map_right,
         numbers.map_top,
         arena.map_walls,
-        Ways(
-            numbers.ways_clearance,
+        PathTables(
+            numbers.paths_clearance,
             home_x,
             home_y,
-            numbers.ways_berth,
-            numbers.ways_left,
-            numbers.ways_bottom,
-            numbers.ways_columns,
-            numbers.ways_rows,
-            arena.way_corners,
+            numbers.paths_berth,
+            numbers.paths_left,
+            numbers.paths_bottom,
+            numbers.paths_columns,
+            numbers.paths_rows,
+            arena.path_corners,
             arena.waypoints,
             arena.lengths,
             arena.home_lengths,
@@ -178,12 +182,12 @@ def arena_block(arena: Arena, anchor: tuple[float, float] | None = None) -> NDAr
         anchor: Where the robots' cables hang from, mm; by default above the middle of the arena.
     """
     map_, floor = arena_map_of(arena), floor_of(arena)
-    ways = map_.ways
+    paths = map_.paths
     numbers = np.zeros(1, arena_dtype)
-    numbers["walls"], numbers["corners"] = len(floor.walls), len(ways.corners)
-    numbers["waypoints"] = len(ways.waypoints)
+    numbers["walls"], numbers["corners"] = len(floor.walls), len(paths.corners)
+    numbers["waypoints"] = len(paths.waypoints)
     numbers["anchor_x"], numbers["anchor_y"] = cable_anchor([arena]) if anchor is None else anchor
-    for prefix, known in (("map", map_), ("floor", floor), ("ways", ways)):
+    for prefix, known in (("map", map_), ("floor", floor), ("paths", paths)):
         for name in known._fields:
             if f"{prefix}_{name}" in (arena_dtype.names or ()):
                 numbers[f"{prefix}_{name}"] = getattr(known, name)
@@ -192,12 +196,12 @@ def arena_block(arena: Arena, anchor: tuple[float, float] | None = None) -> NDAr
         _records(floor.walls, wall_dtype),
         _records(map_.walls, wall_dtype),
         _records([corner[:2] for corner in arena.corners], corner_dtype),
-        _records(ways.corners, _way_corner_dtype),
-        _records(ways.waypoints, _spot_dtype),
-        np.array(ways.lengths, np.float64),
-        np.array(ways.home_lengths, np.float64),
-        np.frombuffer(ways.seen, np.uint8),
-        np.zeros(-len(ways.seen) % 8, np.uint8),  # the next block is aligned
+        _records(paths.corners, _path_corner_dtype),
+        _records(paths.waypoints, _spot_dtype),
+        np.array(paths.lengths, np.float64),
+        np.array(paths.home_lengths, np.float64),
+        np.frombuffer(paths.seen, np.uint8),
+        np.zeros(-len(paths.seen) % 8, np.uint8),  # the next block is aligned
     )
     return np.concatenate([part.view(np.uint8) for part in parts])
 

@@ -18,7 +18,7 @@ from khepera_forage.geometry import paths
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.records import dtype_of
 from khepera_forage.robots import footprint
-from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, Senses, applicable
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, applicable
 from khepera_forage.sim.compiled.world import advance, detection_dtype, food_dtype, robot_dtype, track_dtype
 from khepera_forage.sim.driving import put_down, set_motors
 from khepera_forage.sim.records import Enclosure
@@ -34,10 +34,10 @@ from khepera_forage.task import (
     states,
 )
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_way_home
+from khepera_forage.task.behaviours import command, decode_motors, same_motors, uses_path_home
 from khepera_forage.task.episode import Episode, begin_episode, end_step
-from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link
-from khepera_forage.task.perception import RawData, look_up_way_home, perceive
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, Link, can_explore
+from khepera_forage.task.perception import RawData, look_up_path_home, perceive
 from khepera_forage.task.placement import (
     Place,
     Start,
@@ -49,7 +49,6 @@ from khepera_forage.task.placement import (
 from khepera_forage.task.states import Behaviour, StateVector, classify
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
-rule(applicable)
 register(paths, footprint)
 register(arena_map, behaviours, episode, food_tracking, pairing, perception, placement, states)
 
@@ -66,9 +65,6 @@ class ForagerState:
         correct: Whether the teacher would have decided the same.
         begins: Whether the last frame was the first of its episode.
         number: Episodes of this world that began since it was seeded.
-        presence_before: What the robot sensed when the round began; also the next two.
-        arm_before: Likewise.
-        jaw_before: Likewise.
         episode: The account of its episode.
         tracker: The food tracker of its arena.
     """
@@ -80,9 +76,6 @@ class ForagerState:
     correct: bool = False
     begins: bool = False
     number: int = 0
-    presence_before: int = 0
-    arm_before: int = 0
-    jaw_before: int = 0
     episode: Episode = field(default_factory=Episode)
     tracker: FoodTracker = field(default_factory=FoodTracker)
 
@@ -200,7 +193,8 @@ def stand_ready(world: WorldRecords, settings: Any) -> None:
     """Put robot and food where `starts` and `places` say, and forget what was known of the food."""
     robot, start, tracker = world.robots[0], world.starts[0], world.foragers[0].tracker
     robot.holes = settings.holes
-    put_down(robot, start.x, start.y, start.heading, settings.constants)
+    robot.x, robot.y, robot.heading = start.x, start.y, start.heading
+    put_down(robot, settings.constants)
     forget_tracks(world.foods, world.tracks)
     tracker.held = tracker.nearest = -1
     tracker.type_in_gripper = tracker.delivered = tracker.poison_home = 0
@@ -244,8 +238,8 @@ def motors_of(world: WorldRecords, arena: ArenaMap, settings: Any, behaviour: in
     """What a behaviour commands now. The way home is looked up only where the behaviour uses it."""
     raw, tracker, decisions = world.foragers[0].raw, world.foragers[0].tracker, settings.decisions
     known = not world.robots[0].first_frame  # before, nothing is perceived
-    if known and uses_way_home(behaviour, raw, world.objects, arena, decisions):
-        raw.home_bearing, raw.home_path = look_up_way_home(raw, tracker, world.objects, world.chosen, arena)
+    if known and uses_path_home(behaviour, raw, world.objects, arena, decisions):
+        raw.home_bearing, raw.home_path = look_up_path_home(raw, tracker, world.objects, world.chosen, arena)
     return command(behaviour, raw, decisions)
 
 
@@ -265,13 +259,12 @@ def carry_out(world: WorldRecords, arena: ArenaRecords, settings: Any) -> None:
     robot, forager, numbers = world.robots[0], world.foragers[0], arena.numbers[0]
     forager.correct = forager.behaviour == forager.state
     forager.begins = robot.first_frame
-    forager.presence_before = robot.object_presence
-    forager.arm_before, forager.jaw_before = robot.arm_reading, robot.jaw_reading
+    could_explore = can_explore(robot.senses)
     everything = Enclosure(
         world.robots, world.foods, world.tracks, world.detections, arena.walls, arena.corners
     )
     advance(everything, numbers.anchor_x, numbers.anchor_y, settings.constants)
-    _perceive(world, map_of(arena), settings)
+    _perceive(world, map_of(arena), settings, could_explore)
     if forager.begins:
         begin_episode(forager.episode, forager.tracker)
     else:
@@ -279,7 +272,7 @@ def carry_out(world: WorldRecords, arena: ArenaRecords, settings: Any) -> None:
 
 
 @rule
-def _perceive(world: WorldRecords, arena: ArenaMap, settings: Any) -> None:
+def _perceive(world: WorldRecords, arena: ArenaMap, settings: Any, could_explore: bool) -> None:
     """Track the food; then raw data, state vector and state."""
     robot, forager, decisions = world.robots[0], world.foragers[0], settings.decisions
     raw, vector = perceive(
@@ -288,8 +281,8 @@ def _perceive(world: WorldRecords, arena: ArenaMap, settings: Any) -> None:
         world.chosen,
         world.links,
         world.tracks,
-        _senses(forager.presence_before, forager.arm_before, forager.jaw_before),
-        _senses(robot.object_presence, robot.arm_reading, robot.jaw_reading),
+        could_explore,
+        robot.senses,
         Motors(robot.left, robot.right, 0, 0),
         robot.marker_x,
         robot.marker_y,
@@ -298,7 +291,7 @@ def _perceive(world: WorldRecords, arena: ArenaMap, settings: Any) -> None:
         arena,
         decisions,
     )
-    _write_raw(forager.raw, raw, robot.proximity)
+    _write_raw(forager.raw, raw)
     written = forager.vector
     written.object_presence, written.robot_home_distance = vector.object_presence, vector.robot_home_distance
     written.food_type, written.arms_height = vector.food_type, vector.arms_height
@@ -307,16 +300,10 @@ def _perceive(world: WorldRecords, arena: ArenaMap, settings: Any) -> None:
 
 
 @rule
-def _senses(presence: int, arm: int, jaw: int) -> Senses:
-    """The senses that the rules of perception need, without infra-reds and encoders."""
-    return Senses((0, 0, 0, 0, 0, 0, 0, 0), 0, 0, arm, jaw, presence)
-
-
-@rule
-def _write_raw(record: Any, raw: RawData, proximity: Any) -> None:
-    """Write raw data into their record, with the infra-reds."""
+def _write_raw(record: Any, raw: RawData) -> None:
+    """Write raw data into their record."""
     for k in range(6):
-        record.proximity[k] = int(proximity[k])
+        record.proximity[k] = raw.proximity[k]
     record.arm, record.jaw, record.object_presence = raw.arm, raw.jaw, raw.object_presence
     record.x, record.y, record.orientation, record.tracked = raw.x, raw.y, raw.orientation, raw.tracked
     record.food_seen, record.food_x, record.food_y = raw.food_seen, raw.food_x, raw.food_y
@@ -328,4 +315,4 @@ def _write_raw(record: Any, raw: RawData, proximity: Any) -> None:
     record.home_path = raw.home_path
     record.food_distance, record.food_bearing = raw.food_distance, raw.food_bearing
     record.food_path = raw.food_path
-    record.food_way_x, record.food_way_y = raw.food_way_x, raw.food_way_y
+    record.food_waypoint_x, record.food_waypoint_y = raw.food_waypoint_x, raw.food_waypoint_y

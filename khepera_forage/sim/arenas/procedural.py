@@ -32,7 +32,7 @@ _HOME_CLEARANCE, _MARK_CLEARANCE = 115.0, 90.0
 _PAST_HOME = HOME_RADIUS + RADIUS, HOME_RADIUS + 50.0
 """From the centre of the home to a robot that drives past it: at least, and as way finding leads it."""
 _MITRE: dict[str, Any] = {"join_style": "mitre", "mitre_limit": 1.5}
-"""Way finding keeps this many clearances from corners."""
+"""Path finding keeps this many clearances from corners."""
 _START_TO_HOME, _FOOD_TO_HOME = 400.0, HOME_RADIUS + FOOD_RADIUS + 80.0
 _FOOD_TO_START, _FOOD_SPACING = 280.0, 200.0
 _TRIES_A_PLACE = 60

@@ -11,7 +11,7 @@ from khepera_forage.sim.arenas.difficulty import Difficulty
 T = TypeVar("T")
 
 PASSAGE = 240
-"""Least distance between walls that do not touch. Way finding keeps 80 mm from walls, and up to 120 mm from corners."""
+"""Least distance between walls that do not touch. Path finding keeps 80 mm from walls, and up to 120 from corners."""
 _ARM = 300
 """Least width of what notches leave of the floor."""
 _ROOM = 260

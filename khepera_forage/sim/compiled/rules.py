@@ -7,8 +7,8 @@ import numpy as np
 from khepera_forage import counter_rng
 from khepera_forage.compilation import overload, register, rule
 from khepera_forage.geometry import plane
-from khepera_forage.robots.khepera import half_gap
-from khepera_forage.sim import driving, sensing, simulation
+from khepera_forage.robots import khepera
+from khepera_forage.sim import driving, sensing
 from khepera_forage.vision import association, shapes
 
 _1, _2, _4, _12, _27, _30, _31, _56 = map(np.uint64, (1, 2, 4, 12, 27, 30, 31, 56))
@@ -52,9 +52,7 @@ def _heads(bits: Any) -> Any:
 
 for _function in (
     *(counter_rng.uniform, counter_rng.standard_normal, counter_rng.draw),
-    *(counter_rng.upper, counter_rng.lower, counter_rng.normal, half_gap),
-    *(simulation.observe, simulation.sense_all),
-    *(shapes.touches_plate, shapes.shows_beside_lost_food, shapes.visible_clearance),
+    *(counter_rng.upper, counter_rng.lower, counter_rng.normal),
 ):
     rule(_function)
-register(plane, association, driving, sensing)
+register(plane, khepera, shapes, association, driving, sensing)

@@ -31,6 +31,7 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.driving import (
+    SUBSTEPS,
     begin_round,
     behind_wall,
     glide,
@@ -38,14 +39,12 @@ from khepera_forage.sim.driving import (
     lateness,
     move_jaw,
     push_out,
-    put_down,
     seen_from,
     tip_of,
 )
 from khepera_forage.sim.records import Constants, Enclosure, FoodDetection, FoodState, RobotState
-from khepera_forage.sim.sensing import forget_tracks
-from khepera_forage.sim.simulation import Simulation, observe, sense_all
-from khepera_forage.sim.world import SUBSTEPS
+from khepera_forage.sim.sensing import begin, look, sense_all
+from khepera_forage.sim.simulation import Simulation
 from khepera_forage.vision.association import Track
 
 _REPEATS = 4
@@ -81,8 +80,8 @@ def move_in_contact(
         constants: `Constants`.
     """
     robot = robots[i]
-    duration = constants.round_duration / SUBSTEPS
-    jaw_step = constants.jaw_speed * duration
+    duration = constants.timing.round_duration / SUBSTEPS
+    jaw_step = constants.timing.jaw_speed * duration
     late = lateness(robots, i, foods, walls, constants) * SUBSTEPS
     allowed = max(_TOLERATED, _overlap(robots, i, foods, walls, corners))
     held_back = False
@@ -356,6 +355,29 @@ def _apart(x: float, y: float, from_x: float, from_y: float, distance: float) ->
     return from_x + dx * distance / far, from_y + dy * distance / far
 
 
+@rule
+def advance(enclosure: Enclosure, anchor_x: float, anchor_y: float, constants: Any) -> None:
+    """One round in an arena: everything moves, robots sense, and the camera takes a frame.
+
+    Args:
+        enclosure: Everything in the arena; motor commands are given.
+        anchor_x: The point from which the robots' cables hang, mm.
+        anchor_y: Likewise.
+        constants: `Constants`.
+    """
+    robots, foods, walls, corners = enclosure.robots, enclosure.foods, enclosure.walls, enclosure.corners
+    for i in range(len(robots)):
+        begin_round(robots, i, foods, constants)
+    for i in range(len(robots)):
+        if not glide(robots, i, foods, walls, corners, constants):
+            move_in_contact(robots, i, foods, walls, corners, constants)
+    sense_all(enclosure, constants)
+    look(enclosure, anchor_x, anchor_y, constants.noise)
+
+
+_begin, _sense, _advance = entry(begin), entry(sense_all), entry(advance)
+
+
 robot_dtype, food_dtype, detection_dtype, constants_dtype, track_dtype, wall_dtype = map(
     dtype_of, (RobotState, FoodState, FoodDetection, Constants, Track, Wall)
 )
@@ -364,7 +386,7 @@ corner_dtype = np.dtype([("x", "f8"), ("y", "f8")])
 
 
 class CompiledWorld(Simulation):
-    """A `Simulation` in compiled functions, in which `contact` moves the robots that touch something."""
+    """A `Simulation` in compiled functions, in which `move_in_contact` moves the robots that touch something."""
 
     def _empty(self, arena: Arena, robots: int, foods: int) -> Enclosure:
         return Enclosure(
@@ -383,59 +405,10 @@ class CompiledWorld(Simulation):
         self._show([enclosure], [0] * len(robots), [0] * len(foods))
 
     def _begin(self, enclosure: Enclosure) -> None:
-        _begin(*enclosure[:3], array_of(self.constants))
+        _begin(enclosure, array_of(self.constants)[0])
 
     def _sense(self, enclosure: Enclosure) -> None:
-        _sense(*enclosure, array_of(self.constants))
+        _sense(enclosure, array_of(self.constants)[0])
 
     def _advance(self, number: int, enclosure: Enclosure) -> None:
-        _advance(*enclosure, *self._anchor, array_of(self.constants))
-
-
-@rule
-def advance(enclosure: Enclosure, anchor_x: float, anchor_y: float, constants: Any) -> None:
-    """One round in an arena: everything moves, robots sense, and the camera takes a frame.
-
-    Args:
-        enclosure: Everything in the arena; motor commands are given.
-        anchor_x: The point from which the robots' cables hang, mm.
-        anchor_y: Likewise.
-        constants: `Constants`.
-    """
-    robots, foods, walls, corners = enclosure.robots, enclosure.foods, enclosure.walls, enclosure.corners
-    for i in range(len(robots)):
-        begin_round(robots, i, foods, constants)
-    for i in range(len(robots)):
-        if not glide(robots, i, foods, walls, corners, constants):
-            move_in_contact(robots, i, foods, walls, corners, constants)
-    observe(enclosure, anchor_x, anchor_y, constants)
-
-
-@entry
-def _begin(robots: Any, foods: Any, tracks: Any, constants: Any) -> None:
-    for i in range(len(robots)):
-        put_down(robots[i], robots[i].x, robots[i].y, robots[i].heading, constants[0])
-    forget_tracks(foods, tracks)
-
-
-@entry
-def _advance(
-    robots: Any,
-    foods: Any,
-    tracks: Any,
-    detections: Any,
-    walls: Any,
-    corners: Any,
-    anchor_x: float,
-    anchor_y: float,
-    constants: Any,
-) -> None:
-    enclosure = Enclosure(robots, foods, tracks, detections, walls, corners)
-    advance(enclosure, anchor_x, anchor_y, constants[0])
-
-
-@entry
-def _sense(
-    robots: Any, foods: Any, tracks: Any, detections: Any, walls: Any, corners: Any, constants: Any
-) -> None:
-    sense_all(Enclosure(robots, foods, tracks, detections, walls, corners), constants[0])
+        _advance(enclosure, *self._anchor, array_of(self.constants)[0])

@@ -18,6 +18,7 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.driving import (
+    SUBSTEPS,
     begin_round,
     glide,
     grip_place,
@@ -25,16 +26,14 @@ from khepera_forage.sim.driving import (
     move_jaw,
     moves_jaw,
     push_out,
-    put_down,
     seen_from,
     steps_of,
     tip_of,
     travel_of,
 )
 from khepera_forage.sim.records import Enclosure, FoodDetection, FoodState, RobotState
-from khepera_forage.sim.sensing import forget_tracks
-from khepera_forage.sim.simulation import Simulation, observe, sense_all
-from khepera_forage.sim.world import SUBSTEPS
+from khepera_forage.sim.sensing import begin, look, sense_all
+from khepera_forage.sim.simulation import Simulation
 from khepera_forage.vision.association import Track
 
 FOOD_MASS = 0.013
@@ -111,9 +110,9 @@ class Bodies:
         robots, foods = self._enclosure.robots, self._enclosure.foods
         walls, steps = self._enclosure.walls, SUBSTEPS
         for i in moving:
-            travel = travel_of(robots[i], constants.round_duration)
+            travel = travel_of(robots[i], constants.timing.round_duration)
             steps = max(steps, int(steps_of(travel, is_near_wall(robots[i], walls, travel, True))))
-        dt = constants.round_duration / steps
+        dt = constants.timing.round_duration / steps
         for i, robot in enumerate(robots):
             self._robots[i].put(robot, i in moving)
         for food, (body, _) in zip(foods, self._foods, strict=True):
@@ -124,7 +123,7 @@ class Bodies:
                 self._robots[i].pull(robots[i].forward)
                 if moves_jaw(robots[i]):
                     self._record()
-                    move_jaw(robots, i, foods, walls, constants.jaw_speed * dt)
+                    move_jaw(robots, i, foods, walls, constants.timing.jaw_speed * dt)
                     self._slide_aside(robots[i])
                     self._shape()
             self._space.step(dt)
@@ -241,9 +240,7 @@ class PymunkWorld(Simulation):
 
     def _begin(self, enclosure: Enclosure) -> None:
         self._bodies: dict[int, Bodies] = {}
-        for robot in enclosure.robots:
-            put_down(robot, robot.x, robot.y, robot.heading, self.constants)
-        forget_tracks(enclosure.foods, enclosure.tracks)
+        begin(enclosure, self.constants)
 
     def _sense(self, enclosure: Enclosure) -> None:
         sense_all(enclosure, self.constants)
@@ -259,7 +256,8 @@ class PymunkWorld(Simulation):
             if number not in self._bodies:
                 self._bodies[number] = Bodies(enclosure)
             self._bodies[number].advance(touching, self.constants)
-        observe(enclosure, *self._anchor, self.constants)
+        sense_all(enclosure, self.constants)
+        look(enclosure, *self._anchor, self.noise)
 
     def __getstate__(self) -> dict[str, Any]:
         # A copy continues like its original, bit for bit: both make their bodies anew.

@@ -11,7 +11,7 @@ from khepera_forage.robots.khepera import RADIUS
 from khepera_forage.sim.arena import Arena, copies
 from khepera_forage.sim.arenas.named import ARENAS, FAMILY, HOME_RADIUS, family_arena, named_arena, step_limit
 from khepera_forage.sim.layout_checks import check_layout, check_seen
-from khepera_forage.sim.ways import check_ways, longest_path, too_narrow
+from khepera_forage.sim.waypoints import check_paths, longest_path, too_narrow
 from khepera_forage.sim.world import Layout
 from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP
 
@@ -26,7 +26,7 @@ def check_room(arena: Arena) -> None:
     """A robot reaches every part past the home, and a pair is in the camera's picture with room on its marks."""
     floor = usable_floor(arena)
     assert floor.geom_type == "Polygon"
-    check_ways(arena)
+    check_paths(arena)
     assert too_narrow(arena) == []
     home = shapely.Point(arena.home).buffer(arena.home_radius + RADIUS)
     assert floor.difference(home).geom_type == "Polygon"

@@ -14,7 +14,7 @@ from khepera_forage.sim.arena_file import arena_text
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, Difficulty, checked_difficulty
 from khepera_forage.sim.arenas.procedural import LEVELS, ProceduralArenas, procedural_arena
 from khepera_forage.sim.arenas.procedural_floor import PASSAGE
-from khepera_forage.sim.ways import longest_path
+from khepera_forage.sim.waypoints import longest_path
 from tests.sim.arenas.test_family import check_room, usable_floor
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)

@@ -1,4 +1,4 @@
-"""Ways through an arena, prepared once: waypoints around corners, and which parts of the floor cannot be reached.
+"""Paths through an arena, prepared once: waypoints around corners, and which parts of the floor cannot be reached.
 
 The floor is shrunk by the room that a robot needs to turn with food in its gripper. What remains is where its centre
 may drive. The waypoints are the corners of that region that point into it, and the visibility graph between them gives
@@ -16,11 +16,11 @@ import numpy as np
 
 from khepera_forage.geometry.paths import (
     CELLS,
-    NO_WAYS,
+    NO_CORNERS,
     ChosenWaypoint,
     Corner,
+    PathTables,
     Spot,
-    Ways,
     has_path,
     is_clear,
     next_waypoint,
@@ -42,16 +42,18 @@ _BERTH = 20.0
 """mm by which waypoints past the home lie outside it."""
 _SURE = 1e-3
 """Product of two distances from a line, in pixels, or of two areas, above which rounding does not change the sides."""
+_ROUNDING = 0.01
+"""mm by which a path may leave a region, along whose edges it runs."""
 _BLUNT = 1.1
 """Corners are cut off at this many clearances, so that robots pass diagonally between two of them."""
 
 
 @lru_cache(maxsize=1 << 14)
-def ways_of(arena: Arena) -> Ways:
-    """The ways through an arena, in pixels; `NO_WAYS` if no corner points into its floor."""
+def path_tables_of(arena: Arena) -> PathTables:
+    """The path tables of an arena, in pixels; `NO_CORNERS` if no corner points into its floor."""
     corners = arena.corners
     if not corners:
-        return NO_WAYS
+        return NO_CORNERS
     floor = _shrunken_floor(arena)
     home = _octagon(arena.home, arena.home_radius + _BERTH)
     past_home = floor.difference(home)
@@ -59,7 +61,7 @@ def ways_of(arena: Arena) -> Ways:
     walls, (left, bottom, right, top) = pixel_walls(arena), arena.bounds
     home_x, home_y = arena.home.x / MM_PER_PIXEL, arena.home.y / MM_PER_PIXEL
     places, berth = waypoints[1] / MM_PER_PIXEL, (arena.home_radius + _BERTH) / MM_PER_PIXEL - 0.5
-    ways = Ways(
+    paths = PathTables(
         _PASSING / MM_PER_PIXEL,
         home_x,
         home_y,
@@ -74,31 +76,31 @@ def ways_of(arena: Arena) -> Ways:
         (),
         (),
     )
-    ways = ways._replace(seen=_seen(ways, walls).tobytes())
+    paths = paths._replace(seen=_seen(paths, walls).tobytes())
     home_lengths = tuple(
-        shortest_length(k, home_x, home_y, math.inf, False, walls, ways) for k in range(len(places))
+        shortest_length(k, home_x, home_y, math.inf, False, walls, paths) for k in range(len(places))
     )
     lengths = shortest_lengths(waypoints, past_home)
     lengths[:, np.hypot(*(places - (home_x, home_y)).T) < berth] = np.inf
-    return ways._replace(lengths=_in_pixels(lengths), home_lengths=home_lengths)
+    return paths._replace(lengths=_in_pixels(lengths), home_lengths=home_lengths)
 
 
-def _seen(ways: Ways, walls: Sequence[Any]) -> Any:
+def _seen(paths: PathTables, walls: Sequence[Any]) -> Any:
     """Which waypoints may be seen from the cells of the grid: those that no wall hides from all of a cell.
 
     What a wall hides from a waypoint is convex: it hides a cell if it hides the corners of that cell.
 
     Args:
-        ways: The waypoints and the grid.
+        paths: The waypoints and the grid.
         walls: In pixels.
 
     Returns:
         Shape (cells + 1, waypoints): the last row is of what lies outside the grid.
     """
     steps = np.arange(CELLS + 1)
-    x, y = np.meshgrid(ways.left + steps / ways.columns, ways.bottom + steps / ways.rows)
+    x, y = np.meshgrid(paths.left + steps / paths.columns, paths.bottom + steps / paths.rows)
     x, y = x.reshape(-1, 1), y.reshape(-1, 1)
-    to_x, to_y = np.reshape(ways.waypoints, (-1, 2)).T
+    to_x, to_y = np.reshape(paths.waypoints, (-1, 2)).T
     between = x * to_y - y * to_x
     seen = np.ones((CELLS * CELLS + 1, len(to_x)), np.bool_)
     for wall in walls:
@@ -116,7 +118,7 @@ def _seen(ways: Ways, walls: Sequence[Any]) -> Any:
 
 
 def pixel_walls(arena: Arena) -> tuple[Any, ...]:
-    """The walls of an arena as `geometry.walls.Wall` records in pixels."""
+    """The walls of an arena as `geometry.plane.Wall` records in pixels."""
     return tuple(
         wall_of(
             (
@@ -137,12 +139,12 @@ def way_out(arena: Arena) -> tuple[float, float]:
     The middle of the floor, or, where there are waypoints, the first one towards the start.
     """
     x1, y1, x2, y2 = arena.bounds
-    ways, home, start = ways_of(arena), arena.home, arena.start
-    if not ways.corners:
+    paths, home, start = path_tables_of(arena), arena.home, arena.start
+    if not paths.corners:
         return (x1 + x2) / 2, (y1 + y2) / 2
     here = Spot(home.x / MM_PER_PIXEL, home.y / MM_PER_PIXEL)
     there = Spot(start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL)
-    x, y, _ = _next_place(here, there, True, pixel_walls(arena), ways)
+    x, y, _ = _next_place(here, there, True, pixel_walls(arena), paths)
     return x * MM_PER_PIXEL, y * MM_PER_PIXEL
 
 
@@ -165,13 +167,13 @@ def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
     Raises:
         ValueError: There is none.
     """
-    ways, walls = ways_of(arena), pixel_walls(arena)
+    paths, walls = path_tables_of(arena), pixel_walls(arena)
     past_home = goal != arena.home
     end = Spot(goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL)
     here, path = Spot(start.x / MM_PER_PIXEL, start.y / MM_PER_PIXEL), [start]
     while here != end:
-        x, y, length = _next_place(here, end, past_home, walls, ways)
-        if length == math.inf or len(path) > len(ways.waypoints) + 1:
+        x, y, length = _next_place(here, end, past_home, walls, paths)
+        if length == math.inf or len(path) > len(paths.waypoints) + 1:
             raise ValueError(
                 f"{arena.name}: there is no way from ({start.x:g}, {start.y:g}) to ({goal.x:g}, {goal.y:g}) mm that is "
                 f"{2 * CLEARANCE:g} mm wide{' and does not cross the home' if past_home else ''}"
@@ -182,15 +184,15 @@ def shortest_path(arena: Arena, start: Point, goal: Point) -> tuple[Point, ...]:
 
 
 def _next_place(
-    here: Spot, there: Spot, past_home: bool, walls: Any, ways: Ways
+    here: Spot, there: Spot, past_home: bool, walls: Any, paths: PathTables
 ) -> tuple[float, float, float]:
     """Where to drive next, in pixels, and the length of the path; infinite without one."""
-    if is_clear(*here, *there, past_home, walls, ways):
+    if is_clear(*here, *there, past_home, walls, paths):
         return *there, math.dist(here, there)
-    return next_waypoint(*here, *there, past_home, ChosenWaypoint(), walls, ways)
+    return next_waypoint(*here, *there, past_home, ChosenWaypoint(), walls, paths)
 
 
-def check_ways(arena: Arena) -> None:
+def check_paths(arena: Arena) -> None:
     """Complain unless a robot can drive from the start to every food object past the home, and from there home.
 
     Args:
@@ -202,19 +204,19 @@ def check_ways(arena: Arena) -> None:
     foods = {f"food {k + 1}": food for k, food in enumerate(arena.foods)}
     start = Point(arena.start.x, arena.start.y)
     for name, place in {"the start": start, **foods}.items():
-        if not _has_way(arena, place, arena.home, past_home=False):
-            raise _no_way(arena, name, place, "the home", arena.home, _narrow_places(arena))
+        if not _is_reachable(arena, place, arena.home, past_home=False):
+            raise _unreachable(arena, name, place, "the home", arena.home, _narrow_places(arena))
     for name, place in foods.items():
-        if not _has_way(arena, place, start, past_home=True):
-            raise _no_way(arena, name, place, "the start", start, " that does not cross the home")
+        if not _is_reachable(arena, place, start, past_home=True):
+            raise _unreachable(arena, name, place, "the start", start, " that does not cross the home")
 
 
-def _has_way(arena: Arena, place: Point, goal: Point, past_home: bool) -> bool:
+def _is_reachable(arena: Arena, place: Point, goal: Point, past_home: bool) -> bool:
     ends = (place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL, goal.x / MM_PER_PIXEL, goal.y / MM_PER_PIXEL)
-    return has_path(*ends, past_home, pixel_walls(arena), ways_of(arena))
+    return has_path(*ends, past_home, pixel_walls(arena), path_tables_of(arena))
 
 
-def _no_way(arena: Arena, name: str, place: Point, goal_name: str, goal: Point, why: str) -> ValueError:
+def _unreachable(arena: Arena, name: str, place: Point, goal_name: str, goal: Point, why: str) -> ValueError:
     return ValueError(
         f"{arena.name}: there is no way between {name} at ({place.x:g}, {place.y:g}) mm and {goal_name} at "
         f"({goal.x:g}, {goal.y:g}) mm{why}; allowed: passages that are {2 * CLEARANCE:g} mm wide or more "
@@ -252,7 +254,7 @@ def _narrow_places(arena: Arena) -> str:
 
 
 def _floor(arena: Arena) -> "Polygon":
-    import shapely
+    import shapely  # takes 0.1 s, which importing this package should not
 
     obstacles = shapely.union_all([shapely.Polygon(corners) for corners in arena.obstacles])
     floor: Polygon = shapely.Polygon(arena.walls).difference(obstacles)
@@ -281,13 +283,6 @@ def _waypoints_of(floor: Any, past_home: Any, home: Any) -> Any:
 
 def _in_pixels(lengths: Any) -> tuple[float, ...]:
     return tuple((lengths / MM_PER_PIXEL).ravel().tolist())
-
-
-if TYPE_CHECKING:
-    from shapely import Polygon
-
-_ROUNDING = 0.01
-"""mm by which a path may leave a region, along whose edges it runs."""
 
 
 def inward_corners(region: Any) -> Any:
@@ -361,11 +356,10 @@ def path_length(path: Sequence[Point]) -> float:
 
 def longest_path(arena: Arena) -> float:
     """Length of the shortest path from the home to the furthest place that a robot can reach and where it can turn."""
-    import shapely  # takes 0.1 s, which importing this package should not
+    import shapely
 
-    obstacles = shapely.union_all([shapely.Polygon(corners) for corners in arena.obstacles])
     # No place is further than the corners of this region.
-    region = shapely.Polygon(arena.walls).difference(obstacles).buffer(-(CLEARANCE + 5.0), quad_segs=2)
+    region = _floor(arena).buffer(-(CLEARANCE + 5.0), quad_segs=2)
     lengths = [0.0]
     for x, y in shapely.get_coordinates(region).tolist():
         with suppress(ValueError):  # a part of the floor without a way to the home

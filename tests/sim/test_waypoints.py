@@ -1,4 +1,4 @@
-"""Ways through an arena: waypoints, shortest paths, and arenas that are too narrow."""
+"""Paths through an arena: waypoints, shortest paths, and arenas that are too narrow."""
 
 import math
 from dataclasses import replace
@@ -11,17 +11,17 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.geometry.paths import NO_WAYS, is_clear
+from khepera_forage.geometry.paths import NO_CORNERS, is_clear
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.ways import (
+from khepera_forage.sim.waypoints import (
     CLEARANCE,
-    check_ways,
+    check_paths,
     is_home_free,
+    path_tables_of,
     pixel_walls,
     shortest_path,
     too_narrow,
     way_out,
-    ways_of,
 )
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from tests.version_0_1 import CORRIDOR, RECTANGLE
@@ -55,7 +55,7 @@ def length_of(path: tuple[Point, ...]) -> float:
 
 @pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, ROOM])
 def test_ways_of_an_arena_without_inward_corners_are_straight(arena: Arena) -> None:
-    assert ways_of(arena) == NO_WAYS
+    assert path_tables_of(arena) == NO_CORNERS
     start = Point(arena.start.x, arena.start.y)
     assert shortest_path(arena, start, arena.home) == (start, arena.home)
     assert too_narrow(arena) == []
@@ -102,7 +102,7 @@ def test_shortest_path_keeps_its_clearance_and_is_symmetric(arena: Arena, data: 
 @pytest.mark.parametrize("arena", WINDING, ids=lambda arena: arena.name)
 def test_every_free_place_has_a_way_home(arena: Arena) -> None:
     """Also places beside walls, where a robot may start or food may lie."""
-    rng, ways, walls = np.random.default_rng(0), ways_of(arena), pixel_walls(arena)
+    rng, paths, walls = np.random.default_rng(0), path_tables_of(arena), pixel_walls(arena)
     left, bottom, right, top = arena.bounds
     tried = 0
     while tried < 2000:
@@ -113,18 +113,18 @@ def test_every_free_place_has_a_way_home(arena: Arena) -> None:
         path = shortest_path(arena, place, arena.home)
         for a, b in pairwise(path):
             x1, y1, x2, y2 = (end / MM_PER_PIXEL for end in (*a, *b))
-            assert is_clear(x1, y1, x2, y2, False, walls, ways)
+            assert is_clear(x1, y1, x2, y2, False, walls, paths)
 
 
 def test_check_ways_names_what_cannot_be_reached_and_the_narrow_place() -> None:
     with pytest.raises(
         ValueError, match=r"closed: there is no way between the start at \(680, 680\) mm"
     ) as error:
-        check_ways(CLOSED)
+        check_paths(CLOSED)
     assert "too narrow near (400, 400) mm; allowed: passages that are 160 mm wide" in str(error.value)
     with pytest.raises(ValueError, match=r"there is no way between food 1 at \(600, 300\) mm"):
-        check_ways(replace(CLOSED, start=Pose(200, 680, 0.0)))
+        check_paths(replace(CLOSED, start=Pose(200, 680, 0.0)))
     places: Any = {"home": Point(400, 100), "start": Pose(680, 100, 0.0), "foods": (Point(100, 100),)}
     alley = replace(ROOM, walls=box(0, 0, 800, 200), obstacles=(box(500, 0, 20, 20),), **places)
     with pytest.raises(ValueError, match=r"food 1 at .* and the start at .* that does not cross the home"):
-        check_ways(alley)
+        check_paths(alley)
