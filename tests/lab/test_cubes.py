@@ -75,6 +75,15 @@ def test_spare_food_cube_leaves_the_arena_of_a_recall() -> None:
             assert math.dist(food[:2], arena.foods[0]) <= 15
 
 
+def test_spare_food_cube_without_room_is_named() -> None:
+    settings = parse(FILE.replace('"virtual:food2"]', '"virtual:food2", "virtual:food3"]'), SET_UP, 0.1)
+    with (
+        VirtualCubeLaboratory(settings) as lab,
+        pytest.raises(OperatorGaveUp, match="no room beside the arenas for virtual:food[123]: take it away"),
+    ):
+        lab.reset(np.random.default_rng(0), layout_of(lab))
+
+
 def test_lost_cube_stops_all_and_takes_a_person(lab: VirtualCubeLaboratory) -> None:
     layout = layout_of(lab)
     lab.reset(np.random.default_rng(0), layout)
