@@ -79,7 +79,7 @@ def test_spare_food_cube_without_room_is_named() -> None:
     settings = parse(FILE.replace('"virtual:food2"]', '"virtual:food2", "virtual:food3"]'), SET_UP, 0.1)
     with (
         VirtualCubeLaboratory(settings) as lab,
-        pytest.raises(OperatorGaveUp, match="no room beside the arenas for virtual:food[123]: take it away"),
+        pytest.raises(OperatorGaveUp, match=r"no room beside the arenas for virtual:food[123]: take it away"),
     ):
         lab.reset(np.random.default_rng(0), layout_of(lab))
 
