@@ -104,12 +104,12 @@ with SerialKhepera(sys.argv[1]) as robot:
     os._exit(0)
 """
 PARTS = {
-    "rounds": "Bytes to and from the first robot, their time on the wire (11 bits a byte), and the time of `transmit` and "
-    "`receive` of all robots.",
-    "latency": f"One robot at {BAUD} baud. End: from the beginning of a period until its commands are sent. Between: from "
-    "the arrival of a round's readings to that of the next round's.",
-    "disturbances": f"One robot at {BAUD} baud with random speeds; the last round is undisturbed. Undetectable: garbled "
-    "replies that are well-formed. Unknown: readings that could not be confirmed.",
+    "rounds": "Bytes to and from the first robot, their time on the wire (11 bits a byte), and the time of `transmit` "
+    "and `receive` of all robots.",
+    "latency": f"One robot at {BAUD} baud. End: from the beginning of a period until its commands are sent. Between: "
+    "from the arrival of a round's readings to that of the next round's.",
+    "disturbances": f"One robot at {BAUD} baud with random speeds; the last round is undisturbed. Undetectable: "
+    "garbled replies that are well-formed. Unknown: readings that could not be confirmed.",
     "endings": "From the end of a process that drives a robot until the robot receives the stop.",
 }
 """The tables and their notes."""
