@@ -23,11 +23,9 @@ MAX_UNATTENDED = 0.9
 """Seconds from a `transmit` after which no wheel turns if the following `receive` is not complete, whatever happens."""
 HOLD_AFTER = 0.5
 """Seconds of waiting in a `transmit` and the following `receive`, together, after which the wheels are stopped."""
-MAX_DURATION = 4.0
-"""Seconds after which a robot whose call is not complete counts as lost."""
+MAX_DURATION, _STOP_DURATION = 4.0, 2.0
+"""Seconds after which a robot whose call, or stop, is not complete counts as lost; more with a longer timeout."""
 
-_MAX_TIMEOUTS = 40
-"""The same in timeouts, for a user who has chosen a long one."""
 _LONGEST_ROUND = (8, 170)
 """Requests and bytes of a round in which arm and jaw move and all numbers have the maximum number of digits."""
 _MAX_RESTARTS = 5
@@ -152,10 +150,10 @@ class SerialRobot(RealRobot):
         if self._period is not None:
             self.timing.check(self.port, self._period)
 
-    def _begin_call(self) -> None:
+    def _begin_call(self, duration: float = MAX_DURATION) -> None:
         """Begin a call, whose time is limited."""
         now = self._line.now()
-        self._line.deadline = now + max(MAX_DURATION, _MAX_TIMEOUTS * self._base_timeout)
+        self._line.deadline = now + duration * max(1.0, self._base_timeout / DEFAULT_TIMEOUT)
         self._hold_at = now + self._hold_after
 
     @property
@@ -240,7 +238,7 @@ class SerialRobot(RealRobot):
         return self._exchange([request])[0]
 
     def _stop_wheels(self) -> None:
-        self._begin_call()
+        self._begin_call(_STOP_DURATION)
         self._held = True
         if self._line.forget_ahead():
             self._note_sent(None)  # Their replies can no longer be told from others: send them again.
