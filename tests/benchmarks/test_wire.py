@@ -45,11 +45,10 @@ def test_robots_are_served_in_parallel(rows: list[dict[str, str]]) -> None:
 
 
 def test_a_latency_is_pipelined_or_rejected(rows: list[dict[str, str]]) -> None:
+    # One by one, four requests would take 320 ms at a latency of 80 ms: such a line would be rejected.
     for ms in (16, 80):
         assert len(values(rows, "latency", "end", f"{ms} ms")) == 10
     assert len(values(rows, "latency", "rejected after", "100 ms")) == 1
-    between = sorted(values(rows, "latency", "between", "80 ms"))
-    assert between[len(between) // 2] < 180, "one by one, four requests would take 320 ms"
 
 
 def test_counters_are_right_on_disturbed_lines(rows: list[dict[str, str]]) -> None:
