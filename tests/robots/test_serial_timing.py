@@ -248,6 +248,24 @@ def test_held_wheels_continue_with_the_next_command(monkeypatch: pytest.MonkeyPa
         assert line.sent_since(0.0, b"D,")[-1] == b"D,5,5"
 
 
+@pytest.mark.parametrize("late", [0.0, 0.05, 0.2])
+def test_object_is_sensed_at_once_even_in_a_late_round(late: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An unexpected reading is requested once more; it enters the experience of this round."""
+    present = False
+
+    def script(request: bytes, number: int) -> list[Action]:
+        if present and request == b"T,1,G":
+            return [b"t,1,g,200\r\n"]
+        delay: list[Action] = [late] if present and request == b"N" else []
+        return delay + NumberedReplies({})(request, number)
+
+    with opened(monkeypatch, script) as (robot, _):
+        for round_ in range(4):
+            present = round_ == 3
+            robot.receive()
+            assert robot.sense().object_presence == 255 * present
+
+
 @pytest.mark.parametrize("wrong", [b"h,5000,5000", b"h,1,900", b"h,-490,490", b"h,20500,500"])
 def test_wrong_counters_are_corrected_by_the_next_ones(wrong: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
     """A reply whose digits were changed may be well-formed: no wrong count lasts, and none counts as a restart."""

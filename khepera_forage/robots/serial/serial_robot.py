@@ -255,10 +255,15 @@ class SerialRobot(RealRobot):
         self._line.close()
 
     def _has_time(self, begin: float, requests: Sequence[Request]) -> bool:
-        """Whether a `receive` that began then has time to send requests with short replies again."""
-        limit = begin + (HOLD_AFTER if self._period is None else self._period)
+        """Whether a `receive` that began then has time to send requests with short replies again.
+
+        That must not make a round late; one that is late already has until its wheels are held.
+        """
+        now, period = self._line.now(), self._period
+        is_late = period is None or now > begin + period + self.timing.latency
+        limit = HOLD_AFTER if period is None or is_late else period
         needed = self.timing.duration(len(requests), len(requests) * _SHORT_EXCHANGE)
-        return self._line.now() + needed <= limit
+        return now + needed <= begin + limit
 
     # What differs between the robots.
 
