@@ -2,7 +2,6 @@
 
 import argparse
 import math
-import re
 import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -10,12 +9,7 @@ from typing import Any, NoReturn
 
 
 class OneLineParser(argparse.ArgumentParser):
-    """A parser that answers a mistake in one line, without the usage, and takes `-100,0` for a value."""
-
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        super().__init__(*args, **kwargs)
-        # Python's own takes only single numbers for values.
-        self._negative_number_matcher = re.compile(r"-[\d.]")
+    """A parser that answers a mistake in one line, without the usage."""
 
     def error(self, message: str) -> NoReturn:
         """End the program with status 2."""

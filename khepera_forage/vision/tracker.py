@@ -253,7 +253,11 @@ class Tracker:
     def _shows_floor(self, segmentation: Segmentation, plates: list[Plate], x: float, y: float) -> bool:
         """Whether the disc of food at a place (region coordinates) shows the floor."""
         radius, food_height = self.settings.food_radius, self.settings.food_height
-        if under_plate(x * MM_PER_PIXEL, y * MM_PER_PIXEL, radius + _CLEARANCE, plates):
+        place = x * MM_PER_PIXEL, y * MM_PER_PIXEL
+        if self._tags is not None and self.settings.markers == "tags":
+            if any(math.dist(place, plate[:2]) <= self._tags.reach * MM_PER_PIXEL for plate in plates):
+                return False
+        elif under_plate(*place, radius + _CLEARANCE, plates):
             return False
         u, v = self._resized.to_picture(x, y, food_height)
         reach = radius / MM_PER_PIXEL / self._resized.scale(u, v, food_height)
