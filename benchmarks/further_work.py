@@ -8,6 +8,7 @@ name.
 
 import argparse
 import sys
+from shutil import get_terminal_size
 
 from further_experiments.common import TABLES, Analysis, RecallEpisode, Size, TrainingEpisode
 from further_experiments.memory import ALTERNATIVES, ATTRIBUTE_WEIGHTS
@@ -61,7 +62,7 @@ def main() -> int:
         written = experiment.page(Analysis(rows.of(TrainingEpisode), rows.of(RecallEpisode), given.seed))
         write(given.out, name, written)
         print(f"# {experiment.title}: {experiment.question}\n")
-        print("\n".join(table.markdown() for table in written.tables))
+        print("\n".join(table.text(get_terminal_size().columns) for table in written.tables))
     print(f"Pages, pictures, tables and rows are in {results}")
     return 0
 

@@ -12,7 +12,7 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from contextlib import closing, redirect_stdout, suppress
 from dataclasses import dataclass, fields
 from functools import partial
@@ -41,7 +41,7 @@ from laboratory.observed_training import ObservedAttempt, ObservedTraining, Vect
 
 from khepera_forage.cli import train
 from khepera_forage.cli.train import ATTEMPTS
-from khepera_forage.estimates import Column, Table, Value, extremes, pick
+from khepera_forage.estimates import Table, Value, extremes, pick, table_of
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning
 from khepera_forage.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
 from khepera_forage.lab.operator import OperatorRequest
@@ -65,6 +65,8 @@ PAUSE, QUICK_PAUSE = 30, 10
 """Rounds, at most, from the end of one fault to the next, and with `--quick`."""
 RECOVERED, ATTEMPT_LOST, STOPPED = "recovered", "attempt lost", "stopped"
 """Outcomes: the attempt went on; it ended, and another began; the command ended with an error, and was continued."""
+_ROUND, _COMPLETE = "round", "complete"
+"""Further events of a training: a round without a loss, and its end."""
 _SETTLED = 8
 """Rounds without a loss after which a fault that has passed counts as recovered."""
 _LASTS = (60.0, 60.0)
@@ -73,18 +75,13 @@ _LASTS = (60.0, 60.0)
 
 @dataclass
 class FaultRow:
-    """One fault.
+    """One fault of a part of the laboratory, with one of the outcomes above; times in seconds.
 
     Attributes:
-        part: Of the laboratory: robot, camera or disk.
-        kind: Name of the kind of fault.
-        outcome: `RECOVERED`, `ATTEMPT_LOST` or `STOPPED`.
-        seconds: From the beginning of the fault until it had passed, or until the training noticed a loss.
-        unattended: Longest time in seconds that a wheel within reach of its line turned since the last round.
-        moving: Robots within reach that moved after the attempt had ended.
-        out_of_reach: Robots that moved, and that no program can reach.
-        notices: Messages: warnings, and the error with which the command ended.
-        named: Notices that name the device or file, and the cause.
+        seconds: From its beginning until it had passed, or until the training noticed a loss.
+        unattended: Longest time that a wheel within reach of its line turned since the last round.
+        moving: Robots within reach that moved after the attempt had ended; `out_of_reach`: others.
+        notices: Warnings, and the error with which the command ended; `named`: those with device or file and cause.
         continued: Whether a round of training followed.
         text: The first notice.
     """
@@ -104,21 +101,14 @@ class FaultRow:
 
 @dataclass
 class TrainingResult:
-    """One whole training.
+    """One whole training: faults, losses without a fault, attempts, rounds, and stored vectors.
 
     Attributes:
-        faults: That happened in it.
-        unexpected: Losses without a fault.
-        attempts: Begun ones.
-        rounds: Of all attempts.
-        vectors: Stored ones.
         missing: Vectors that the learner perceived, and that are not on disk, unless the attempt was discarded (5.2).
         altered: Vectors in the file of an attempt that the learner did not perceive like this.
-        wrong: Stored vectors that differ from what is true, on the camera's newest scene.
-        outdated: Stored vectors perceived while the camera's scene was not that of the round.
+        wrong: Stored vectors that differ from what is true; `outdated`: perceived on an old scene of the camera.
         complete: Whether there is a file for each planned episode, with its closing line, and with the row and the
             vectors of its complete attempt.
-        seconds: Of the whole training.
     """
 
     faults: int
@@ -166,33 +156,28 @@ class WheelWatch:
 
 
 class Injector:
-    """Begins faults of given kinds in random rounds of trainings, repairs them, and observes what follows.
+    """Begins each kind of fault in a random round of trainings, repairs it, and observes what follows.
 
     Attributes:
-        remaining: Kinds that have not happened yet.
         rows: All faults so far; the last one may be present.
         notices: What the user has read since the beginning of the last fault.
-        folder: Of the present training's files.
-        attempts: At the present training.
-        unexpected: Losses without a fault.
+        done: Whether all kinds have happened.
     """
 
     def __init__(self, kinds: Sequence[Kind], rng: np.random.Generator, pause: int) -> None:
-        self.remaining = list(kinds)
         self.rows: list[FaultRow] = []
         self.notices: list[str] = []
         self.folder, self.attempts, self.unexpected = Path(), list[ObservedAttempt](), 0
+        self.done = False
         self._rng, self._pause = rng, pause
-        self._wait = int(rng.integers(3, pause))
-        self._present: FaultRow | None = None
-        self._began, self._quiet_rounds = 0.0, 0
-        self._device, self._causes = "", [""]
         self._repair: Repair | None = None
         self._timer: threading.Timer | None = None
         self._repairing = threading.Lock()
         self._lab: VirtualLaboratory
         self._camera: VirtualCamera
         self._wheels: WheelWatch
+        self._play = self._all(kinds)
+        next(self._play)
 
     def attach(self, lab: VirtualLaboratory, camera: VirtualCamera, wheels: WheelWatch) -> None:
         """Use another laboratory from now on: the command was started again."""
@@ -201,49 +186,23 @@ class Injector:
     def operator(self, request: OperatorRequest) -> None:
         """Carry out a request; repair the fault if something is lost, or cannot be placed."""
         if request.reason.startswith("reconnect"):
-            self.end(ATTEMPT_LOST)
+            self.note(ATTEMPT_LOST)
         if request.reason.startswith("reconnect") or request.errors:
             self.repair()
         self._lab.virtual_operator(request)
 
     def end_round(self, training: ObservedTraining) -> None:
-        """Observe a round; begin a fault, or notice that it has passed."""
-        row = self._present
-        if self.attempts[-1].lost:
-            self.end(ATTEMPT_LOST)
-            return
-        self._wheels.round_end = time.monotonic()
-        if row is None:
-            self._wait -= 1
-            if self._wait <= 0 and self.remaining and self.attempts[-1].perceived:
-                self._begin(self.remaining.pop(0))
-        elif row.outcome:
-            self._finish(row)
-        elif self._repair is None:
-            self._quiet_rounds += 1
-            if self._quiet_rounds >= _SETTLED:
-                self.end(RECOVERED)
-                self._finish(row)
+        """Observe a round."""
+        lost = bool(self.attempts[-1].lost)
+        if not lost:
+            self._wheels.round_end = time.monotonic()
+        self.note(ATTEMPT_LOST if lost else _ROUND)
 
-    def end(self, outcome: str) -> None:
-        """Observe the robots when the fault has passed, or the attempt or the command has ended because of it."""
-        row = self._present
-        if row is None:
-            self.unexpected += 1
-        elif not row.outcome:
-            row.outcome = outcome
-            row.seconds, row.unattended = time.monotonic() - self._began, self._wheels.longest
-            if outcome != RECOVERED:
-                robots = moving(self._lab)
-                row.moving = len(robots - self._wheels.left_out)
-                row.out_of_reach = len(robots & self._wheels.left_out)
-
-    def complete(self) -> None:
-        """The training is complete."""
-        self.repair()
-        if self._present is not None:
-            self.end(RECOVERED)
-            self._finish(self._present)
+    def note(self, event: str) -> None:
+        """Go on after a round, after the end of an attempt or of the command, or after the training is complete."""
+        if event == _COMPLETE:
+            self.repair()
+        self._play.send(event)
 
     def repair(self) -> None:
         """Repair the fault, if it has begun and has not passed."""
@@ -254,38 +213,54 @@ class Injector:
         if self._timer is not None:
             self._timer.cancel()
 
-    def _begin(self, kind: Kind) -> None:
+    def _all(self, kinds: Sequence[Kind]) -> Generator[None, str, None]:
+        """All faults, one after the other; each `yield` is an event."""
+        for number, kind in enumerate(kinds, 1):
+            wait = int(self._rng.integers(3, self._pause))
+            while wait > 0 or not self.attempts[-1].perceived:
+                event = yield
+                wait -= event == _ROUND
+                self.unexpected += event in (ATTEMPT_LOST, STOPPED)
+            row, device, began, quiet = FaultRow(kind.part, kind.name), self._begin(kind), time.monotonic(), 0
+            self.rows.append(row)
+            self.done = number == len(kinds)
+            while not row.outcome:
+                event = yield
+                row.seconds, row.unattended = time.monotonic() - began, self._wheels.longest
+                quiet += event == _ROUND and self._repair is None
+                if event in (ATTEMPT_LOST, STOPPED):
+                    row.outcome, robots = event, moving(self._lab)
+                    row.moving = len(robots - self._wheels.left_out)
+                    row.out_of_reach = len(robots & self._wheels.left_out)
+                elif event == _COMPLETE or quiet >= _SETTLED:
+                    row.outcome = RECOVERED
+            while event not in (_ROUND, _COMPLETE):
+                event = yield
+            row.continued, row.notices = True, len(self.notices)
+            causes = kind.cause.split("|")
+            row.named = sum(
+                device in text and any(cause in text for cause in causes) for text in self.notices
+            )
+            if self.notices:
+                row.text = self.notices[0].replace(f"{self.folder.parent}/", "").replace("\n", " ")
+            self._wheels.left_out = frozenset()
+        while True:
+            self.unexpected += (yield) in (ATTEMPT_LOST, STOPPED)
+
+    def _begin(self, kind: Kind) -> str:
+        """Begin a fault; returns the name of the device or file that a message about it must contain."""
         lab, folder, robot = self._lab, self.folder, int(self._rng.integers(len(self._lab.robots)))
-        if kind.part == CAMERA:
-            self._device = f"camera {lab.settings.camera.source}"
-        elif kind.part == ROBOT:
-            self._device = lab.robots[robot].port
-        else:
-            self._device = str(folder / ATTEMPTS if ATTEMPTS in kind.name else folder)
-        self._causes = kind.cause.split("|")
-        self._present = FaultRow(kind.part, kind.name)
-        self.rows.append(self._present)
         self.notices.clear()
         self._wheels.restart()
         self._wheels.left_out = frozenset({robot} if kind.unreachable else ())
-        self._began, self._quiet_rounds = time.monotonic(), 0
         file = max(folder.glob("g*.csv"), key=lambda path: path.stat().st_mtime)
+        port = lab.robots[robot].port
         self._repair = begin_soon(kind, Target(lab, self._camera, folder, file, robot, self._rng))
         self._timer = threading.Timer(float(self._rng.uniform(*(kind.duration or _LASTS))), self.repair)
         self._timer.start()
-
-    def _finish(self, row: FaultRow) -> None:
-        """A round has followed: the next fault may begin."""
-        row.continued, row.notices = True, len(self.notices)
-        row.named = sum(
-            self._device in notice and any(cause in notice for cause in self._causes)
-            for notice in self.notices
-        )
-        if self.notices:
-            row.text = self.notices[0].replace(f"{self.folder.parent}/", "").replace("\n", " ")
-        self._present = None
-        self._wheels.left_out = frozenset()
-        self._wait = int(self._rng.integers(3, self._pause))
+        if kind.part == CAMERA:
+            return f"camera {lab.settings.camera.source}"
+        return port if kind.part == ROBOT else str(folder / ATTEMPTS if ATTEMPTS in kind.name else folder)
 
 
 class _Collector(logging.Handler):
@@ -310,7 +285,7 @@ def series(number: int, kinds: Sequence[Kind], seed: int, pause: int) -> list[Fa
         patch.object(logger, "propagate", False),
         redirect_stdout(StringIO()),
     ):
-        while injector.remaining:
+        while not injector.done:
             with TemporaryDirectory() as folder:
                 results.append(_training(Path(folder).resolve(), injector, rng))
     return [*injector.rows, *results]
@@ -341,10 +316,10 @@ def _training(folder: Path, injector: Injector, rng: np.random.Generator) -> Tra
             except Exception as error:
                 expected = isinstance(error, ValueError | OSError)  # the command prints one line
                 injector.notices.append(str(error) if expected else f"Traceback: {error}")
-                injector.end(STOPPED)
+                injector.note(STOPPED)
                 injector.repair()
         arguments = parser.parse_args([*options, "--continue"])
-    injector.complete()
+    injector.note(_COMPLETE)
     result = TrainingResult(
         *(len(injector.rows) - faults_before, injector.unexpected),
         *(len(attempts), sum(attempt.rounds for attempt in attempts)),
@@ -400,55 +375,44 @@ def _by_kind(rows: Sequence[FaultRow]) -> list[tuple[Kind, list[FaultRow]]]:
 def fault_table(rows: Sequence[FaultRow]) -> Table:
     """Outcomes, motion, experience and messages by kind of fault."""
     note = (
-        "Faults in random rounds of trainings of three robots. Recovered: the attempt went on. Attempt lost: the "
-        "operator was asked to repair, and another attempt followed. Stopped: the command ended with an error, and was "
-        "continued with --continue. Until noticed: seconds from the fault to the end of the attempt or, for a fault "
-        "that passed, to the eighth round after it; median [lowest, highest]. Wheels unattended: the longest time for "
-        "which a wheel within reach of its line was commanded to turn since the last round had ended. Moving: robots "
-        "that moved after the attempt had ended. Out of reach: robots that moved although the driver tried to stop "
-        "them, because their line was interrupted and their power supply was not; no program can stop these. One "
-        "message: faults after which the user read exactly one warning or error, which names the device or file and "
-        "the cause; a fault that passes by itself needs none. Continued: a round of training followed. Message: the "
-        "first one after a fault."
+        "Faults in random rounds of trainings of three robots. Until noticed: to the end of the attempt, or to the "
+        "eighth round after a fault that passed; median [lowest, highest]. Wheels: within reach of the line. "
+        "One message: exactly one, which names device or file and cause. Message: the first one."
     )
-    lines: list[tuple[Value, ...]] = []
+    lines: list[dict[str, Value]] = []
     for kind, own in _by_kind(rows):
         none = sum(row.notices == 0 for row in own)
         one = sum(row.notices == row.named == 1 for row in own)
         texts = [row.text.partition("; its ")[0] for row in own if row.text]
         lines.append(
-            (
-                *(kind.part, kind.name, len(own)),
-                *(len(pick(own, outcome=outcome)) for outcome in (RECOVERED, ATTEMPT_LOST, STOPPED)),
-                *(extremes([getattr(row, name) for row in own]) for name in ("seconds", "unattended")),
-                *(sum(row.moving for row in own), sum(row.out_of_reach for row in own)),
-                *(none, one, len(own) - none - one, len(pick(own, continued=True))),
-                texts[0] if texts else "",
-            )
+            {
+                "part": kind.part,
+                "fault": kind.name,
+                "faults": len(own),
+                **{
+                    outcome: len(pick(own, outcome=outcome)) for outcome in (RECOVERED, ATTEMPT_LOST, STOPPED)
+                },
+                "until noticed (s)": extremes([row.seconds for row in own]),
+                "wheels unattended (s)": extremes([row.unattended for row in own]),
+                "moving": sum(row.moving for row in own),
+                "out of reach": sum(row.out_of_reach for row in own),
+                "no message": none,
+                "one message": one,
+                "others": len(own) - none - one,
+                "continued": len(pick(own, continued=True)),
+                "message": texts[0] if texts else "",
+            }
         )
-    columns = (
-        *map(Column, ("part", "fault", "faults", RECOVERED, ATTEMPT_LOST, STOPPED)),
-        *(Column(f"{name} (s)", 2, estimate=True) for name in ("until noticed", "wheels unattended")),
-        *map(
-            Column, ("moving", "out of reach", "no message", "one message", "others", "continued", "message")
-        ),
-    )
-    return Table("faults", "Faults", note, columns, lines)
+    digits = {"until noticed (s)": 2, "wheels unattended (s)": 2}
+    return table_of("faults", "Faults", note, lines, digits)
 
 
 def training_table(rows: Sequence[TrainingResult]) -> Table:
     """Sums over all trainings."""
-    note = (
-        f"Whole trainings of {EPISODES} episodes each, with the functions of `khepera-forage train --lab lab.toml`. "
-        "Unexpected: losses without a fault. Missing: vectors that were perceived, and are not on disk. Altered: "
-        "stored other than perceived. Wrong: stored other than the learner's body senses, or with another behaviour "
-        "than the teacher's. Outdated: stored while the camera's poses were more than 15 mm from the true ones. "
-        "Complete: trainings with a complete file for each episode."
-    )
-    names = [field.name for field in fields(TrainingResult) if field.name != "seconds"]
-    columns = (Column("trainings"), *map(Column, names), Column("hours", digits=2))
-    line = (len(rows), *(sum(getattr(row, name) for row in rows) for name in names))
-    return Table("trainings", "Trainings", note, columns, [(*line, sum(row.seconds for row in rows) / 3600)])
+    note = f"Whole trainings of {EPISODES} episodes, and the vectors that they stored."
+    names = [field.name for field in fields(TrainingResult)]
+    sums = {name: sum(getattr(row, name) for row in rows) for name in names}
+    return table_of("trainings", "Trainings", note, [{"trainings": len(rows), **sums}], {"seconds": 0})
 
 
 def picture(rows: Sequence[FaultRow]) -> "Figure":

@@ -22,7 +22,7 @@ import numpy as np
 from laboratory import Work
 
 from khepera_forage.envs.arguments import checked_arena, timing_of
-from khepera_forage.estimates import UNKNOWN, Estimate, Table, Value, extremes, pick, quantiles, table_of
+from khepera_forage.estimates import Table, Value, pick, quantiles, table_of
 from khepera_forage.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
 from khepera_forage.lab.clock import WallClock
 from khepera_forage.robots.fleet import Fleet
@@ -85,7 +85,7 @@ _MOVEMENT_PERIOD = 2 * math.ceil(DECISIONS.arm_travel_time / TIMING.round_durati
 """Rounds from one movement of the gripper to the next: in half of the rounds, the arm moves."""
 _WARM_UP = 12
 """Rounds that are not counted: first readings are requested twice, and the gripper comes to rest."""
-_KINDS = {False: "gripper rests", True: "gripper moves, or its position is read"}
+RESTS, MOVES = "gripper rests", "gripper moves, or its position is read"
 _TIMEOUT = 5.0
 """Seconds after which wheels count as turning for good."""
 _PROGRAM = """
@@ -103,6 +103,26 @@ with SerialKhepera(sys.argv[1]) as robot:
     sys.stdin.readline()
     os._exit(0)
 """
+PARTS = {
+    "rounds": "Bytes to and from the first robot, their time on the wire (11 bits a byte), and the time of `transmit` "
+    "and `receive` of all robots.",
+    "latency": f"One robot at {BAUD} baud. End: from the beginning of a period until its commands are sent. Between: "
+    "from the arrival of a round's readings to that of the next round's.",
+    "disturbances": f"One robot at {BAUD} baud with random speeds; the last round is undisturbed. Undetectable: "
+    "garbled replies that are well-formed. Unknown: readings that could not be confirmed.",
+    "endings": "From the end of a process that drives a robot until the robot receives the stop.",
+}
+"""The tables and their notes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """One measured value of a case of one of `PARTS`; times are in ms."""
+
+    part: str
+    case: str
+    measure: str
+    value: float
 
 
 class VirtualFleet(NamedTuple):
@@ -142,34 +162,25 @@ def _motors(left: int, right: int, down: int) -> Motors:
     return Motors(left, right, *((ARM_DOWN, JAW_CLOSED) if down else (ARM_RAISED, JAW_OPEN)))
 
 
-@dataclass(frozen=True, slots=True)
-class Round:
-    """One round of a fleet.
-
-    Attributes:
-        baud: Of the lines.
-        robots: How many took part.
-        gripper: Whether arm or jaw was commanded, or its position was read.
-        bytes: To and from the first robot.
-        wire: Milliseconds that these bytes take on the line.
-        taken: Milliseconds of `transmit` and `receive` of all robots.
-    """
-
-    baud: int
-    robots: int
-    gripper: bool
-    bytes: int
-    wire: float
-    taken: float
+def _timed(work: Callable[[], None]) -> float:
+    """Milliseconds that something takes."""
+    begin = time.perf_counter()
+    work()
+    return 1000 * (time.perf_counter() - begin)
 
 
-def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Round]:
+def fleet_case(baud: int, robots: int, gripper: str) -> str:
+    """The case of the rounds of a fleet: baud rate, number of robots, and whether the first gripper rests or moves."""
+    return f"{baud} baud, {robots} {'robot' if robots == 1 else 'robots'}, {gripper}"
+
+
+def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Measurement]:
     """Robots that drive about and now and then move the gripper; all drives have the same commands."""
     wheels = np.random.default_rng(seed).integers(-12, 13, (rounds + _WARM_UP, 2)).tolist()
     rows, heard = [], list[bytes]()
     with (
         virtual_fleet(baud, robots, seed) as virtual,
-        patch.object(virtual.firmwares[0], "handle", recorded(virtual.firmwares[0].handle, heard)),
+        patch.object(virtual.firmwares[0], "handle", _recorded(virtual.firmwares[0].handle, heard)),
         closing(SerialKhepera(virtual.ports[0].url, baud=baud)) as first,
         Fleet([first, *(SerialKhepera(port.url, baud=baud) for port in virtual.ports[1:])]) as fleet,
     ):
@@ -178,22 +189,22 @@ def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Round]:
             for robot in fleet.robots:
                 robot.drive(_motors(left, right, down))
             heard.clear()
-            begin = time.perf_counter()
-            fleet.transmit()
-            taken = time.perf_counter() - begin
+            taken = _timed(fleet.transmit)
             virtual.advance()
-            begin = time.perf_counter()
-            fleet.receive()
-            taken += time.perf_counter() - begin
+            taken += _timed(fleet.receive)
             if number >= 0:
-                gripper = any(line.startswith((b"T,1,D", b"T,1,E", b"T,1,H")) for line in heard)
-                count = len(b"".join(heard))
-                wire = 1000 * seconds_on_wire(count, baud)
-                rows.append(Round(baud, robots, gripper, count, wire, 1000 * taken))
+                moves = any(line.startswith((b"T,1,D", b"T,1,E", b"T,1,H")) for line in heard)
+                case, count = fleet_case(baud, robots, MOVES if moves else RESTS), len(b"".join(heard))
+                values = {
+                    "bytes": count,
+                    "on the wire": 1000 * seconds_on_wire(count, baud),
+                    "measured": taken,
+                }
+                rows += [Measurement("rounds", case, name, value) for name, value in values.items()]
     return rows
 
 
-def recorded(handle: Callable[[bytes], bytes], heard: list[bytes]) -> Callable[[bytes], bytes]:
+def _recorded(handle: Callable[[bytes], bytes], heard: list[bytes]) -> Callable[[bytes], bytes]:
     """A firmware that also records requests and replies."""
 
     def handle_and_record(line: bytes) -> bytes:
@@ -204,43 +215,18 @@ def recorded(handle: Callable[[bytes], bytes], heard: list[bytes]) -> Callable[[
     return handle_and_record
 
 
-@dataclass(frozen=True, slots=True)
-class SlowRound:
-    """One round on a line with a latency, or the rejection of the line. Times are in ms.
-
-    Attributes:
-        latency: Of the line.
-        opening: Time that opening took.
-        accepted: Whether the line was; otherwise, all that follows is 0.
-        exchanged: From the beginning of the period to the end of its exchange.
-        latest: The longest time that this may be.
-        taken: From the arrival of the last round's readings to that of this one's.
-        bound: The longest time that this may be.
-    """
-
-    latency: int
-    opening: float
-    accepted: bool
-    exchanged: float = 0.0
-    latest: float = 0.0
-    taken: float = 0.0
-    bound: float = 0.0
-
-
-def slow_line(latency: int, rounds: int, seed: int) -> list[SlowRound]:
+def slow_line(latency: int, rounds: int, seed: int) -> list[Measurement]:
     """A robot on a line with a constant latency in ms."""
     seconds, period = latency / 1000, TIMING.round_duration
+    measured = partial(Measurement, "latency", f"{latency} ms")
     with virtual_fleet(BAUD, 1, seed) as ((port,), _, advance, _):
         port.faults = Faults(delay=1.0 if latency else 0.0, lateness=(seconds, seconds))
         begin = time.perf_counter()
         try:
             robot = SerialKhepera(port.url, baud=BAUD, period=period)
         except LineTooSlow:
-            return [SlowRound(latency, 1000 * (time.perf_counter() - begin), False)]
-        opening = 1000 * (time.perf_counter() - begin)
-        timing = robot.timing._replace(latency=seconds)
-        latest, bound = 1000 * timing.latest_end(period), 1000 * timing.longest_round(period)
-        rows = []
+            return [measured("rejected after", 1000 * (time.perf_counter() - begin))]
+        rows = [measured("opening", 1000 * (time.perf_counter() - begin))]
         with robot:
             robot.receive()  # as at the reset of a laboratory: all readings, twice
             clock = WallClock(period, time.perf_counter)
@@ -253,13 +239,11 @@ def slow_line(latency: int, rounds: int, seed: int) -> list[SlowRound]:
                 beginning = min(clock.beginning, time.perf_counter())
                 advance()  # by a whole round, after the command has arrived
                 robot.receive()
-                taken = time.perf_counter() - end
-                end += taken
+                between, end = time.perf_counter() - end, time.perf_counter()
                 _command(robot, number + 1)
-                exchanged = time.perf_counter() - beginning
                 if number >= 0:
-                    times = (1000 * exchanged, latest, 1000 * taken, bound)
-                    rows.append(SlowRound(latency, opening, True, *times))
+                    exchanged = time.perf_counter() - beginning
+                    rows += [measured("end", 1000 * exchanged), measured("between", 1000 * between)]
             port.faults = Faults()
     return rows
 
@@ -270,32 +254,10 @@ def _command(robot: SerialKhepera, number: int) -> None:
     robot.transmit()
 
 
-@dataclass(frozen=True, slots=True)
-class DisturbedRound:
-    """One round on a disturbed line.
-
-    Attributes:
-        disturbance: A key of `DISTURBANCES`.
-        taken: Milliseconds of `transmit` and `receive`.
-        error: Pulses by which the worse counter differs from the truth; 0 after a loss.
-        undetectable: Garbled replies so far that are well-formed.
-        unknown: Readings so far that could not be confirmed.
-        lost: Whether the robot counted as lost.
-    """
-
-    disturbance: str
-    taken: float
-    error: int
-    undetectable: int
-    unknown: int
-    lost: bool
-
-
-def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[DisturbedRound]:
+def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[Measurement]:
     """A robot on a line with one of `DISTURBANCES`; its last round is undisturbed, and shows what remains."""
-    rng = np.random.default_rng(seed)
-    wheels = rng.integers(-MAX_SPEED, MAX_SPEED + 1, (rounds, 2)).tolist()
-    rows = []
+    wheels = np.random.default_rng(seed).integers(-MAX_SPEED, MAX_SPEED + 1, (rounds, 2)).tolist()
+    taken, errors, lost = list[float](), list[int](), 0
     with (
         virtual_fleet(BAUD, 1, seed) as ((port,), _, advance, truth),
         SerialKhepera(port.url, baud=BAUD) as robot,
@@ -303,37 +265,32 @@ def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[DisturbedRo
         robot.receive()
         for number, (left, right) in enumerate(wheels, 1):
             port.faults = Faults() if number == len(wheels) else DISTURBANCES[disturbance]
-            lost, error = False, 0
             robot.drive(_motors(left, right, 0))
             begin = time.perf_counter()
             try:
-                robot.transmit()
-                taken = time.perf_counter() - begin
+                outward = _timed(robot.transmit)
                 advance()
-                begin = time.perf_counter()
-                robot.receive()
-                taken += time.perf_counter() - begin
-                read, true = robot.sense(), truth()
-                error = max(abs(a - b) for a, b in zip(read[1:3], true[1:3], strict=True))
+                taken.append(outward + _timed(robot.receive))
+                pairs = zip(robot.sense()[1:3], truth()[1:3], strict=True)
+                errors.append(max(abs(read - true) for read, true in pairs))
             except RobotLost:
-                taken, lost = time.perf_counter() - begin, True
-            counts = port.fault_counts["undetectable"], robot.statistics.unknown
-            rows.append(DisturbedRound(disturbance, 1000 * taken, error, *counts, lost))
-        port.faults = Faults()
-    return rows
+                taken.append(1000 * (time.perf_counter() - begin))
+                lost += 1
+        counts = {
+            "undetectable": port.fault_counts["undetectable"],
+            "unknown": robot.statistics.unknown,
+            "rounds with a wrong counter": sum(error > 0 for error in errors[:-1]),
+            "error at the end (pulses)": errors[-1],
+            "lost": lost,
+        }
+    measured = partial(Measurement, "disturbances", disturbance)
+    return [measured("a round", ms) for ms in taken] + [measured(*count) for count in counts.items()]
 
 
-@dataclass(frozen=True, slots=True)
-class End:
-    """The end of a process that drives a robot: one of `ENDINGS`, and milliseconds until the wheels were stopped."""
-
-    ending: str
-    taken: float
-
-
-def end_processes(ending: str, processes: int) -> list[End]:
-    """Processes that end in one way."""
-    return [End(ending, 1000 * seconds_until_stopped(ending)) for _ in range(processes)]
+def end_processes(ending: str, processes: int) -> list[Measurement]:
+    """Processes that end in one way: milliseconds until the wheels stand."""
+    seconds = [seconds_until_stopped(ending) for _ in range(processes)]
+    return [Measurement("endings", ending, "wheels turn on", 1000 * s) for s in seconds]
 
 
 def seconds_until_stopped(ending: str) -> float:
@@ -365,145 +322,48 @@ def seconds_until_stopped(ending: str) -> float:
     return taken
 
 
-def wire_table(rows: Sequence[Round]) -> Table:
-    """Rounds of one robot by baud rate."""
-    note = (
-        "One robot drives about and moves its gripper, whose arm takes "
-        f"{DECISIONS.arm_travel_time:g} s; a byte takes 11 bits. On the wire: median [lowest, highest]. Measured: "
-        "`transmit` and `receive` with a virtual Khepera at the pace of the baud rate; median [5th, 95th percentile]."
-    )
-    lines: list[dict[str, Value]] = [
-        {
-            "baud": baud,
-            "round": kind,
-            "rounds": len(own),
-            "on the wire (ms)": extremes([row.wire for row in own]),
-            "measured (ms)": quantiles([row.taken for row in own]),
-            f"within {PERIOD_MS:.0f} ms (%)": 100.0 * sum(row.taken <= PERIOD_MS for row in own) / len(own),
-        }
-        for baud in BAUD_RATES
-        for gripper, kind in _KINDS.items()
-        if (own := pick(rows, baud=baud, robots=1, gripper=gripper))
-    ]
-    return table_of("wire", "Time on the wire", note, lines)
-
-
-def _by_fleet(rows: Sequence[Round]) -> dict[int, Estimate]:
-    own = {robots: pick(rows, baud=BAUD, robots=robots, gripper=False) for robots in FLEETS}
-    return {robots: quantiles([row.taken for row in its]) for robots, its in own.items()}
-
-
-def fleet_table(rows: Sequence[Round]) -> Table:
-    """Rounds by number of robots."""
-    note = (
-        f"All at {BAUD} baud, each robot on a port of its own, virtual Kheperas and drivers on one computer. Median "
-        "[5th, 95th percentile] of the rounds in which the first robot's gripper rests."
-    )
-    measured = _by_fleet(rows)
-    lines: list[dict[str, Value]] = [
-        {"robots": robots, "a round (ms)": taken, "times one robot's": taken.value / measured[1].value}
-        for robots, taken in measured.items()
-    ]
-    return table_of("fleet", "Several robots in parallel", note, lines, {"times one robot's": 2})
-
-
-def latency_table(rows: Sequence[SlowRound]) -> Table:
-    """Opening and rounds by latency."""
-    note = (
-        f"One robot at {BAUD} baud; wheels and gripper move. Times in ms. Opening: until the line is measured and "
-        "accepted or rejected. At the beginning of a period, the readings are requested; when they have arrived, the "
-        "next commands are sent. End: from the beginning of the period until these are sent; bound: the period and one "
-        "latency. Between: from the arrival of a round's readings to that of the next round's; bound: the period, and "
-        "the latency or the time that the transmission of two rounds can differ, whichever is longer. Median [5th, "
-        "95th percentile], and the longest."
-    )
+def table(part: str, rows: Sequence[Measurement]) -> Table:
+    """All measures of a part: median [5th, 95th percentile], and the longest."""
     lines: list[dict[str, Value]] = []
-    for latency in dict.fromkeys(row.latency for row in rows):
-        own = pick(rows, latency=latency)
-        accepted = own[0].accepted
-        exchanged, taken = [row.exchanged for row in own], [row.taken for row in own]
+    own = pick(rows, part=part)
+    for case, measure in dict.fromkeys((row.case, row.measure) for row in own):
+        values = [row.value for row in pick(own, case=case, measure=measure)]
+        spread = quantiles(values)
         lines.append(
             {
-                "latency": latency,
-                "opening": own[0].opening,
-                "line": "accepted" if accepted else "rejected",
-                "end": quantiles(exchanged) if accepted else UNKNOWN,
-                "longest": max(exchanged) if accepted else math.nan,
-                "bound": own[0].latest if accepted else math.nan,
-                "between": quantiles(taken) if accepted else UNKNOWN,
-                "longest between": max(taken) if accepted else math.nan,
-                "bound between": own[0].bound if accepted else math.nan,
+                "case": case,
+                "measure": measure,
+                "values": len(values),
+                "median": spread,
+                "longest": max(values),
             }
         )
-    return table_of("latency", "Lines with a latency", note, lines, dict.fromkeys(lines[0], 0))
+    note = f"{PARTS[part]} Median [5th, 95th percentile], and the longest; times in ms."
+    return table_of(part, part.capitalize(), note, lines)
 
 
-def disturbance_table(rows: Sequence[DisturbedRound]) -> Table:
-    """Rounds and errors by disturbance."""
-    note = (
-        f"One robot at {BAUD} baud with random speeds of its wheels in every round. A round: `transmit` and `receive`, "
-        "median [5th, 95th percentile], and the longest. Undetectable: garbled replies that are well-formed replies to "
-        "the same request. Counters wrong: rounds in which a wheel's counter differed from the true one; error at the "
-        "end: after the last round, which is undisturbed. Unknown: readings that could not be confirmed. Lost: rounds "
-        "that ended with `RobotLost`."
-    )
-    lines: list[dict[str, Value]] = [
-        {
-            "replies": disturbance,
-            "rounds": len(own),
-            "a round (ms)": quantiles([row.taken for row in own]),
-            "longest (ms)": max(row.taken for row in own),
-            "undetectable": own[-1].undetectable,
-            "counters wrong (rounds)": sum(row.error > 0 for row in own[:-1]),
-            "counter error at the end (pulses)": own[-1].error,
-            "unknown": own[-1].unknown,
-            "lost": sum(row.lost for row in own),
-        }
-        for disturbance in dict.fromkeys(row.disturbance for row in rows)
-        if (own := pick(rows, disturbance=disturbance))
-    ]
-    return table_of("disturbances", "Disturbed lines", note, lines, {"a round (ms)": 0, "longest (ms)": 0})
-
-
-def ending_table(rows: Sequence[End]) -> Table:
-    """Milliseconds by ending."""
-    note = (
-        f"A process drives a virtual robot at {BAUD} baud, and is ended. Time from then until the robot receives the "
-        "stop: median [lowest, highest]. After a crash, `os._exit`, kill -9 and SIGSTOP the watchdog stops the robot; "
-        "it notices SIGSTOP by 0.5 s without a sign of life."
-    )
-    turning = "wheels turn on (ms)"
-    lines: list[dict[str, Value]] = [
-        {
-            "end of the process": ending,
-            "processes": len(own),
-            turning: extremes([row.taken for row in own]),
-        }
-        for ending in ENDINGS
-        if (own := pick(rows, ending=ending))
-    ]
-    return table_of("endings", "Ends of a process", note, lines, {turning: 0})
-
-
-def picture(rows: Sequence[Round]) -> "Figure":
+def picture(rows: Sequence[Measurement]) -> "Figure":
     """Rounds by baud rate, and by number of robots."""
     figure = new_figure(WIDTH, 4.2)
     left, right = figure.subplots(1, 2)
-    for gripper, colour, shift in ((False, OURS, -0.18), (True, THESIS, 0.18)):
-        own = [pick(rows, baud=baud, robots=1, gripper=gripper) for baud in BAUD_RATES]
-        places = [place + shift for place in range(len(own))]
-        for name, what, alpha in (("taken", "measured", 0.35), ("wire", "on the wire", 1.0)):
-            medians = [quantiles([getattr(row, name) for row in its]).value for its in own]
-            left.bar(places, medians, 0.34, color=colour, alpha=alpha, label=f"{_KINDS[gripper]}: {what}")
+
+    def values(measure: str, *case: object) -> list[float]:
+        own = pick(rows, part="rounds", case=fleet_case(*case), measure=measure)  # type: ignore[arg-type]
+        return [row.value for row in own]
+
+    for gripper, colour, shift in ((RESTS, OURS, -0.18), (MOVES, THESIS, 0.18)):
+        places = [place + shift for place in range(len(BAUD_RATES))]
+        for measure, alpha in (("measured", 0.35), ("on the wire", 1.0)):
+            medians = [quantiles(values(measure, baud, 1, gripper)).value for baud in BAUD_RATES]
+            left.bar(places, medians, 0.34, color=colour, alpha=alpha, label=f"{gripper}: {measure}")
     left.axhline(PERIOD_MS, color=GREY, lw=1.2, ls="--", label=f"a round: {PERIOD_MS:.0f} ms")
     left.set_xticks(range(len(BAUD_RATES)), list(map(str, BAUD_RATES)))
     left.set(xlabel="baud", ylabel="time of a round (ms, median)")
     legend(figure, left, columns=2)
-    measured = _by_fleet(rows)
-    values, low, high = zip(*measured.values(), strict=True)
-    bars = [np.subtract(values, low), np.subtract(high, values)]
-    right.bar(range(len(values)), values, 0.5, color=OURS, yerr=bars, ecolor=GREY, capsize=3)
-    right.set_xticks(range(len(values)), [str(robots) for robots in measured])
+    middle, low, high = zip(*(quantiles(values("measured", BAUD, n, RESTS)) for n in FLEETS), strict=True)
+    bars = [np.subtract(middle, low), np.subtract(high, middle)]
+    right.bar(range(len(middle)), middle, 0.5, color=OURS, yerr=bars, ecolor=GREY, capsize=3)
+    right.set_xticks(range(len(middle)), list(map(str, FLEETS)))
     right.set_xlabel(f"robots in parallel, {BAUD} baud")
     right.set_ylabel("time of a round (ms, median)\nbars: 5th to 95th percentile")
     right.set_ylim(bottom=0)
@@ -515,34 +375,21 @@ def main() -> int:
     count = Count("rounds", 200, 12, "rounds at each baud rate and with each number of robots")
     given = parse("wire", __doc__, count, jobs=None)
     rounds, seed, quick = given.rounds, given.seed, given.quick
+    latencies, endings = (QUICK_LATENCIES, QUICK_ENDINGS) if quick else (LATENCIES, ENDINGS)
     units = [
         *(Work(f"{baud} baud", partial(drive, baud, 1, rounds, seed)) for baud in BAUD_RATES),
         *(Work(f"{n} robots", partial(drive, BAUD, n, rounds, seed)) for n in FLEETS if n > 1),
-        *(
-            Work(f"latency {ms} ms", partial(slow_line, ms, max(10, rounds // 4), seed))
-            for ms in (QUICK_LATENCIES if quick else LATENCIES)
-        ),
+        *(Work(f"latency {ms} ms", partial(slow_line, ms, max(10, rounds // 4), seed)) for ms in latencies),
         *(
             Work(f"disturbance {name}", partial(disturbed_line, name, rounds, seed))
             for name in list(DISTURBANCES)[:: 1 + quick]
         ),
-        *(
-            Work(f"ending {name}", partial(end_processes, name, max(1, rounds // 40)))
-            for name in (QUICK_ENDINGS if quick else ENDINGS)
-        ),
+        *(Work(f"ending {name}", partial(end_processes, name, max(1, rounds // 40))) for name in endings),
     ]
-    tables = {Round: "rounds", SlowRound: "slow_lines", DisturbedRound: "disturbed_lines", End: "endings"}
-    rows = collect(given, units, tables)
-    rounds = rows.of(Round)
-    parts: list[Table | Picture] = [
-        wire_table(rounds),
-        fleet_table(rounds),
-        latency_table(rows.of(SlowRound)),
-        disturbance_table(rows.of(DisturbedRound)),
-        ending_table(rows.of(End)),
-        Picture("wire", "milliseconds of a round by baud rate, and by number of robots", picture(rounds)),
-    ]
-    return finish(given, Page("Serial lines", parts))
+    rows = collect(given, units, {Measurement: "measurements"}).of(Measurement)
+    caption = "milliseconds of a round by baud rate, and by number of robots"
+    parts: list[Table | Picture] = [table(part, rows) for part in PARTS]
+    return finish(given, Page("Serial lines", [*parts, Picture("wire", caption, picture(rows))]))
 
 
 if __name__ == "__main__":

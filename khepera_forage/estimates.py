@@ -243,23 +243,30 @@ class Table:
         body = "\n".join(f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines)
         return f"## {self.title}\n\n{self.note}\n\n{body}\n"
 
-    def text(self, width: int | None = None) -> str:
+    def text(self, width: int = 80) -> str:
         """Heading, note and table with aligned columns, for a terminal.
 
         Args:
-            width: Of the terminal: the last columns that do not fit are left out; by default all are shown.
+            width: Of the terminal: words are cut at half of it, and the last columns that do not fit are left out.
         """
         numeric, lines = self._page_lines()
+        most = width // 2
+        lines = [
+            [
+                c if right or len(c) <= most else f"{c[: most - 1]}…"
+                for c, right in zip(line, numeric, strict=True)
+            ]
+            for line in lines
+        ]
         widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
         shown = len(widths)
-        while width is not None and shown > 1 and sum(widths[:shown]) + 2 * (shown - 1) > width:
+        while shown > 1 and sum(widths[:shown]) + 2 * (shown - 1) > width:
             shown -= 1
         layout = [f"{'>' if r else '<'}{w}" for r, w in zip(numeric[:shown], widths, strict=False)]
         body = "\n".join("  ".join(map(format, line, layout)).rstrip() for line in lines)
-        note = self.note if width is None else fill(self.note, width)
         if len(layout) < len(widths):
             body += f"\n({len(widths) - len(layout)} more columns are in table_{self.stem}.csv)"
-        return f"{self.title}\n\n{note}\n\n{body}\n"
+        return f"{self.title}\n\n{fill(self.note, width)}\n\n{body}\n"
 
     def _page_lines(self) -> tuple[list[bool], list[list[str]]]:
         """Which columns of the page are numbers, and its lines with the names of the columns first."""

@@ -33,6 +33,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from importlib.metadata import version
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol, TypeVar
 
 from joblib import Parallel, delayed
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
     from matplotlib.figure import Figure
 
+SMOKE_TEST = "A run with --quick is a smoke test: it supports no claim."
 UNITS = "units.jsonl.gz"
 """File of a study's folder with its settings and the rows of every finished unit, one line each."""
 _LIBRARIES = ("khepera-forage", "pymunk", "gymnasium", "pettingzoo", "numpy", "scikit-learn")
@@ -415,11 +417,20 @@ def write_text(path: Path, text: str) -> None:
         path.write_text(text, encoding="utf-8")
 
 
-def finish(given: Arguments, page: Page) -> int:
-    """Write the page of a study, print its tables, and say where everything is; returns the process's status."""
+def finish(given: Arguments, page: Page, shown: int | None = None) -> int:
+    """Write the page of a study, print its first tables, and say where everything is; returns the process's status.
+
+    Args:
+        given: Its arguments.
+        page: Its page.
+        shown: How many tables are printed; all by default. Of each, the columns that fit.
+    """
     write(given.out, given.name, page)
-    print("\n".join(table.markdown() for table in page.tables))
-    print(f"Page, pictures, tables and rows are in {given.out}")
+    if given.quick:
+        print(SMOKE_TEST)
+    width = get_terminal_size().columns
+    print("\n".join(table.text(width) for table in page.tables[:shown]))
+    print(f"Page ({given.name}.md), pictures, tables and rows are in {given.out}")
     return 0
 
 

@@ -3,6 +3,7 @@
 import fcntl
 import gc
 import signal
+import sys
 from collections.abc import Generator
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,6 +16,9 @@ from xdist.scheduler import LoadScopeScheduling
 # The same examples on every machine and in every run: a failure in the gate is one that can be seen at home.
 settings.register_profile("khepera_forage", derandomize=True, deadline=None)
 settings.load_profile("khepera_forage")
+
+# Tests use parts of the benchmarks.
+sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 
 # What needs torch is run by `make test-baselines`, which installs it.
 collect_ignore = [] if find_spec("stable_baselines3") else ["baselines"]

@@ -38,7 +38,7 @@ _AT_ONCE, _LINE_BURST, _CUT, _CAMERA_BURST = (0.0, 0.0), (0.05, 0.5), (0.05, 1.5
 """Seconds that faults last which pass by themselves."""
 _SHARE = 0.3
 """Of the replies, in a burst."""
-Repair = Callable[[], None]
+Repair = Callable[[], object]
 
 
 class VirtualCamera:
@@ -141,12 +141,9 @@ def write_lab_file(folder: Path) -> Path:
 def laboratory(
     path: Path, operator: Operator, seed: int
 ) -> Iterator[tuple[VirtualLaboratory, VirtualCamera]]:
-    """The laboratory of a `lab.toml`; drivers, video source and tracker are those of real robots.
+    """The laboratory of a `lab.toml`, with the drivers, video source and tracker of real robots.
 
-    Args:
-        path: The file.
-        operator: Places the simulated bodies, and repairs what is lost.
-        seed: Of the faults of the lines.
+    The operator places the simulated bodies, and repairs what is lost; the seed is that of the faults of the lines.
     """
     camera = VirtualCamera()
     # OpenCV is below our code: the video source itself is the real one.
@@ -177,16 +174,7 @@ def _opened(path: Path, operator: Operator, seed: int) -> VirtualLaboratory:
 
 
 class Target(NamedTuple):
-    """What a fault hits.
-
-    Attributes:
-        lab: The laboratory.
-        camera: Its camera.
-        folder: Of the training's files.
-        file: The experience file that is being written.
-        robot: Number of a robot.
-        rng: Draws times.
-    """
+    """What a fault hits: a robot by its number, the camera, or the files of a training; `rng` draws times."""
 
     lab: VirtualLaboratory
     camera: VirtualCamera
@@ -197,16 +185,12 @@ class Target(NamedTuple):
 
 
 class Kind(NamedTuple):
-    """A kind of fault.
+    """A kind of fault of a part of the laboratory; `begin` returns what repairs it.
 
     Attributes:
-        name: In the tables.
-        part: `ROBOT`, `CAMERA` or `DISK`.
-        begin: Begins it; returns what repairs it.
         duration: Shortest and longest time in seconds until it passes by itself; None lasts until it is repaired.
         unreachable: Whether the robot drives on out of reach of its serial line.
-        cause: What a message about it must contain, beside the name of the device or file; alternatives separated by
-            `|`.
+        cause: What a message about it must contain, beside the name of the device or file; `|` separates alternatives.
     """
 
     name: str
@@ -321,11 +305,7 @@ def _folder_gone(target: Target) -> Repair:
     """The folder is gone; files that are open stay open."""
     away = target.folder.with_name(f"{target.folder.name}.away")
     target.folder.rename(away)
-
-    def mount() -> None:
-        away.replace(target.folder)
-
-    return mount
+    return lambda: away.replace(target.folder)
 
 
 def _redirected(path: Path, target: int) -> Repair:

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
+import cv2
 import numpy as np
 
 from khepera_forage.estimates import Column, Table, Value, pick
-from khepera_forage.vision.calibration import Calibration, Lens
-from khepera_forage.vision.calibration_fit import fit_calibration, root_mean_square
+from khepera_forage.vision.calibration import Calibration, Lens, fit_calibration, root_mean_square
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
@@ -39,8 +39,8 @@ DISTORTIONS = (0.0, -0.0125, -0.05)
 """k1. With a focal length of 800 pixels, -0.0125 is a k1 of -0.05 in OpenCV's unit."""
 _CLICK = 0.5
 """Standard deviation in pixels of a click."""
-_TILT = 60.0
-"""Greatest distance in mm by which a tilt of the camera moves a corner of the picture on the floor."""
+_FOCAL_LENGTHS, _TILT = (450.0, 900.0), 0.05
+"""Shortest and longest focal length in pixels; standard deviation in radians of the turn about each axis."""
 _NOTE = (
     "Cameras tilted at random, clicks with an error of 0.5 pixels (2.5 mm), k1 in the unit of the calibration file. "
     "Residual: of the points themselves. Held-out error: each point by the calibration from all others. Error: "
@@ -79,9 +79,12 @@ def calibrations(layout: str, seed: int, trials: int) -> list[Trial]:
 
 def _trial(layout: str, k1: float, rng: np.random.Generator) -> Trial:
     size = np.array((PICTURE_WIDTH, PICTURE_HEIGHT))
-    plain = Calibration.identity()
-    floor = np.array(plain.floor) + rng.uniform(-_TILT, _TILT, (4, 2))
-    true = Calibration(plain.picture, tuple(map(tuple, floor.tolist())), lens=Lens(k1) if k1 else None)
+    corners = Calibration.identity().picture
+    focal = rng.uniform(*_FOCAL_LENGTHS)
+    turn, _ = cv2.Rodrigues(rng.normal(0, _TILT, 3))
+    rays = np.column_stack((np.array(corners) - size / 2, np.full(4, focal))) @ turn
+    floor = MM_PER_PIXEL * (focal * rays[:, :2] / rays[:, 2:] * (1, -1) + size / 2)
+    true = Calibration(corners, tuple(map(tuple, floor.tolist())), lens=Lens(k1) if k1 else None)
     points = np.array(LAYOUTS[layout]) * size
     places = [_place(true, u, v) for u, v in points.tolist()]
     clicks = [(u, v) for u, v in (points + rng.normal(0, _CLICK, points.shape)).tolist()]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.estimates import Estimate, wilson
+from khepera_forage.geometry.plane import squared_from_wall, wall_of
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.rendering import CameraAppearance
@@ -21,7 +22,6 @@ from khepera_forage.vision.shapes import (
     MARKER_FRAME,
     PICTURE_HEIGHT,
     Plate,
-    distance_to_segment,
     under_plate,
 )
 
@@ -122,7 +122,7 @@ def observe(
 
 def _over_food(cable: NDArray[np.float64], x: float, y: float) -> bool:
     points = (cable * MM_PER_PIXEL).tolist()
-    return any(distance_to_segment(x, y, *a, *b) <= FOOD_RADIUS for a, b in pairwise(points))
+    return any(squared_from_wall(x, y, wall_of((*a, *b))) <= FOOD_RADIUS**2 for a, b in pairwise(points))
 
 
 def _over_marker(cable: NDArray[np.float64], plate: Plate) -> bool:

@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.estimates import Column, Table, Value
-from khepera_forage.vision.shapes import HOLE_SIDE, MARKER_HOLES
-from khepera_forage.vision.tags import CELLS, DICTIONARY
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from laboratory.sheets import Scene, grid_sheet, tag_sheet
 
 Frame = NDArray[np.uint8]
 _WIDE = 3200.0
@@ -35,8 +34,6 @@ _ROBOTS, _CIRCLE, _STEP = (1, 2), 420.0, 0.04
 _WRONG, _OFF = 60.0, 5.0
 """mm from its robot from which a marker is another's, and from which it is off."""
 _TROUBLES = ("glare", "shadow", "hand", "cables", "compression", "exposure")
-_PER_MM, _FINE = 4, 8
-"""Pixels per mm of a sheet with a marker, and factor by which it is drawn larger than the frame, then averaged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,15 +93,16 @@ def _troubled_frame(
     width: int, height: int, markers: str, number: int, rng: np.random.Generator
 ) -> tuple[Frame, dict[int, tuple[float, float, float]]]:
     """A frame, every other one with a trouble, and the pose of each robot in mm and radians."""
-    scale = width / _WIDE
-    picture = np.full((height, width), 105.0, np.float32)
-    poses = {}
+    scene, poses = Scene(width, height, _WIDE, rng), {}
+    scale = scene.scale
     for i, robot in enumerate(_ROBOTS):
         angle = _STEP * number + i
         x = 800.0 + 1600 * i + _CIRCLE * math.cos(angle)
         y = height / scale / 2 + _CIRCLE * math.sin(angle)
         poses[robot] = x, y, angle + math.pi / 2
-        _lay(picture, _tag_sheet(robot) if markers == "tags" else _marker_sheet(robot), poses[robot], scale)
+        scene.put(
+            tag_sheet(robot, 100.0) if markers == "tags" else grid_sheet(robot, thesis=True), poses[robot]
+        )
     trouble = _TROUBLES[int(rng.integers(len(_TROUBLES)))] if number % 2 else ""
     x, y, _ = poses[int(rng.choice(_ROBOTS))]
     u, v = scale * (x + rng.uniform(-60, 60)), height - scale * (y + rng.uniform(-60, 60))
@@ -113,76 +111,22 @@ def _troubled_frame(
     ahead = np.array((math.cos(turn), math.sin(turn)))
     if trouble == "cables":
         for x, y, _ in poses.values():
-            middle = np.array((x, height / scale - y)) + rng.uniform(-20, 20, 2)
-            turn = rng.uniform(0, math.pi)
-            along = 160 * np.array((math.cos(turn), math.sin(turn)))
-            _line(picture, scale * (middle - along), scale * (middle + along), 8 * scale, 55.0)
+            right, below = rng.uniform(-20, 20, 2)
+            scene.cable(x + right, y - below, -rng.uniform(0, math.pi), 8.0)
     elif trouble == "glare":
         spot = np.exp(-((across / size) ** 2) / 2) * np.exp(-((down / size) ** 2) / 2)
-        picture = np.minimum(picture + rng.uniform(120, 300) * spot, 400).astype(np.float32)
+        scene.picture = np.minimum(scene.picture + rng.uniform(120, 300) * spot, 400).astype(np.float32)
     elif trouble == "shadow":
-        picture *= 1 - rng.uniform(0.2, 0.7) * (across * ahead[0] + down * ahead[1]).clip(0, 1)
+        scene.picture *= 1 - rng.uniform(0.2, 0.7) * (across * ahead[0] + down * ahead[1]).clip(0, 1)
     elif trouble == "hand":
-        _line(picture, np.array((u, v)), (u, v) + 1500 * ahead, 70 * scale, float(rng.uniform(80, 170)))
+        scene.line(np.array((u, v)), (u, v) + 1500 * ahead, 70 * scale, float(rng.uniform(80, 170)))
     elif trouble == "exposure":
-        picture *= rng.uniform(0.4, 1.5)
-    soft = cv2.GaussianBlur(picture, (0, 0), 0.7)
-    grain = rng.standard_normal(soft.shape, np.float32) * np.float32(2.5)
-    frame: Frame = (soft + grain).clip(0, 255).astype(np.uint8)
+        scene.picture *= rng.uniform(0.4, 1.5)
+    frame = scene.frame()
     if trouble == "compression":
         coded = cv2.imencode(".jpg", frame, (cv2.IMWRITE_JPEG_QUALITY, 15))[1]
         frame = cv2.imdecode(coded, cv2.IMREAD_GRAYSCALE)  # type: ignore[assignment] # uint8
     return frame, poses
-
-
-def _line(
-    picture: NDArray[np.float32],
-    start: NDArray[np.float64],
-    end: NDArray[np.float64],
-    width: float,
-    grey: float,
-) -> None:
-    """Draw a line in the picture, between two points in pixels."""
-    mask = np.zeros(picture.shape, np.uint8)
-    (x1, y1), (x2, y2) = (np.rint(16 * (point - 0.5)).astype(int).tolist() for point in (start, end))
-    cv2.line(mask, (x1, y1), (x2, y2), 255, max(1, round(width)), cv2.LINE_AA, 4)
-    picture += (grey - picture) * (mask / np.float32(255))
-
-
-def _tag_sheet(tag: int) -> Frame:
-    """A tag of 100 mm with a white margin of one cell, its top upwards."""
-    cell = round(100 * _PER_MM / CELLS)
-    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
-    sheet = cv2.aruco.generateImageMarker(dictionary, tag, CELLS * cell)
-    return np.pad(np.where(sheet > 0, 225, 25).astype(np.uint8), cell, constant_values=225)
-
-
-def _marker_sheet(number: int) -> Frame:
-    """One of the thesis's markers with its black frame, its front upwards."""
-    sheet = np.pad(np.full((120 * _PER_MM, 80 * _PER_MM), 225, np.uint8), 8 * _PER_MM, constant_values=25)
-    half = round(HOLE_SIDE / 2 * _PER_MM)
-    for x, y in MARKER_HOLES[number]:
-        row, column = round((68 - x) * _PER_MM), round((48 - y) * _PER_MM)
-        sheet[row - half : row + half, column - half : column + half] = 25
-    return sheet
-
-
-def _lay(picture: NDArray[np.float32], sheet: Frame, pose: tuple[float, float, float], scale: float) -> None:
-    """Lay a sheet with its top in the direction of the heading into a picture with some pixels per mm."""
-    x, y, heading = pose
-    u, v = x * scale, picture.shape[0] - y * scale
-    reach = math.ceil(math.hypot(*sheet.shape) / 2 / _PER_MM * scale) + 2
-    left, top, size = int(u) - reach, int(v) - reach, (2 * reach, 2 * reach)
-    middle = (np.array(sheet.shape[::-1]) - 1) / 2
-    warp = cv2.getRotationMatrix2D(middle.tolist(), math.degrees(heading) - 90, _FINE * scale / _PER_MM)
-    shift = np.array((u - left, v - top)) * _FINE - 0.5 - middle
-    warp = np.column_stack((warp[:, :2], warp[:, 2] + shift))
-    fine = (_FINE * size[0], _FINE * size[1])
-    mask = cv2.warpAffine(np.full_like(sheet, 255), warp, fine, flags=cv2.INTER_NEAREST)
-    drawn = np.where(mask > 0, cv2.warpAffine(sheet, warp, fine), 0).astype(np.float32)
-    share = cv2.resize(mask, size, interpolation=cv2.INTER_AREA) / np.float32(255)
-    part = picture[top : top + size[1], left : left + size[0]]
-    part[:] = part * (1 - share) + cv2.resize(drawn, size, interpolation=cv2.INTER_AREA)
 
 
 def troubles_table(rows: Sequence[Trouble]) -> Table:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import pygame
 
     from khepera_forage.cli.window import Window
-    from khepera_forage.vision.calibration_fit import CalibrationFit
+    from khepera_forage.vision.calibration import CalibrationFit
     from khepera_forage.vision.tracker import Tracker
     from khepera_forage.vision.video import FrameSource
 
@@ -175,8 +175,8 @@ def _add_points(parser: argparse.ArgumentParser) -> None:
 def calibrate_command(arguments: argparse.Namespace) -> None:
     """Measure which point of the floor each pixel shows, and save that as a calibration file."""
     require("khepera-forage camera calibrate", "camera")
-    from khepera_forage.vision.calibration_fit import fit_calibration, fit_to_tags
-    from khepera_forage.vision.tags import FLOOR_SIZE, find_floor_tags
+    from khepera_forage.vision.calibration import fit_calibration
+    from khepera_forage.vision.tags import FLOOR_SIZE, find_floor_tags, fit_to_tags
     from khepera_forage.vision.tracker import Tracker
 
     name = next(name for name in ("points", "places", "tags") if getattr(arguments, name))
@@ -215,7 +215,7 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
 
 def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequence[Point]) -> None:
     """How far each point is off, in the fit and when it is held out; and what the errors mean."""
-    from khepera_forage.vision.calibration_fit import LENS_POINTS, root_mean_square
+    from khepera_forage.vision.calibration import LENS_POINTS, root_mean_square
 
     def summary(errors: Sequence[float]) -> str:
         return f"{root_mean_square(errors):.1f} mm (root mean square), {np.nanmax(errors):.1f} mm at most"

@@ -17,6 +17,7 @@ from khepera_forage.envs.paired_arenas_v1 import raw_env
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.experience import Experience
 from khepera_forage.experience.data_card import CARD, Origin, data_card
+from khepera_forage.experience.experience import experience_files
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
 from khepera_forage.option_values import given_path, progress, whole_number
@@ -76,7 +77,7 @@ def dataset_command(arguments: argparse.Namespace) -> None:
     if arguments.experience:
         ignored = ["--episodes", "--food-type", "--wheels", "--alone"]
         options.refuse_ignored(arguments, ignored, "without --experience")
-        files = options.experience_files(arguments.experience)
+        files = experience_files(arguments.experience)
         parts = [Experience.load(path) for path in files]
         name = _new_name(arguments, _default_name(arguments, {part.arena for part in parts}))
         procedure = f"The experience was read from {', '.join(path.name for path in files)}."

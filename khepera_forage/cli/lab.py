@@ -8,7 +8,7 @@ from pathlib import Path
 
 from khepera_forage.cli.main import main
 from khepera_forage.cli.options import Group, command, option
-from khepera_forage.envs.laboratories import load_settings
+from khepera_forage.envs.laboratories import TAG_SIZE, load_settings
 from khepera_forage.extras import require
 from khepera_forage.lab.settings_file import LabSettings, RobotSettings
 from khepera_forage.robots.drivers import open_robot
@@ -89,9 +89,9 @@ def _save_picture(settings: LabSettings, file: Path) -> str:
     require("a camera", "camera")
     import cv2
 
-    from khepera_forage.vision.video import VideoSource
+    from khepera_forage.lab.devices import open_video
 
-    with closing(VideoSource(settings.camera.source)) as source:
+    with closing(open_video(settings, None)) as source:
         frame, _ = source.newest()
     if not cv2.imwrite(str(file), frame):
         raise OSError(f"{file} cannot be written")
@@ -111,6 +111,8 @@ def _calibrated(camera: str, settings: LabSettings) -> str | None:
         return None
     file = "calibration.toml"
     words = ["camera", "calibrate", "--source", camera, "--out", file, "--places", *corners]
+    if settings.camera.size is not None:
+        words += ["--size", "x".join(map(str, settings.camera.size))]
     return None if main(words) else file
 
 
@@ -128,6 +130,8 @@ def lab_text(
     if camera:
         lines += ["", "[camera]", f"source = {camera if camera.isdigit() else toml(camera)}"]
         lines += [f"calibration = {toml(calibration)}"] if calibration else []
+        if not MODELS[kind].has_gripper:  # its tag is small
+            lines += ["size = [1920, 1080]", "", "[tracker]", 'markers = "tags"', f"tag_size = {TAG_SIZE:g}"]
     return "\n".join(lines) + "\n"
 
 
@@ -199,17 +203,13 @@ def _check_robot(entry: RobotSettings, period: float = CONTROL_PERIOD) -> str:
 def _check_camera(settings: LabSettings) -> str:
     """Take a picture, and look for the markers of all robots."""
     require("a camera", "camera")
+    from khepera_forage.lab.devices import calibration_of, open_video
     from khepera_forage.lab.localisation import find_marker
-    from khepera_forage.vision.calibration import Calibration
-    from khepera_forage.vision.tracked_camera import TrackedCamera
-    from khepera_forage.vision.tracker import Tracker
-    from khepera_forage.vision.video import VideoSource
+    from khepera_forage.vision.tracker import TrackedCamera, Tracker
 
-    file = settings.camera.calibration
-    calibration = None if file is None else Calibration.load(file)
-    with closing(
-        TrackedCamera(VideoSource(settings.camera.source), Tracker(settings.tracker, calibration))
-    ) as camera:
+    calibration = calibration_of(settings)
+    tracker = Tracker(settings.tracker, calibration)
+    with closing(TrackedCamera(open_video(settings, calibration), tracker)) as camera:
         camera.reset()
         scene = camera.look()
     missing = [

@@ -3,6 +3,7 @@
 import argparse
 import io
 import os
+import re
 import shlex
 import sys
 from collections.abc import Sequence
@@ -65,7 +66,9 @@ def _open_streams() -> None:
 
 
 def _run(argv: Sequence[str] | None) -> int:
-    argv = sys.argv[1:] if argv is None else argv
+    argv = (sys.argv[1:] if argv is None else argv) or ["--help"]
+    # Of words that begin with "-", argparse takes only single numbers for values, and those with a space.
+    argv = [f" {word}" if re.match(r"-[\d.]+,", word) else word for word in argv]
     try:
         arguments = _parser(argv).parse_args(argv)
     except SystemExit as stop:

@@ -175,21 +175,6 @@ def check_ending(path: Path, endings: Iterable[str]) -> None:
         raise ValueError(f"--out is {str(path)!r}; allowed: a name that ends in {', '.join(endings)}")
 
 
-def experience_files(paths: Sequence[Path]) -> list[Path]:
-    """Experience files, and in place of a folder its g1.csv, g2.csv, ... in the order of their numbers.
-
-    Raises:
-        ValueError: A folder has none.
-    """
-    files: list[Path] = []
-    for path in paths:
-        own = [file for file in path.glob("g*.csv") if file.stem[1:].isdecimal()] if path.is_dir() else [path]
-        if not own:
-            raise ValueError(f"{path} has no g1.csv; allowed: experience files, or a folder of them")
-        files += sorted(own, key=lambda file: int(file.stem[1:])) if path.is_dir() else own
-    return files
-
-
 def arena_of(arguments: argparse.Namespace) -> str | Arena:
     """The arena that `--arena` names: one of `ARENAS`, or the content of a file."""
     arena: str = CORRIDOR if arguments.arena is None else arguments.arena

@@ -99,6 +99,7 @@ def _recalls(paths: Sequence[Path], contents: Sequence[list[RecallRow]]) -> "Fig
         score.plot(np.mean([row.score for row in rows]), place, "o", ms=7, mec="white", color=OURS)
     score.set_yticks([])
     score.set_ylim(food.get_ylim())
+    score.set_xlim(right=103)
     score.set_xlabel("score (%): every recall, and the mean")
     grid(score, "x")
     figure.suptitle("Recalls: food with Wilson's 95 % intervals, and score", fontsize=SMALL + 2)

@@ -129,7 +129,7 @@ def _policy(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, 
     with warnings.catch_warnings(record=True) as recovered:
         warnings.simplefilter("always", ExperienceWarning)
         experience = Experience.load(
-            *options.experience_files(arguments.experience),
+            *arguments.experience,
             decisions=env.decisions,
             allow_other_decisions=arguments.allow_other_decisions,
             recover=arguments.recover,
@@ -195,6 +195,8 @@ def watch_command(arguments: argparse.Namespace) -> None:
 
         watch = _watch_training if is_training else _watch_recall
         print(watch(env, arguments, record))
+        if film is not None and (next(number) - 1) % arguments.every:
+            frames.append(env.render())  # how it ended, also between two frames
     if film is not None:
         save_film(frames, film, fps=1 / (decisions.round_duration * arguments.every))
         print(f"{film}: {len(frames)} frames")
@@ -214,6 +216,7 @@ def _check_watch(arguments: argparse.Namespace) -> None:
         options.refuse_ignored(arguments, ["--every"], "with --out")
     else:
         options.check_ending(arguments.out, FILM_EXTRAS)
+        arguments.out.parent.mkdir(parents=True, exist_ok=True)
         extras.append(FILM_EXTRAS[arguments.out.suffix.lower()])
     if arguments.lab is not None:
         extras += ["robots", "camera"]

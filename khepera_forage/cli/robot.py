@@ -47,7 +47,6 @@ _GRIPPER_COMMANDS = {
 }
 _ROUND_TRIPS = 10
 """Measurements of each response time."""
-_COUNTERS = {KHEPERA.name: "H", E_PUCK.name: "Q"}
 _NAMES = ("left 90", "left 45", "left 10", "right 10", "right 45", "right 90", "back right", "back left")
 _BAR_WIDTH = 50
 _CURSOR_UP, _CLEAR_LINE = "\x1b[{}A", "\x1b[K"
@@ -135,10 +134,9 @@ def probe_command(arguments: argparse.Namespace) -> None:
         directions = ", ".join(f"{degrees:g}" for degrees in model.infra_reds)
         print(f"proximity  {_numbers(robot.request('N'))}   (degrees to the left: {directions})")
         print(f"light      {_numbers(robot.request('O'))}   (the higher, the darker)")
-        print(
-            f"counters   {_numbers(robot.request(_COUNTERS[model.name]))}   (left, right; {model.pulse:.3g} mm each)"
-        )
-        timed: list[tuple[Any, ...]] = [(identity.command,), ("N",), (_COUNTERS[model.name],)]
+        counters, _ = robot.protocol.counters
+        print(f"counters   {_numbers(robot.request(counters))}   (left, right; {model.pulse:.3g} mm each)")
+        timed: list[tuple[Any, ...]] = [(identity.command,), ("N",), (counters,)]
         for command in [*timed, ("T,1,G",), ("T,1,H", 1)] if model.has_gripper else timed:
             try:
                 print(f"{','.join(map(str, command)):10s} {_round_trips(robot, *command)}")

@@ -15,7 +15,7 @@ from khepera_forage.cli.options import (
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, processes, whole_number
-from khepera_forage.study import Count, add_study_arguments, completed, finish
+from khepera_forage.study import SMOKE_TEST, Count, add_study_arguments, completed, finish
 from khepera_forage.task.decisions import decision_table
 from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, SUMMARY, reproduce
 
@@ -37,7 +37,6 @@ writes its page to a folder of the results' folder. Such an experiment, a pseudo
 
     khepera-forage reproduce --replications 1 --decision next_to_food=20 --out pseudo
     khepera-forage infer --tables pseudo/recalls.csv"""
-_COLUMNS = ("decision", "default", "allowed", "thesis")
 
 
 @command(
@@ -86,9 +85,10 @@ def reproduce_command(arguments: argparse.Namespace) -> None:
         comparison=not arguments.no_comparison,
         fresh=arguments.fresh,
     )
-    print(page.read_text(encoding="utf-8"))
+    if arguments.quick:
+        print(SMOKE_TEST)
     print((arguments.out / SUMMARY).read_text(encoding="utf-8"))
-    print(f"Tables, figures and rows are in {arguments.out}")
+    print(f"Page ({page.name}), tables, figures and rows are in {arguments.out}")
 
 
 @command(
@@ -132,11 +132,12 @@ def infer_command(arguments: argparse.Namespace) -> int:
 def decisions_command(arguments: argparse.Namespace) -> None:
     """List what the thesis leaves open, with our decisions and their reasons."""
     rows = decision_table()
-    widths = [max(map(len, column)) for column in zip(_COLUMNS, *(row[:4] for row in rows), strict=True)]
-    print(_line(_COLUMNS, widths))
-    for row in rows:
-        print(f"{_line(row[:4], widths)}\n    {row.meaning}")
-
-
-def _line(cells: tuple[str, ...], widths: list[int]) -> str:
-    return "  ".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True)).rstrip()
+    lines = [
+        ("decision", "default", "thesis", "allowed"),
+        *((row.name, row.default, row.section, row.allowed) for row in rows),
+    ]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    for number, line in enumerate(lines):
+        print("  ".join(map(str.ljust, line, widths)).rstrip())
+        if number:
+            print(f"    {rows[number - 1].meaning}")

@@ -71,7 +71,7 @@ def virtual_command(arguments: argparse.Namespace) -> None:
     lock = threading.RLock()
     is_khepera = arguments.robot == KHEPERA.name
     firmware = Firmware(world.robots[0], lock) if is_khepera else EPuckFirmware(world.robots[0], lock)
-    baud = arguments.baud if arguments.baud is not None else 38400 if is_khepera else 115200
+    baud = arguments.baud if arguments.baud is not None else firmware.protocol.baud
     due, overruns = time.monotonic(), 0
     with (
         _collected_signals() as signals,

@@ -5,7 +5,6 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
-from shutil import get_terminal_size
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,7 @@ from khepera_forage.comparison.learning import (
     settings_of,
     unable,
 )
-from khepera_forage.comparison.page import SMOKE_TEST, page
+from khepera_forage.comparison.page import page
 from khepera_forage.comparison.results import (
     DELIVERED,
     Curve,
@@ -54,8 +53,8 @@ from khepera_forage.study import (
     collect,
     command_line,
     done,
+    finish,
     machine,
-    write,
 )
 
 TUNING = "tuning"
@@ -156,10 +155,9 @@ def compare(given: Arguments) -> int:
     shown = described({curve.learner: known[curve.learner] for curve in found})
     results = Results(f"{machine()} {command_line()}", shown, found)
     written = page(*merged(found, shown, against), missing, (given.out / TUNING).exists(), given.quick)
-    write(given.out, given.name, written)
     with replacing(given.out / RESULTS) as path:
         path.write_text(as_json(results), encoding="utf-8")
-    return _printed(given, written)
+    return finish(given, written, shown=1)
 
 
 def _own_learners(places: list[str]) -> dict[str, Compared]:
@@ -221,14 +219,6 @@ def _rows(
     )
 
 
-def _printed(given: Arguments, written: Page) -> int:
-    if given.quick:
-        print(SMOKE_TEST)
-    print(written.tables[0].text(get_terminal_size().columns))
-    print(f"Page, picture, all tables and rows are in {given.out}")
-    return 0
-
-
 FIRST_REPLICATION = 1_000
 """Replications from this number on are for tuning, those before it for the comparison of learners."""
 CANDIDATES: dict[str, tuple[Mapping[str, Any], ...]] = {
@@ -285,12 +275,12 @@ def tune(given: Arguments) -> int:
     if not learners:
         raise ValueError(f"--only is {', '.join(wanted)}; allowed with --tune: {', '.join(CANDIDATES)}")
     given.out /= TUNING
+    given.name = TUNING
     amounts = {needs: own[-1:] for needs, own in _amounts(given).items()}
     replications = range(FIRST_REPLICATION, FIRST_REPLICATION + given.seeds)
     rows = _rows(learners, known, replications, amounts, given)
     written = Page("Settings of the learners", [_tuning_table(rows, known, given.seed)])
-    write(given.out, TUNING, written)
-    return _printed(given, written)
+    return finish(given, written)
 
 
 def _tuning_table(rows: Sequence[RecallBatch], learners: Mapping[str, Compared], seed: int) -> Table:

@@ -10,7 +10,7 @@ from khepera_forage.comparison.results import SUCCESS, Curve, ReadLearner
 from khepera_forage.estimates import Column, Table, Value, table_of
 from khepera_forage.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure, padded
 from khepera_forage.policies.learners import Supervision
-from khepera_forage.study import Page, Picture
+from khepera_forage.study import SMOKE_TEST, Page, Picture
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 if TYPE_CHECKING:
@@ -27,7 +27,6 @@ process, simulation included. The score counts steps in which a learner does wha
 learner that forages in another way scores low and may still deliver all food."""
 TUNING = """`khepera-forage compare --tune` compares these settings with four others each, except those of the thesis's
 imitator, which are fixed, and of reinforcement learners, whose trainings take long."""
-SMOKE_TEST = "A run with --quick is a smoke test: it supports no claim about any learner."
 
 
 def main_table(curves: Sequence[Curve], learners: Mapping[str, ReadLearner]) -> Table:

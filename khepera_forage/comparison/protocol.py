@@ -56,7 +56,7 @@ from khepera_forage.rollouts.training import IncompleteTrainingError, train
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
-from khepera_forage.study import Arguments, Execute, Job, Page, Rows, collect, finish
+from khepera_forage.study import SMOKE_TEST, Arguments, Execute, Job, Page, Rows, collect, finish
 
 NAME = "forage-bench-1"
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -499,7 +499,7 @@ def page(rows: Sequence[Tested], seed: int, quick: bool) -> Page:
             if name == TEACHING and (transfer := _transfer(own, seed)).rows:
                 tables.append(transfer)
     if quick:
-        return Page(f"{NAME}, in small", ["With `--quick` this is a smoke test: it says nothing.", *tables])
+        return Page(f"{NAME}, in small", [SMOKE_TEST, *tables])
     return Page(NAME, tables)
 
 

@@ -8,7 +8,7 @@ from khepera_forage.envs.arguments import set_up_of, timing_of
 from khepera_forage.extras import require
 from khepera_forage.lab.settings_file import CameraSettings, LabSettings, RobotSettings, load
 from khepera_forage.lab.virtual_laboratory import VirtualCubeLaboratory, VirtualLaboratory
-from khepera_forage.robots.model import KHEPERA, TOIO
+from khepera_forage.robots.model import KHEPERA, TOIO, model_of
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
 from khepera_forage.robots.toio.driver import SIMPLE_MAT, VIRTUAL
 from khepera_forage.sim.arena import Arena, Point, copies
@@ -18,6 +18,10 @@ from khepera_forage.sim.layout_checks import cable_anchor
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+from khepera_forage.vision.tracker_settings import TrackerSettings
+
+TAG_SIZE = 40.0
+"""Side in mm, on the plan, of the tag on a robot without a gripper: within its outline, so that it hides no food."""
 
 
 def load_settings(path: Path | str, decisions: Decisions = DEFAULT_DECISIONS) -> LabSettings:
@@ -64,7 +68,9 @@ def virtual_laboratory(
         placed = tuple(copy.shifted(dx, dy) for copy in placed)
     ports = ["virtual"] * robots
     entries = _entries(original, placed, ports, decisions, type=robot, timeout=timeout)
-    settings = LabSettings(original, entries, CameraSettings("rendered frames"), timing.round_duration)
+    tags: dict[str, Any] = {} if model_of(robot).has_gripper else {"markers": "tags", "tag_size": TAG_SIZE}
+    camera, tracker = CameraSettings("rendered frames"), TrackerSettings(**tags)
+    settings = LabSettings(original, entries, camera, timing.round_duration, tracker)
     return VirtualLaboratory(settings, arm_speed=timing.arm_speed, jaw_speed=timing.jaw_speed, **options)
 
 

@@ -89,7 +89,7 @@ class Experience:
         """Read files and join them in the given order: g1, g2 and g3 give the thesis's g123.
 
         Args:
-            paths: One file or more.
+            paths: One file or more, or folders of g1.csv, g2.csv, ...
             arena: The arena that all files must have; by default the arena of the first file.
             decisions: The decisions that all files must have, such as `env.decisions`; by default those of the first
                 file.
@@ -105,11 +105,12 @@ class Experience:
         if not paths:
             raise TypeError("no path to load; allowed: one or more")
         parts: list[Self] = []
-        for path in paths:
+        files = experience_files(paths)
+        for path in files:
             header, rows = read(path, recover)
             expected = arena if arena is not None else parts[0].arena if parts else header.arena
             if header.arena != expected:
-                source = "the argument" if arena is not None else f"that of {paths[0]}"
+                source = "the argument" if arena is not None else f"that of {files[0]}"
                 raise ExperienceError(
                     f"{path}, line 3: arena is {header.arena!r}; allowed: {expected!r}, {source}"
                 )
@@ -196,6 +197,21 @@ class Experience:
             f"<Experience: {len(self)} vectors, arena={self.arena!r}, seed={self.seed}, episodes={self.episodes}, "
             f"decisions={header_decisions_text(self.decisions)!r}>"
         )
+
+
+def experience_files(paths: Iterable[str | PathLike[str]]) -> list[Path]:
+    """Experience files, and in place of a folder its g1.csv, g2.csv, ... in the order of their numbers.
+
+    Raises:
+        ExperienceError: A folder has none.
+    """
+    files: list[Path] = []
+    for path in map(Path, paths):
+        own = [file for file in path.glob("g*.csv") if file.stem[1:].isdecimal()] if path.is_dir() else [path]
+        if not own:
+            raise ExperienceError(f"{path} has no g1.csv; allowed: experience files, or a folder of them")
+        files += sorted(own, key=lambda file: int(file.stem[1:])) if path.is_dir() else own
+    return files
 
 
 def _require_same(decisions: Decisions | None, other: Decisions | None, where: str) -> None:

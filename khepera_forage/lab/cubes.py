@@ -5,8 +5,9 @@ import time
 from collections.abc import Callable, Sequence
 
 from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest
-from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH, SPEED_UNIT
-from khepera_forage.robots.toio.driver import COMMAND_DURATION, CubePose, ToioRobot
+from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH, RADIUS, SPEED_UNIT
+from khepera_forage.robots.toio.driver import COMMAND_DURATION, SIMPLE_MAT, CubePose, ToioRobot
+from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 
 _FAST, _SLOW = 8, 5
@@ -28,16 +29,17 @@ class CubeOperator:
     """Drives robots (in the order of the laboratory) and food to the places of a request, one after the other.
 
     A cube leaves out the others on its way. What it has pushed nevertheless is placed again when the laboratory
-    repeats the request.
+    repeats the request. Food for which there is no place leaves the arenas.
     """
 
     def __init__(
         self,
         robots: Callable[[], Sequence[ToioRobot]],
         foods: Callable[[], Sequence[ToioRobot]],
+        arenas: Sequence[Arena],
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        self._robots, self._foods, self._sleep = robots, foods, sleep
+        self._robots, self._foods, self._arenas, self._sleep = robots, foods, arenas, sleep
         self._repeats = 0
 
     def __call__(self, request: OperatorRequest) -> None:
@@ -59,12 +61,32 @@ class CubeOperator:
             for place in request.foods:
                 distances = [math.dist(cube.pose[:2], place) for cube in free]
                 nearest.append(free.pop(distances.index(min(distances))))
+            for cube in free:
+                if not self._is_outside(*cube.pose[:2]):
+                    self._drive(cube, self._place_outside(cube), None)
             for cube, (x, y) in zip(nearest, request.foods, strict=True):
                 self._drive(cube, CubePose(x, y, 0.0), None)
         for mark in request.robots:
             self._drive(
                 robots[mark.number], CubePose(mark.pose.x, mark.pose.y, mark.pose.heading), mark.pose.heading
             )
+
+    def _is_outside(self, x: float, y: float) -> bool:
+        return all(arena.clearance(Point(x, y)) <= -RADIUS for arena in self._arenas)
+
+    def _place_outside(self, cube: ToioRobot) -> CubePose:
+        """The nearest place outside all arenas with room for a cube."""
+        width, height = (int(size - RADIUS) for size in SIMPLE_MAT.size)
+        others = [other for other in (*self._robots(), *self._foods()) if other is not cube]
+        places = [
+            CubePose(x, y, 0.0)
+            for x in range(round(RADIUS), width, 10)
+            for y in range(round(RADIUS), height, 10)
+            if self._is_outside(x, y) and all(math.dist((x, y), o.pose[:2]) >= _AROUND for o in others)
+        ]
+        if not places:
+            raise OperatorGaveUp(f"the mat has no room beside the arenas for {cube.port}: take it away")
+        return min(places, key=lambda place: math.dist(place[:2], cube.pose[:2]))
 
     def _drive(self, cube: ToioRobot, place: CubePose, heading: float | None) -> None:
         """Drive a cube to a place, and turn it; stops it in any case."""

@@ -13,8 +13,7 @@ from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import PULSE
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.image_quality import is_well_exposed, why_unusable
-from khepera_forage.vision.tracked_camera import TrackedCamera
-from khepera_forage.vision.tracker import Tracker
+from khepera_forage.vision.tracker import TrackedCamera, Tracker
 from khepera_forage.vision.video import CameraLost, FrameSource, VideoSettings, VideoSource
 
 OpenSource = FrameSource | Callable[[], FrameSource] | None
@@ -121,18 +120,28 @@ class FreshFrames:
         return reason and f"its picture {reason}"
 
 
+def calibration_of(settings: LabSettings) -> Calibration | None:
+    """The calibration that the settings name."""
+    file = settings.camera.calibration
+    return None if file is None else Calibration.load(file)
+
+
+def open_video(settings: LabSettings, calibration: Calibration | None) -> VideoSource:
+    """Open the camera of the settings, by default with the size of its calibration."""
+    camera = settings.camera
+    size = camera.size or (None if calibration is None else calibration.size)
+    options = VideoSettings(size, camera.rate, camera.exposure, camera.focus)
+    return VideoSource(camera.source, settings=options)
+
+
 def open_camera(
     settings: LabSettings, source: OpenSource, calibration: Calibration | None, fleet: Fleet
 ) -> tuple[FreshFrames, TrackedCamera]:
     """Open the camera above a fleet. Without a calibration, that of the settings applies."""
-    camera = settings.camera
-    if calibration is None and camera.calibration is not None:
-        calibration = Calibration.load(camera.calibration)
+    calibration = calibration or calibration_of(settings)
     tracker = Tracker(settings.tracker, calibration)
     if source is None:
-        size = camera.size or (None if calibration is None else calibration.size)
-        options = VideoSettings(size, camera.rate, camera.exposure, camera.focus)
-        source = VideoSource(camera.source, settings=options)
+        source = open_video(settings, calibration)
     elif callable(source):
         source = source()
 

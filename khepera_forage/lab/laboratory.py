@@ -30,7 +30,7 @@ from khepera_forage.sim.sensing import sense
 from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import FoodPlace, Layout, Timing
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.tracked_camera import TrackedCamera
+from khepera_forage.vision.tracker import TrackedCamera
 from khepera_forage.vision.video import CameraLost
 
 CHECK_ROUNDS = 30
@@ -90,7 +90,7 @@ class Laboratory:
         self._frames: FreshFrames | MatCamera
         self._open()
         if operator is None and settings.food_cubes:
-            operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes)
+            operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes, self.arenas)
         self._operator: Operator = ask_person if operator is None else operator
 
     @property
@@ -294,7 +294,7 @@ class Laboratory:
             if not robot.model.has_gripper:
                 constants = constants_of(Noise.none(), timing, model=robot.model)
                 sense(states, number, foods, arena.wall_records, constants)
-                shown = SimulatedKhepera(states[number]).sense()
+                shown = SimulatedKhepera(states, number).sense()
                 robot.note_surroundings(
                     shown.object_presence != 0, None if robot.model.infra_reds else shown.proximity
                 )

@@ -42,19 +42,7 @@ ORIGIN = Point(0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class RobotSettings:
-    """One robot of the laboratory.
-
-    Attributes:
-        port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`; name or
-            address of a toio cube.
-        name: Name of the robot in requests to the operator.
-        type: Kind of robot, a name in `MODELS`.
-        baud: Of a serial line; None for the usual one of the robot.
-        holes: Number of its marker: how many holes it has, 1 or 2; of other kinds of markers the number or id.
-        offset: From the arena in the file to this robot's copy of it, in mm.
-        timeout: Seconds that a reply may take in addition to the transmission time of the bytes.
-        watchdog: Whether a process stops the robot if this one is killed or frozen.
-    """
+    """One robot of the laboratory: the keys of a table `[[robots]]`, see `sample.toml`."""
 
     port: str
     name: str
@@ -68,18 +56,7 @@ class RobotSettings:
 
 @dataclass(frozen=True, slots=True)
 class CameraSettings:
-    """The camera above all arenas.
-
-    Attributes:
-        source: Any source of OpenCV: the number of a device, a file, a URL.
-        calibration: A file written by `khepera-forage camera calibrate`; None for frames without distortion.
-        oldest: Seconds after which the camera counts as lost: the age of the newest frame, or the wait for one that
-            shows the scene of the present round.
-        size: Width and height of the frames; None for those of the calibration, or 640 x 480.
-        rate: Frames a second; None leaves the camera's own, as for exposure and focus.
-        exposure: In the driver's unit.
-        focus: In the driver's unit.
-    """
+    """The camera above all arenas: the keys of the table `[camera]`, see `sample.toml`."""
 
     source: int | str = 0
     calibration: Path | None = None
@@ -92,12 +69,7 @@ class CameraSettings:
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
-    """Allowed deviations of robots and food from their places.
-
-    Attributes:
-        position: In mm.
-        heading: In degrees.
-    """
+    """Allowed deviations of robots and food from their places, in mm and degrees."""
 
     position: float = 15.0
     heading: float = 10.0
@@ -105,16 +77,11 @@ class Tolerance:
 
 @dataclass(frozen=True, slots=True)
 class LabSettings:
-    """The contents of a `lab.toml`.
+    """The contents of a `lab.toml`; `sample.toml` explains every key.
 
     Attributes:
         arena: The arena, without the offsets of the robots.
         robots: The teacher first, then the learners; in a recall the last one forages.
-        camera: Settings of the camera.
-        period: Duration of a round in seconds.
-        tracker: Settings of the camera's tracker.
-        tolerance: Allowed deviations of the operator's placement.
-        safe_speed: Limit of all wheel speeds in speed units (8 mm/s).
         food_cubes: Names or addresses of the toio cubes that are the food, one per object; empty for other food.
     """
 
@@ -143,17 +110,12 @@ class LabSettings:
 
 
 def load(path: Path | str, set_up: SetUp, period: float) -> LabSettings:
-    """Read a file.
+    """Read a file; see `envs.laboratories.load_settings`.
 
     Args:
         path: The file.
         set_up: Where start, food and home are in an arena that the file only names.
         period: Duration of a round in seconds, if the file does not set it.
-
-    Raises:
-        ValueError: The file is not TOML, or a key is missing, unknown, or has a value that is not allowed. The message
-            names the file and the key.
-        OSError: The file cannot be read.
     """
     path = Path(path)
     with naming(path):
@@ -194,7 +156,7 @@ def _robot_reader(markers: Sequence[int]) -> Callable[[str, Any], RobotSettings]
         index = int(key.removeprefix("robots[").removesuffix("]"))
         driver = serial_driver(given.get("type", KHEPERA.name))
         if driver is not None:
-            baud = given.get("baud", driver.default_baud)
+            baud = given.get("baud", driver.protocol.baud)
             given["baud"] = one_of(driver.protocol.baud_rates)(f"{key}.baud", baud)
         elif "baud" in given:
             raise ValueError(

@@ -23,11 +23,14 @@ from khepera_forage.sim.layout_checks import cable_anchor, check_layout
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout, Timing
 from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.rendering import SIZE as FRAMES
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.video import FrameSource
 
+_TAG_FRAMES = (1440, 1080)
+"""Pixels of the frames that show tags, which are too small for frames of 640 x 480."""
 _INTERVAL = 0.001
 """Seconds of the computer from one position of a virtual cube to the next."""
 
@@ -87,9 +90,8 @@ class VirtualLaboratory(Laboratory):
         self._rounds_per_period = max(1, round(settings.period / CONTROL_PERIOD))
         timing = Timing(settings.period / self._rounds_per_period, arm_speed, jaw_speed)
         markers = [robot.holes for robot in settings.robots]
-        self.simulation = PymunkWorld(
-            arenas, markers, noise, timing=timing, model=MODELS[settings.robots[0].type]
-        )
+        model = MODELS[settings.robots[0].type]
+        self.simulation = PymunkWorld(arenas, markers, noise, timing=timing, model=model)
         layout = Layout(tuple(a.start for a in arenas), tuple(food for a in arenas for food in a.foods))
         self.simulation.reset(np.random.default_rng(fault_seed), layout)
         # One lock for all, because they share one simulated world.
@@ -100,32 +102,35 @@ class VirtualLaboratory(Laboratory):
             else Firmware(body, self._lock, timing.round_duration)
             for robot, body in zip(settings.robots, self.simulation.robots, strict=True)
         ]
+        has_tags, gripper = settings.tracker.markers == "tags", model.has_gripper
+        size = _TAG_FRAMES if has_tags else FRAMES
         self._renderer = FrameRenderer(
             self.simulation.truth,
             appearance,
-            cable_anchor(arenas),
+            cable_anchor(arenas) if gripper else None,  # an e-puck2 has none
             walls=[wall for arena in arenas for wall in arena.segments],
             period=settings.period,
+            size=size,
+            tag_size=settings.tracker.tag_size if has_tags else None,
+            gripper=gripper,
         )
         self.frame_source = self._renderer
         self.virtual_operator = VirtualOperator(self.simulation, noise, self._attach, self._reconnect_lines)
         drivers = [serial_driver(robot.type) for robot in settings.robots]
         self._bauds = [
-            (robot.baud or driver.default_baud) if paced and driver is not None else None
+            (robot.baud or driver.protocol.baud) if paced and driver is not None else None
             for robot, driver in zip(settings.robots, drivers, strict=True)
         ]
         self._faults, self._rngs = faults, np.random.default_rng(fault_seed).spawn(len(drivers))
         self.virtual_kheperas: list[VirtualKhepera] = []
-        calibration = None
-        if appearance.height is not None:
-            middle = PICTURE_WIDTH / 2 * MM_PER_PIXEL, PICTURE_HEIGHT / 2 * MM_PER_PIXEL
-            calibration = Calibration.identity((*middle, appearance.height))
+        middle = PICTURE_WIDTH / 2 * MM_PER_PIXEL, PICTURE_HEIGHT / 2 * MM_PER_PIXEL
+        above = None if appearance.height is None else (*middle, appearance.height)
         try:
             super().__init__(
                 self._open_lines(settings),
                 self.virtual_operator if operator is None else operator,
                 source=self.frame_source if camera is None else lambda: camera(self.frame_source),
-                calibration=calibration,
+                calibration=Calibration.identity(above, size),
                 clock=SimulatedClock(settings.period, self._advance_simulation, real_time),
             )
         except BaseException:
@@ -200,7 +205,7 @@ class VirtualCubeLaboratory(Laboratory):
         self._now = 0.0
         self.table = Table(lambda: self._now, _INTERVAL)
         use_table(self.table)
-        operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes, self._sleep)
+        operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes, settings.arenas, self._sleep)
         clock = SimulatedClock(settings.period, lambda: self._sleep(settings.period))
         super().__init__(settings, operator, clock=clock)
 

@@ -109,7 +109,9 @@ def learner_at(place: str) -> tuple[str, Learner]:
     try:
         with own_errors(f"learner {place}"):
             return name, _described(name, getattr(import_module(module), name))
-    except (ImportError, AttributeError, TypeError) as error:
+    except TypeError as error:
+        raise ValueError(f"learner is {place!r}: {error}") from None
+    except (ImportError, AttributeError) as error:
         raise ValueError(f"learner is {place!r}: {error}; {allowed}") from None
 
 
@@ -144,7 +146,7 @@ def _described(name: str, learner: Any) -> Learner:
         taken = _parameters(learner)
         missing = ", ".join(each for each, given in taken.items() if not given)
         if missing:
-            raise TypeError(f"learner {name} needs {missing}; allowed: what makes a classifier by itself")
+            raise TypeError(f"{name} takes {missing}; allowed: what makes a classifier by itself")
         title = name.replace("_", " ")
         return OfflineImitation(title, learner, seeded="random_state" in taken, diagonal="diagonal" in taken)
     raise TypeError(

@@ -9,6 +9,7 @@ import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial, reduce
+from numbers import Integral
 from typing import Any, Protocol
 
 import gymnasium as gym
@@ -21,7 +22,7 @@ from khepera_forage.extras import require
 from khepera_forage.policies.classifiers import ClassifierPolicy, check_classifier
 from khepera_forage.policies.features import raw_data_space, state_vector_space
 from khepera_forage.policies.policy import Observation, Policy, checked_generator, draw, state_vector_of
-from khepera_forage.policies.teacher import APPLICABLE
+from khepera_forage.policies.teacher import APPLICABLE, Teacher
 from khepera_forage.task.states import Behaviour, behaviour_number
 
 Form = Callable[[Any], Any]
@@ -84,6 +85,8 @@ class ModelPolicy:
     """Whether the model takes action masks."""
 
     def __post_init__(self) -> None:
+        if not isinstance(self.hold, Integral) or self.hold < 1:
+            raise ValueError(f"hold is {self.hold!r}; allowed: a whole number of at least 1")
         parameters = inspect.signature(self.model.predict).parameters
         self._recurs = {"state", "episode_start"} <= set(parameters)
         self._masks = "action_masks" in parameters
@@ -111,7 +114,10 @@ class ModelPolicy:
         return action.copy() if isinstance(action, np.ndarray) else action
 
     def _action(self, observation: Any, rng: Generator | None) -> Behaviour | NDArray[np.float32]:
-        shown = observation if self.features is None else self.features(observation)
+        try:
+            shown = observation if self.features is None else self.features(observation)
+        except KeyError as error:
+            raise ValueError(f"the observation has no {error}, on which the model was trained") from None
         if self.sample:
             action = _drawn(self.model, shown, checked_generator(rng))
         else:
@@ -340,3 +346,26 @@ def _takes(method: Any, count: int) -> bool:
     except TypeError:
         return False
     return True
+
+
+def completed(policy: Any, env: Any) -> Policy:
+    """A policy that knows what it needs of an environment: others stay.
+
+    `Teacher()` becomes `Teacher.of(env)`. A `NearestNeighbourImitator` whose `diagonal` was not given has that of the
+    arena.
+
+    Args:
+        policy: Of a robot, or what `as_policy` makes a policy of.
+        env: One of ours, wrapped or not, after the reset, which chooses the arena.
+
+    Raises:
+        TypeError: As `as_policy`, like ValueError.
+    """
+    found = as_policy(policy)
+    if isinstance(found, Teacher):
+        own = Teacher.of(env)
+        return Teacher(found.home_radius or own.home_radius, found.decisions or own.decisions)
+    if getattr(found, "diagonal", 0) is None:
+        found = copy.copy(found)
+        found.diagonal = getattr(env.unwrapped, "diagonal", None)  # type: ignore[attr-defined]
+    return found

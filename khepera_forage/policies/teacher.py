@@ -1,6 +1,5 @@
 """The teacher: a hand-written classifier of state vectors and a rule for every state (section 4.4)."""
 
-from copy import copy
 from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
@@ -8,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.policies.policy import SEPARATED, Observation, Policy, is_training, state_vector_of
+from khepera_forage.policies.policy import SEPARATED, Observation, is_training, state_vector_of
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
 from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, DecisionValues
@@ -62,8 +61,14 @@ class Teacher:
 
         Args:
             env: One of ours, wrapped or not. If it has several arenas, for that of the present episode.
+
+        Raises:
+            TypeError: Another environment, or a batch.
         """
-        return cls(env.unwrapped.home_radius, env.unwrapped.decisions)
+        own = getattr(env, "unwrapped", env)
+        if not hasattr(own, "home_radius"):
+            raise TypeError(f"env is {env!r}; allowed: one environment of this package, not a batch")
+        return cls(own.home_radius, own.decisions)
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
         """The behaviour for the state that the observed state vector stands for; WAIT for a separated learner.
@@ -83,32 +88,6 @@ class Teacher:
         if type(observation) is not dict and is_training(observation) and observation[SEPARATED]:
             return Behaviour.WAIT
         return behaviour_for(classify(state_vector_of(observation), *self._known))
-
-
-def completed(policy: Policy, env: Any) -> Policy:
-    """A policy that knows what it needs of an environment: others stay.
-
-    `Teacher()` becomes `Teacher.of(env)`. A `NearestNeighbourImitator` whose `diagonal` was not given has that of the
-    arena.
-
-    Args:
-        policy: Of a robot.
-        env: One of ours, wrapped or not, after the reset, which chooses the arena.
-
-    Raises:
-        TypeError: No policy.
-    """
-    if not hasattr(policy, "act"):
-        raise TypeError(
-            f"policy is {policy!r}; allowed: what has act(observation, rng), as as_policy(...) makes it"
-        )
-    env = env.unwrapped
-    if isinstance(policy, Teacher):
-        return Teacher(policy.home_radius or env.home_radius, policy.decisions or env.decisions)
-    if getattr(policy, "diagonal", 0) is None:
-        policy = copy(policy)
-        policy.diagonal = getattr(env, "diagonal", None)  # type: ignore[attr-defined]
-    return policy
 
 
 def _applicable() -> NDArray[np.bool_]:

@@ -5,7 +5,7 @@ seconds; x is forward and y left of the robot's centre.
 """
 
 import math
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 # The body (thesis 3.2; sources KSIM2, K-Team).
 RADIUS = 27.5
@@ -141,6 +141,9 @@ class RobotLost(ConnectionError):  # noqa: N818 (an event, not a mistake)
         self.command = command
         self.tries = tries
         self.reason = reason
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.port, self.command, self.tries, self.reason)
 
 
 class Robot(Protocol):

@@ -47,9 +47,6 @@ _STOP_ALL_TIMEOUT = 4.0
 class RobotSuspended(RobotLost):
     """The program was suspended while the wheels turned; they were stopped, and a new command starts them again."""
 
-    def __init__(self, port: str) -> None:
-        super().__init__(port, "", 0, "the program was suspended, and the robot was stopped")
-
 
 class Interrupted(Exception):  # noqa: N818 (an event, not an error)
     """A stop needs the connection; the interrupted work starts over afterwards."""
@@ -301,7 +298,7 @@ class RealRobot(ABC):
         while True:
             if self._suspended:
                 self._suspended = False
-                raise RobotSuspended(self.port)
+                raise RobotSuspended(self.port, "", 0, "the program was suspended, and the robot was stopped")
             try:
                 return self._attempt(work)
             except Interrupted:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies import Policy, Teacher, state_vector_of
 from khepera_forage.policies.classifiers import ClassifierPolicy, check_classifier
-from khepera_forage.policies.teacher import completed
+from khepera_forage.policies.models import completed
 from khepera_forage.task.states import StateVector
 
 Arrays = tuple[NDArray[np.int64], NDArray[np.int64]]

@@ -11,17 +11,18 @@ from gymnasium import spaces
 from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
 from khepera_forage.envs.arena_settings import environment_name, settings_of
+from khepera_forage.envs.arguments import whole_number
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
-from khepera_forage.policies import Neighbours, Policy
-from khepera_forage.policies.teacher import completed
+from khepera_forage.policies import Neighbours
+from khepera_forage.policies.models import completed
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.decisions import decisions_text
 from khepera_forage.task.episode import DecisionCounts, count_decision
 from khepera_forage.task.food_tracking import is_collected
-from khepera_forage.task.states import Behaviour
+from khepera_forage.task.states import Behaviour, behaviour_number
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 Callback = Callable[[], object]
@@ -97,7 +98,7 @@ def behaviours_env(env: gym.Env[Any, Any]) -> Any:
 
 def recall(
     env: gym.Env[Any, Any],
-    policy: Policy,
+    policy: Any,
     seed: int,
     *,
     learner: str = IMITATOR,
@@ -114,8 +115,8 @@ def recall(
     Args:
         env: From `recall_env`, or another environment of behaviours as `gym.make` returns it. Wrappers are left out:
             the policy sees the environment's own observations. A warning names wrappers of yours.
-        policy: Chooses the behaviours; the ties of a nearest-neighbour imitator are counted. `Teacher()` becomes the
-            teacher of `env`.
+        policy: Chooses the behaviours, or is something that `as_policy` makes a policy of; the ties of a
+            nearest-neighbour imitator are counted. `Teacher()` becomes the teacher of `env`.
         seed: Of the episode: places, noise, and random choices of the policy.
         learner: Name of the policy, for the row.
         noise: Name of the noise condition, for the row.
@@ -129,9 +130,10 @@ def recall(
 
     Raises:
         RecallInterruptedError: A real robot or the camera was lost; the robot was stopped.
-        TypeError: An environment of another kind.
+        TypeError: An environment of another kind, or no policy.
+        ValueError: The seed is no whole number, or an action no behaviour.
     """
-    own = behaviours_env(env)
+    own, seed = behaviours_env(env), whole_number("seed", seed, 0)
     rng = np.random.default_rng((seed, 1))
     observation, info = own.reset(seed=seed)
     policy = completed(policy, own)
@@ -149,7 +151,8 @@ def recall(
                 levels = neighbours.confidence_levels()
                 own.confidence = tuple(levels.get(b, 0.0) for b in list(Behaviour)[:STATES])
         else:
-            action = Behaviour(policy.act(observation, rng))
+            number = behaviour_number(policy.act(observation, rng), who=type(policy).__name__)
+            action = Behaviour(number)
         if callback is not None:
             callback()
         count_decision(counts, info["state"], action, own.forager.vector.robot_food_distance, decisions)
@@ -255,7 +258,7 @@ def recall_wheels(
         RecallInterruptedError: A real robot or the camera was lost; the robot was stopped.
         TypeError: An environment of another kind.
     """
-    own, rng = env.unwrapped, np.random.default_rng((seed, 1))
+    own, rng = env.unwrapped, np.random.default_rng((whole_number("seed", seed, 0), 1))
     if not isinstance(own, WheelsEnv):
         raise TypeError(f"env is {env}; allowed: CorridorWheels-v1, RectangleWheels-v1, or another WheelsEnv")
     observation, _ = env.reset(seed=seed)

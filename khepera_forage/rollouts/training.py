@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo.utils.env import AECEnv
 
@@ -17,8 +18,8 @@ from khepera_forage.envs.arguments import whole_number
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWriter
 from khepera_forage.policies import Listener, Policy, Teacher
+from khepera_forage.policies.models import completed
 from khepera_forage.policies.policy import HEARD
-from khepera_forage.policies.teacher import completed
 from khepera_forage.rollouts.recall import Callback
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.sim.world import LOST
@@ -217,8 +218,10 @@ def train(
         FileExistsError: There is a file at `path`.
     """
     own = getattr(env, "unwrapped", env)
-    if not isinstance(own, TrainingEnv):
-        raise TypeError(f"env is {env}; allowed: a TrainingEnv, such as paired_corridors_v1.env()")
+    if not isinstance(own, TrainingEnv) or not isinstance(own.action_space(TEACHER), spaces.Discrete):
+        raise TypeError(
+            f"env is {env}; allowed: a TrainingEnv of behaviours, such as paired_corridors_v1.env()"
+        )
     env, rows = own, []
     attempts = env.decisions.most_attempts if attempts is None else attempts
     if not isinstance(seed, np.random.SeedSequence):

@@ -41,16 +41,23 @@ class SimulatedKhepera:
     """A `Robot` of a simulation.
 
     Args:
-        record: Its `RobotState` record.
+        records: The `RobotState` records of an enclosure.
+        number: Of its own, which is looked up whenever it is used: of an array, a copy would not be the copied array's.
     """
 
-    def __init__(self, record: Any) -> None:
-        self.record = record
+    def __init__(self, records: Sequence[Any], number: int) -> None:
+        self._records, self._number = records, number
+
+    @property
+    def record(self) -> Any:
+        """Its `RobotState` record."""
+        return self._records[self._number]
 
     @property
     def pose(self) -> Pose:
         """Where the robot truly is."""
-        return Pose(float(self.record.x), float(self.record.y), float(self.record.heading))
+        record = self.record
+        return Pose(float(record.x), float(record.y), float(record.heading))
 
     @property
     def has_gripper(self) -> bool:
@@ -59,7 +66,8 @@ class SimulatedKhepera:
 
     def sense(self) -> Senses:
         """What the robot senses since the last round."""
-        values = (np.asarray(getattr(self.record.senses, name)).tolist() for name in Senses._fields)
+        senses = self.record.senses
+        values = (np.asarray(getattr(senses, name)).tolist() for name in Senses._fields)
         return Senses._make(tuple(value) if isinstance(value, list) else value for value in values)
 
     def drive(self, motors: Motors) -> Motors:
@@ -69,7 +77,8 @@ class SimulatedKhepera:
 
     def stop(self) -> None:
         """Wheels to zero; arm and jaw complete their movements."""
-        self.record.left = self.record.right = 0.0
+        record = self.record
+        record.left = record.right = 0.0
 
     def close(self) -> None:
         """Stop."""
@@ -194,9 +203,10 @@ class Simulation(ABC):
         """
         self._enclosures, self._robot_arenas = tuple(enclosures), tuple(robot_arenas)
         self._food_numbers = _numbered(food_arenas)
-        robots = [enclosures[number].robots[k] for number, k in _numbered(robot_arenas)]
-        self.robots = tuple(map(SimulatedKhepera, robots))
-        self.camera = SimulatedCamera(robots, self._enclosures)
+        self.robots = tuple(
+            SimulatedKhepera(enclosures[number].robots, k) for number, k in _numbered(robot_arenas)
+        )
+        self.camera = SimulatedCamera([robot.record for robot in self.robots], self._enclosures)
 
     def advance(self) -> None:
         """One round.

@@ -5,9 +5,11 @@ middle of the pixel in row r and column c is (c + 0.5, r + 0.5). Region coordina
 of 5 mm on the floor, x to the right and y up.
 """
 
+import json
 import math
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
@@ -34,6 +36,10 @@ distortion."""
 _STEP = 0.01
 """Pixels over which the Jacobian is measured."""
 _KEYS = ("picture", "floor", "camera", "lens", "size", "tags")
+LENS_POINTS = (8, 14)
+"""Points from which k1 of the lens is fitted, and from which k2 is fitted, too."""
+_GAIN = 0.9
+"""Ratio of held-out errors below which another coefficient of the lens is taken."""
 _FLAT = 0.01
 """Three points are taken for collinear when the triangle's height is less than this share of its longest side."""
 
@@ -65,70 +71,42 @@ class Lens:
         return math.hypot(*self.size) / 2
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.k1) and math.isfinite(self.k2)):
-            raise ValueError(f"calibration lens is {(self.k1, self.k2)}; allowed: two finite numbers")
-        if not shows_every_point_once(self.k1, self.k2):
-            raise ValueError(
-                f"calibration lens is {(self.k1, self.k2)}; allowed: a distortion that shows every point once "
-                "(k1 above -0.14 if k2 is 0)"
-            )
+        k, r = (self.k1, self.k2), 0.0
+        if not all(map(math.isfinite, k)):
+            raise ValueError(f"calibration lens is {k}; allowed: two finite numbers")
+        while r * self._ratio(r * r) < 1.0:
+            r += 0.01
+            if self._slope(r) <= _LEAST_SLOPE or r > 3:
+                raise ValueError(
+                    f"calibration lens is {k}; allowed: a distortion that shows every point once "
+                    "(k1 above -0.14 if k2 is 0)"
+                )
 
     def straightened(self, u: float, v: float) -> Point:
         """Where a lens without distortion would show what this one shows at (u, v), in pixels."""
-        return straightened(u, v, self.k1, self.k2, self.size)
+        x, y = self.size[0] / 2, self.size[1] / 2
+        r = shown = math.hypot(u - x, v - y) / self.unit
+        if shown == 0:
+            return u, v
+        for _ in range(_REPEATS):  # Newton's method
+            step = (r * self._ratio(r * r) - shown) / max(self._slope(r), _LEAST_SLOPE)
+            r -= step
+            if abs(step) < _CONVERGED:
+                break
+        return x + (u - x) * r / shown, y + (v - y) * r / shown
 
     def distorted(self, u: float, v: float) -> Point:
         """Where this lens shows what a lens without distortion would show at (u, v): the inverse of `straightened`."""
         x, y = self.size[0] / 2, self.size[1] / 2
-        ratio = _ratio(((u - x) ** 2 + (v - y) ** 2) / self.unit**2, self.k1, self.k2)
+        ratio = self._ratio(((u - x) ** 2 + (v - y) ** 2) / self.unit**2)
         return x + (u - x) * ratio, y + (v - y) * ratio
 
+    def _ratio(self, r_squared: float) -> float:
+        """Apparent distance from the middle as a multiple of the distance r."""
+        return 1 + r_squared * (self.k1 + r_squared * self.k2)
 
-def straightened(u: float, v: float, k1: float, k2: float, size: Size) -> Point:
-    """`Lens.straightened` for any coefficients."""
-    x, y, unit = size[0] / 2, size[1] / 2, math.hypot(*size) / 2
-    r = shown = math.hypot(u - x, v - y) / unit
-    if shown == 0:
-        return u, v
-    for _ in range(_REPEATS):  # Newton's method
-        step = (r * _ratio(r * r, k1, k2) - shown) / max(_slope(r, k1, k2), _LEAST_SLOPE)
-        r -= step
-        if abs(step) < _CONVERGED:
-            break
-    return x + (u - x) * r / shown, y + (v - y) * r / shown
-
-
-def shows_every_point_once(k1: float, k2: float) -> bool:
-    """Whether a lens, anywhere in the picture, shows a point further out if it lies further out; see `Lens`."""
-    r = 0.0
-    while r * _ratio(r * r, k1, k2) < 1.0:
-        r += 0.01
-        if _slope(r, k1, k2) <= _LEAST_SLOPE or r > 3:
-            return False
-    return True
-
-
-def _ratio(r_squared: float, k1: float, k2: float) -> float:
-    """Apparent distance from the middle as a multiple of the distance r."""
-    return 1 + r_squared * (k1 + r_squared * k2)
-
-
-def _slope(r: float, k1: float, k2: float) -> float:
-    return 1 + r * r * (3 * k1 + 5 * k2 * r * r)
-
-
-class Jacobian(NamedTuple):
-    """Jacobian of the calibration at a point: how region coordinates x, y change with picture coordinates u, v."""
-
-    xu: float
-    xv: float
-    yu: float
-    yv: float
-
-    @property
-    def area(self) -> float:
-        """Square region pixels per square pixel of the picture."""
-        return abs(self.xu * self.yv - self.xv * self.yu)
+    def _slope(self, r: float) -> float:
+        return 1 + r * r * (3 * self.k1 + 5 * self.k2 * r * r)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +114,7 @@ class Calibration:
     """Maps points of the picture to points on the floor, and back.
 
     Four points of the picture and the same four points on the floor determine a homography, after the lens is
-    corrected; `calibration_fit` computes both from more points. The top of an object with a height appears further from
+    corrected; `fit_calibration` computes both from more points. The top of an object with a height appears further from
     the point below the camera than it is. With the camera's position and height known, this parallax is corrected:
     p_floor = c + (p - c) * (1 - height / camera height).
 
@@ -210,10 +188,14 @@ class Calibration:
         tags = {tag: (u * across, v * down) for tag, (u, v) in self.tags.items()}
         return replace(self, picture=picture, size=(width, height), tags=tags)
 
-    def mm_per_pixel(self, u: float | None = None, v: float | None = None) -> float:
-        """Mm of the floor that a pixel shows, by default in the middle of the picture."""
-        middle = self.size[0] / 2 if u is None else u, self.size[1] / 2 if v is None else v
-        return round(MM_PER_PIXEL * math.sqrt(self.jacobian(*middle).area), 6)
+    def scale(self, u: float, v: float, height: float = 0.0) -> float:
+        """Region pixels across a pixel of the picture."""
+        (xu, xv), (yu, yv) = self.jacobian(u, v, height).tolist()
+        return math.sqrt(abs(xu * yv - xv * yu))
+
+    def mm_per_pixel(self) -> float:
+        """Mm of the floor that a pixel in the middle of the picture shows."""
+        return round(MM_PER_PIXEL * self.scale(self.size[0] / 2, self.size[1] / 2), 6)
 
     def to_region(self, u: float, v: float, height: float = 0.0) -> Point:
         """Position on the floor, in region coordinates, of an object seen at a point of the picture.
@@ -242,69 +224,27 @@ class Calibration:
         u, v = _transformed(self._to_picture, x, y)
         return (u, v) if self.lens is None else self.lens.distorted(u, v)
 
-    def jacobian(self, u: float, v: float, height: float = 0.0) -> Jacobian:
-        """The Jacobian of `to_region` at a point of the picture."""
+    def jacobian(self, u: float, v: float, height: float = 0.0) -> NDArray[np.float64]:
+        """2 x 2: how `to_region` (rows: x, y) changes with the point of the picture (columns: u, v)."""
         (x1, y1), (x2, y2) = (self.to_region(u + step, v, height) for step in (-_STEP, _STEP))
         (x3, y3), (x4, y4) = (self.to_region(u, v + step, height) for step in (-_STEP, _STEP))
-        slopes = (n / (2 * _STEP) for n in (x2 - x1, x4 - x3, y2 - y1, y4 - y3))
-        return Jacobian(*slopes)
-
-    def as_table(self) -> dict[str, object]:
-        """The points, and what else is known, as a table for a TOML file."""
-        table: dict[str, object] = {
-            "size": list(self.size),
-            "picture": [list(point) for point in self.picture],
-            "floor": [list(point) for point in self.floor],
-        }
-        if self.camera is not None:
-            table["camera"] = list(self.camera)
-        if self.lens is not None:
-            table["lens"] = [self.lens.k1, self.lens.k2]
-        if self.tags:
-            table["tags"] = [[tag, u, v] for tag, (u, v) in sorted(self.tags.items())]
-        return table
-
-    @classmethod
-    def from_table(cls, table: Mapping[str, object]) -> "Calibration":
-        """The calibration in a table of a TOML file.
-
-        Raises:
-            ValueError: A key that is missing or unknown, or points that `Calibration` refuses.
-        """
-        unknown = sorted(table.keys() - set(_KEYS))
-        if unknown:
-            raise ValueError(f"calibration key {unknown[0]!r} is unknown; allowed: {', '.join(_KEYS)}")
-        for key in ("picture", "floor"):
-            if key not in table:
-                raise ValueError(
-                    f"calibration has no {key!r}; allowed: four points each for picture and floor"
-                )
-        numbers = table.get("lens")
-        k = None if numbers is None else _checked_numbers("lens", numbers, 2, "(k1, k2)")
-        size = _checked_numbers("size", table.get("size", DEFAULT_SIZE), 2, "(width, height)")
-        entries = table.get("tags", ())
-        if not isinstance(entries, Sequence):
-            raise ValueError(f"calibration tags is {entries!r}; allowed: a list of [id, u, v]")
-        tags = [_checked_numbers("tag", entry, 3, "(id, u, v)") for entry in entries]
-        return cls(
-            table["picture"],  # type: ignore[arg-type] # checked there
-            table["floor"],  # type: ignore[arg-type]
-            table.get("camera"),  # type: ignore[arg-type]
-            None if k is None else Lens(k[0], k[1]),
-            (int(size[0]), int(size[1])),
-            {int(tag): (u, v) for tag, u, v in tags},
-        )
+        return np.array(((x2 - x1, x4 - x3), (y2 - y1, y4 - y3))) / (2 * _STEP)
 
     def save(self, path: str | Path) -> None:
-        """Write the points, and the lens if it distorts, to a TOML file."""
+        """Write the points, and what else is known, to a TOML file."""
+        table: dict[str, object] = {"size": self.size, "picture": self.picture, "floor": self.floor}
         lines = ["# picture: four points in pixels from the upper left corner; floor: the same points in mm."]
+        if self.camera is not None:
+            table["camera"] = self.camera
         if self.lens is not None:
+            table["lens"] = (self.lens.k1, self.lens.k2)
             lines.append(
                 f"# lens: k1 and k2 of OpenCV's radial distortion for a focal length of {self.lens.unit:.0f} pixels."
             )
         if self.tags:
+            table["tags"] = [(tag, *pixel) for tag, pixel in sorted(self.tags.items())]
             lines.append("# tags: id of each floor tag, and the pixel of its middle.")
-        lines += [f"{key} = {value}" for key, value in self.as_table().items()]
+        lines += [f"{key} = {json.dumps(value)}" for key, value in table.items()]
         Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
     @classmethod
@@ -313,10 +253,37 @@ class Calibration:
 
         Raises:
             OSError: The file cannot be read.
-            ValueError: The file is not TOML, or `from_table` refuses it; the message names the file.
+            ValueError: The file is not TOML, a key is missing or unknown, or `Calibration` refuses a value; the message
+                names the file.
         """
         try:
-            return cls.from_table(tomllib.loads(Path(path).read_text(encoding="utf-8")))
+            table = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+            unknown = sorted(table.keys() - set(_KEYS))
+            if unknown:
+                raise ValueError(f"calibration key {unknown[0]!r} is unknown; allowed: {', '.join(_KEYS)}")
+            for key in ("picture", "floor"):
+                if key not in table:
+                    raise ValueError(
+                        f"calibration has no {key!r}; allowed: four points each for picture and floor"
+                    )
+            lens, tags = None, table.get("tags", [])
+            if "lens" in table:
+                k1, k2 = _checked_numbers("lens", table["lens"], 2, "(k1, k2)")
+                lens = Lens(k1, k2)
+            if not isinstance(tags, list):
+                raise ValueError(f"calibration tags is {tags!r}; allowed: a list of [id, u, v]")
+            width, height = _checked_numbers("size", table.get("size", DEFAULT_SIZE), 2, "(width, height)")
+            return cls(
+                table["picture"],
+                table["floor"],
+                table.get("camera"),
+                lens,
+                (int(width), int(height)),
+                {
+                    int(tag): (u, v)
+                    for tag, u, v in (_checked_numbers("tag", tag, 3, "(id, u, v)") for tag in tags)
+                },
+            )
         except ValueError as error:  # includes TOMLDecodeError
             raise ValueError(f"{path}: {error}") from error
 
@@ -382,7 +349,7 @@ def _checked_points(name: str, value: object, form: str) -> tuple[tuple[float, .
         if one == other:
             raise ValueError(f"calibration {name} has the point {one} twice; allowed: four different points")
     for three in combinations(points, 3):
-        if on_a_line(*three):
+        if _on_a_line(*three):
             raise ValueError(
                 f"calibration {name} points {', '.join(map(str, three))} lie on a line; "
                 "allowed: no three points on one line"
@@ -390,7 +357,7 @@ def _checked_points(name: str, value: object, form: str) -> tuple[tuple[float, .
     return points
 
 
-def on_a_line(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> bool:
+def _on_a_line(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> bool:
     """Whether three points lie on a line, or nearly."""
     longest = max(math.dist(p, q), math.dist(q, r), math.dist(r, p))
     return abs(_cross(p, q, r)) <= _FLAT * longest * longest
@@ -399,3 +366,146 @@ def on_a_line(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> boo
 def _cross(p: Sequence[float], q: Sequence[float], r: Sequence[float]) -> float:
     """Twice the signed area of a triangle, positive when its corners turn from x towards y."""
     return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+
+
+class CalibrationFit(NamedTuple):
+    """A calibration and its errors.
+
+    A calibration fits the points that it was computed from, the better the fewer they are. The error elsewhere is
+    therefore measured with each point held out: by the calibration from all others, with the same kind of lens.
+
+    Attributes:
+        calibration: From all points.
+        residuals: Distance in mm of each point from the calibration's estimate of it.
+        held_out: The same of held-out points; nan if the others determine no calibration, and empty for four points.
+        held_out_without_lens: The same without a lens.
+        coverage: Share of the picture that lies within the points' convex hull.
+    """
+
+    calibration: Calibration
+    residuals: tuple[float, ...]
+    held_out: tuple[float, ...]
+    held_out_without_lens: tuple[float, ...]
+    coverage: float
+
+
+def fit_calibration(
+    picture: Sequence[Point],
+    floor: Sequence[Point],
+    camera: tuple[float, float, float] | None = None,
+    size: Size = DEFAULT_SIZE,
+) -> CalibrationFit:
+    """Fit a calibration: exactly to four points, by least squares to more.
+
+    The lens is fitted to at least `LENS_POINTS` points, and used if it is possible and lowers the held-out error.
+
+    Args:
+        picture: Four or more points (u, v) in pixels.
+        floor: The same points in mm.
+        camera: Position x, y and height of the camera in mm; None corrects no parallax.
+        size: Width and height of the picture.
+
+    Raises:
+        ValueError: The points fit no camera.
+        ImportError: OpenCV is not installed.
+    """
+    import cv2
+
+    hull = cv2.convexHull(np.array(picture, np.float32))
+    coverage = cv2.contourArea(hull) / (size[0] * size[1])
+    if len(picture) == 4:
+        calibration = Calibration(tuple(picture), tuple(floor), camera, size=size)
+        return CalibrationFit(calibration, distances(calibration, picture, floor), (), (), coverage)
+    calibration = _fitted(picture, floor, 0, camera, size)
+    plain = best = _held_out(picture, floor, 0, size)
+    for coefficients, least in enumerate(LENS_POINTS, start=1):
+        if len(picture) < least:
+            break
+        with suppress(ValueError):  # errors of clicks can make a distortion fit best that no lens has
+            with_lens = _fitted(picture, floor, coefficients, camera, size)
+            errors = _held_out(picture, floor, coefficients, size)
+            if root_mean_square(errors) < _GAIN * root_mean_square(best):
+                calibration, best = with_lens, errors
+    return CalibrationFit(calibration, distances(calibration, picture, floor), best, plain, coverage)
+
+
+def distances(
+    calibration: Calibration, picture: Sequence[Point], floor: Sequence[Point]
+) -> tuple[float, ...]:
+    """Distance in mm of each place on the floor from where the calibration maps its point of the picture."""
+    return tuple(
+        math.dist([MM_PER_PIXEL * c for c in calibration.to_region(u, v)], place)
+        for (u, v), place in zip(picture, floor, strict=True)
+    )
+
+
+def root_mean_square(errors: Sequence[float]) -> float:
+    """Root of the mean square of the errors that are known; nan without any."""
+    known = [error for error in errors if not math.isnan(error)]
+    return math.sqrt(sum(error * error for error in known) / len(known)) if known else math.nan
+
+
+def _fitted(
+    picture: Sequence[Point],
+    floor: Sequence[Point],
+    coefficients: int,
+    camera: tuple[float, float, float] | None,
+    size: Size,
+) -> Calibration:
+    """The calibration that fits points best, with some coefficients of the lens."""
+    import cv2
+
+    # Some four of them must have no three on a line.
+    if all(any(_on_a_line(*three) for three in combinations(four, 3)) for four in combinations(picture, 4)):
+        raise ValueError(
+            f"calibration points {list(picture)} fit no camera; allowed: points all over the picture"
+        )
+    corners = Calibration.identity(size=size).picture
+    lens = _lens(picture, floor, coefficients, size) if coefficients else None
+    points, ends = (
+        np.array(group if lens is None else [lens.straightened(u, v) for u, v in group])
+        for group in (picture, corners)
+    )
+    # A homography fits better than OpenCV's pose: pixels need not be square, nor measured places exact.
+    matrix, _ = cv2.findHomography(points, np.array(floor))
+    places = cv2.perspectiveTransform(ends[None], matrix)[0].tolist()
+    return Calibration(corners, tuple(map(tuple, places)), camera, lens, size)
+
+
+def _lens(picture: Sequence[Point], floor: Sequence[Point], coefficients: int, size: Size) -> Lens:
+    """The lens that fits points best.
+
+    Raises:
+        ValueError: No lens is like that.
+    """
+    import cv2
+
+    unit = math.hypot(*size) / 2
+    matrix = np.array([[unit, 0, size[0] / 2], [0, unit, size[1] / 2], [0, 0, 1]])
+    places = np.zeros((1, len(floor), 3), np.float32)
+    places[0, :, :2] = (np.array(floor) - np.mean(floor, axis=0)) / 1000
+    flags = cv2.CALIB_USE_INTRINSIC_GUESS | cv2.CALIB_FIX_PRINCIPAL_POINT | cv2.CALIB_ZERO_TANGENT_DIST
+    flags |= cv2.CALIB_FIX_K3 | (cv2.CALIB_FIX_K2 if coefficients == 1 else 0)
+    points = np.array([picture], np.float32)
+    # Its arguments are typed as lists of pictures.
+    _, matrix, k, *_ = cv2.calibrateCamera(places, points, size, matrix, np.zeros(5), flags=flags)  # type: ignore[call-overload]
+    ratio = unit * unit / float(matrix[0, 0] * matrix[1, 1])
+    k1, k2, *_ = k.ravel().tolist()
+    return Lens(k1 * ratio, k2 * ratio * ratio, size)
+
+
+def _held_out(
+    picture: Sequence[Point], floor: Sequence[Point], coefficients: int, size: Size
+) -> tuple[float, ...]:
+    """Distance in mm of each place from the estimate by a fit to all others; nan if they determine none."""
+    errors: list[float] = []
+    for i in range(len(picture)):
+        points, places = ([*group[:i], *group[i + 1 :]] for group in (picture, floor))
+        try:
+            calibration = _fitted(points, places, coefficients, None, size)
+            errors += distances(calibration, picture[i : i + 1], floor[i : i + 1])
+        except ValueError:
+            if coefficients:
+                raise
+            errors.append(math.nan)
+    return tuple(errors)

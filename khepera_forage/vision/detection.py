@@ -43,11 +43,14 @@ overexposed white grows."""
 _DEPTH, _RING, _AROUND = (0.75, 1.4), 1.35, 0.5
 """Of a disc that touches another shape, in radii: how far its middle is from the nearest border, and the ring around
 it; and the least share of that ring that is not bright."""
-_SOFTNESS, _SPREAD = 1.25, 0.2
+_SOFTNESS, _SPREAD = 1.25, 0.25
 """Greatest blur of food's border in pixels: this times that of markers' borders, and a spread."""
 _NOT_SATURATED, _SATURATED = 240.0, 0.1
 """Grey level of white below which it is not saturated; and the share of a disc that is saturated in a reflection."""
 _SQUARE = np.ones((3, 3), np.uint8)
+_NEAR_FLOOR, _BRIGHT_AREA = np.ones((7, 7), np.uint8), 0.95
+"""Squares of 8 x 8 pixels, over which light varies little, whose darkest is the floor beside a bright area; and the
+area's least brightness as a multiple of this floor's, as a share of `TrackerSettings.contrast`."""
 _ROUND = 0.98
 """Ratio of the axes from which a shape is taken for a whole disc: at most 1 % of it is then hidden."""
 _STEP, _REACH = 0.25, 2.0
@@ -71,6 +74,8 @@ TROUBLES = {
     "cables": "cables hide the holes of the marker at {place}: lead them elsewhere",
     "holes": "the holes of the marker at {place} are those of no marker in use, or a reflection hides some",
     "reflection": "the bright spot at {place} has no sharp border: it is no food, but a reflection, or out of focus",
+    "bright area": "the area around {place} is much brighter than the floor beside it, and so wide that food on it or "
+    "touching it may not be seen: cover it, or light the floor evenly",
     "bright food": "the bright spot at {place} is brighter than white paper: a reflection",
 }
 """What makes a shape uncertain, with its remedy."""
@@ -95,20 +100,21 @@ class Detector:
         self._marker_area = settings.marker_length * settings.marker_width * scale**2
         self._diagonal = math.hypot(settings.marker_length, settings.marker_width) * scale
         self._least, self._most = (share * self._marker_area for share in _MARKER_AREA)
-        self._white, self._blur, self._until_measured = 0.0, BLUR_LIMIT, 0
+        self._white, self._blur, self._until_measured = 0.0, 0.0, 0
 
     def detect(
         self,
         segmentation: Segmentation,
-        markers: bool = True,
-        tags: Sequence[tuple[float, float]] = (),
-        reach: float = 0.0,
+        tags: Sequence[tuple[float, float]],
+        reach: float,
     ) -> list[Detection]:
         """All food in a frame, and all markers with holes unless robots carry tags.
 
         If they do, shapes within `reach` of the places of `tags` (region coordinates) are parts of these.
         """
+        markers = self._settings.markers != "tags"
         self.warnings = {}
+        self._report_bright_area(segmentation)
         least = _MIN_PIECE_AREA * self._food_area
         # The contour's length bounds the area from above and is cheap: most shapes are specks.
         contours = [c for c in outer_contours(segmentation.mask) if len(c) ** 2 >= least]
@@ -217,9 +223,9 @@ class Detector:
         if self._until_measured < 0:
             self._until_measured = _MEASURE_INTERVAL
             white, blur = white_and_blur(patch.grey, patch.filled > 0, max(patch.floor, 1))
-            share = _NEWEST if self._white else 1.0
-            self._white += share * (white - self._white)
-            self._blur += share * (max(blur, _LEAST_BLUR) - self._blur)
+            if white * patch.floor < _NOT_SATURATED:  # otherwise it is brighter than it seems
+                self._white += (_NEWEST if self._white else 1.0) * (white - self._white)
+            self._blur += (_NEWEST if self._blur else 1.0) * (max(blur, _LEAST_BLUR) - self._blur)
 
     def _report_cover(self, piece: Contour) -> None:
         """Report a shape that may be a part of a marker."""
@@ -227,6 +233,14 @@ class Detector:
         if filled_area(piece) >= _PART * self._marker_area and math.hypot(*size) <= 1.2 * self._diagonal:
             place = self._calibration.to_region(u + 0.5, v + 0.5, self._settings.marker_height)
             self._report("cover", *place)
+
+    def _report_bright_area(self, segmentation: Segmentation) -> None:
+        """Report a bright wall or sheet that is wide enough to be taken for floor."""
+        floor = segmentation.floor
+        contrast = floor / np.maximum(cv2.erode(floor, _NEAR_FLOOR), 1)
+        row, column = np.unravel_index(contrast.argmax(), floor.shape)
+        if contrast[row, column] > _BRIGHT_AREA * self._settings.contrast:
+            self._report("bright area", *self._calibration.to_region(8.0 * column + 4, 8.0 * row + 4))
 
     def _report(self, trouble: str, x: float, y: float) -> None:
         self.warnings[trouble] = TROUBLES[trouble].format(place=place_text(x, y))
@@ -236,14 +250,14 @@ class Detector:
     ) -> Detection:
         """The detection of food, or of a marker."""
         height = self._settings.food_height if marker is None else self._settings.marker_height
-        unit = self._calibration.jacobian(moments.u, moments.v, height).area
-        area = filled_area(contour) * unit
+        scale = self._calibration.scale(moments.u, moments.v, height)
+        area = filled_area(contour) * scale**2
         holes = orientation = 0
         if marker is not None:
             holes, orientation = marker.number, round(math.degrees(moments.axis)) % 360
             area -= marker.area
         # The contour runs through the middles of the border pixels; the outline around them is longer by pi.
-        perimeter = (cv2.arcLength(contour, True) + math.pi) * math.sqrt(unit)
+        perimeter = (cv2.arcLength(contour, True) + math.pi) * scale
         column, row = min(contour[:, 0].tolist(), key=lambda pixel: pixel[::-1])
         first = self._calibration.to_region(column + 0.5, row + 0.5, height)
         compactness = perimeter * perimeter / area
@@ -322,12 +336,14 @@ class Detector:
         white.
         """
         if 0 < self._white * patch.floor < _NOT_SATURATED:
-            unit = self._calibration.jacobian(food.u, food.v, self._settings.food_height).area
-            saturated = np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) * unit
+            scale = self._calibration.scale(food.u, food.v, self._settings.food_height)
+            saturated = np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) * scale**2
             if saturated > _SATURATED * math.pi * self._radius**2:
                 return "bright food"
-        _, softness = white_and_blur(patch.grey, patch.filled > 0, max(patch.floor, 1))
-        return "reflection" if softness > _SOFTNESS * self._blur + _SPREAD else ""
+        # Whatever is darker than the floor, such as a cable, has borders of its own.
+        bright = np.maximum(patch.grey, patch.floor)
+        _, softness = white_and_blur(bright, patch.filled > 0, max(patch.floor, 1))
+        return "reflection" if softness > _SOFTNESS * (self._blur or BLUR_LIMIT) + _SPREAD else ""
 
     def _rim(
         self, segmentation: Segmentation, u: float, v: float, level: float
@@ -338,7 +354,7 @@ class Detector:
         not fit. None if too little of it is visible. `level` is the grey level of the disc.
         """
         jacobian = self._calibration.jacobian(u, v, self._settings.food_height)
-        to_picture = np.linalg.inv(np.array(jacobian).reshape(2, 2))
+        to_picture = np.linalg.inv(jacobian)
         along = np.arange(max(0.0, self._radius - _REACH), self._radius + _REACH, _STEP)
         places = np.array((u, v)) - 0.5 + (_DIRECTIONS @ to_picture.T)[:, None] * along[:, None]
         columns, rows = np.moveaxis(places.astype(np.float32), 2, 0)

@@ -1,7 +1,7 @@
 """Pages with markers and tags at true size, to print and cut out."""
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,6 +12,7 @@ from khepera_forage.vision.tags import CELLS, DICTIONARY, FLOOR_SIZE
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+    from PIL.ImageDraw import ImageDraw
 
 PAGE_WIDTH, PAGE_HEIGHT = 210.0, 297.0
 """A4, upright, in mm."""
@@ -25,36 +26,50 @@ _SCALE_LINE = 100.0
 """Length in mm of the line that shows whether the page was printed at true size."""
 
 
-class Rectangle(NamedTuple):
-    """A filled rectangle: upper left corner and size in mm from the page's upper left corner, black or white."""
+class Element(NamedTuple):
+    """Something on a page: as SVG, and how Pillow draws it with some pixels per mm."""
 
-    x: float
-    y: float
-    width: float
-    height: float
-    black: bool
+    svg: str
+    draw: Callable[["ImageDraw", float], None]
 
 
-class Line(NamedTuple):
-    """A thin line in mm."""
-
-    x1: float
-    y1: float
-    x2: float
-    y2: float
+Page = list[Element]
+"""Everything on a page, lowest first. Lengths are in mm from its upper left corner."""
 
 
-class TextLine(NamedTuple):
-    """A line of text: its baseline and middle in mm, and the height of its letters in mm."""
+def _rectangle(x: float, y: float, width: float, height: float, black: bool) -> Element:
+    """A filled rectangle from its upper left corner."""
 
-    y: float
-    text: str
-    x: float = PAGE_WIDTH / 2
-    size: float = 3.2
+    def draw(drawing: "ImageDraw", scale: float) -> None:
+        # Pillow fills the last pixel too.
+        end = (round((x + width) * scale) - 1, round((y + height) * scale) - 1)
+        drawing.rectangle((round(x * scale), round(y * scale), *end), fill=0 if black else 255)
+
+    size = f'width="{width:g}" height="{height:g}"'
+    return Element(f'<rect x="{x:g}" y="{y:g}" {size} fill="{"black" if black else "white"}"/>', draw)
 
 
-Page = list[Rectangle | Line | TextLine]
-"""Everything on a page, lowest first."""
+def _line(x1: float, y1: float, x2: float, y2: float) -> Element:
+    """A thin line."""
+
+    def draw(drawing: "ImageDraw", scale: float) -> None:
+        drawing.line([n * scale for n in (x1, y1, x2, y2)], fill=0, width=round(0.3 * scale))
+
+    ends = f'x1="{x1:g}" y1="{y1:g}" x2="{x2:g}" y2="{y2:g}"'
+    return Element(f'<line {ends} stroke="black" stroke-width="0.3"/>', draw)
+
+
+def _text(y: float, text: str, x: float = _MIDDLE, size: float = 3.2) -> Element:
+    """A line of text around x on a baseline; the size is the height of its letters."""
+
+    def draw(drawing: "ImageDraw", scale: float) -> None:
+        from PIL import ImageFont
+
+        font = ImageFont.load_default(size / 0.72 * scale)
+        drawing.text((x * scale, y * scale), text, fill=0, font=font, anchor="ms")
+
+    font = f'font-family="sans-serif" font-size="{size / 0.72:g}" text-anchor="middle"'
+    return Element(f'<text x="{x:g}" y="{y:g}" {font}>{text}</text>', draw)
 
 
 def marker_pages(numbers: Sequence[int] = (1, 2), grid: bool = False) -> list[Page]:
@@ -62,15 +77,13 @@ def marker_pages(numbers: Sequence[int] = (1, 2), grid: bool = False) -> list[Pa
     foot = PAGE_HEIGHT - 36
     pages = []
     for first in range(0, len(numbers), 2):
-        page: Page = [
-            TextLine(10, "Markers for the overhead camera. Print at 100 %, on matt paper, and check:")
-        ]
+        page: Page = [_text(10, "Markers for the overhead camera. Print at 100 %, on matt paper, and check:")]
         for place, number in enumerate(numbers[first : first + 2]):
             page += _marker(number, grid, _MIDDLE, _FIRST_MARKER + place * _SPACING)
         page += _ruler(foot, "this line is 100 mm long, and the white of a marker 120 x 80 mm.")
         page += [
-            TextLine(foot + 13, "Cut along the outer edge of the frame. Mount it level over the gripper,"),
-            TextLine(foot + 18, "its middle over the middle of the robot, its arrow towards the gripper."),
+            _text(foot + 13, "Cut along the outer edge of the frame. Mount it level over the gripper,"),
+            _text(foot + 18, "its middle over the middle of the robot, its arrow towards the gripper."),
         ]
         pages.append(page)
     return pages
@@ -101,28 +114,28 @@ def tag_pages(
         step = size + 2 * max(5.5, size / 10)
         columns, rows = int(200 // step), max(1, int(262 // (step + 7)))
         for first in range(0, len(group), columns * rows):
-            page: Page = [TextLine(7, "ArUco tags, 4 x 4. Print at 100 %, on matt paper, and check:")]
+            page: Page = [_text(7, "ArUco tags, 4 x 4. Print at 100 %, on matt paper, and check:")]
             page += _ruler(12, f"this line is 100 mm long, and a black square {size:g} mm wide.")
             for place, tag in enumerate(group[first : first + columns * rows]):
                 x = _MIDDLE + (place % columns - (columns - 1) / 2) * step
                 y = 22 + (place // columns) * (step + 7) + step / 2
                 page += _tag(tag, size, step, x, y)
                 front = ", top is front" if kind == "robot" else ""
-                page.append(TextLine(y + step / 2 + 4, f"{kind} {tag}{front}", x))
+                page.append(_text(y + step / 2 + 4, f"{kind} {tag}{front}", x))
             pages.append(page)
     return pages
 
 
-def _ruler(y: float, text: str) -> Iterator[Rectangle | Line | TextLine]:
+def _ruler(y: float, text: str) -> Iterator[Element]:
     """A line of known length, and what it shows."""
-    yield Line(_MIDDLE - _SCALE_LINE / 2, y, _MIDDLE + _SCALE_LINE / 2, y)
+    yield _line(_MIDDLE - _SCALE_LINE / 2, y, _MIDDLE + _SCALE_LINE / 2, y)
     for end in (-1, 1):
         x = _MIDDLE + end * _SCALE_LINE / 2
-        yield Line(x, y - 2, x, y + 2)
-    yield TextLine(y + 6, text)
+        yield _line(x, y - 2, x, y + 2)
+    yield _text(y + 6, text)
 
 
-def _tag(tag: int, size: float, outer: float, x: float, y: float) -> Iterator[Rectangle | Line | TextLine]:
+def _tag(tag: int, size: float, outer: float, x: float, y: float) -> Iterator[Element]:
     """A tag centred at (x, y) on the page, and the edges of its white margin, to cut along."""
     require("tags", "camera")
     import cv2
@@ -130,31 +143,31 @@ def _tag(tag: int, size: float, outer: float, x: float, y: float) -> Iterator[Re
     dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
     cells = cv2.aruco.generateImageMarker(dictionary, tag, CELLS)
     cell, left, top = size / CELLS, x - size / 2, y - size / 2
-    yield Rectangle(left, top, size, size, True)
+    yield _rectangle(left, top, size, size, True)
     for row, column in zip(*cells.nonzero(), strict=True):
-        yield Rectangle(left + column * cell, top + row * cell, cell, cell, False)
+        yield _rectangle(left + column * cell, top + row * cell, cell, cell, False)
     for dx, dy in ((-1, -1), (1, -1), (-1, 1), (1, 1)):
         corner_x, corner_y = x + dx * outer / 2, y + dy * outer / 2
-        yield Line(corner_x, corner_y, corner_x - dx * 3, corner_y)
-        yield Line(corner_x, corner_y, corner_x, corner_y - dy * 3)
+        yield _line(corner_x, corner_y, corner_x - dx * 3, corner_y)
+        yield _line(corner_x, corner_y, corner_x, corner_y - dy * 3)
 
 
-def _marker(number: int, grid: bool, x: float, y: float) -> Iterator[Rectangle | Line | TextLine]:
+def _marker(number: int, grid: bool, x: float, y: float) -> Iterator[Element]:
     """One marker centred at (x, y) on the page, its front to the right."""
     for grow, black in ((MARKER_FRAME, True), (0.0, False)):
         length, width = MARKER_LENGTH + 2 * grow, MARKER_WIDTH + 2 * grow
-        yield Rectangle(x - length / 2, y - width / 2, length, width, black)
+        yield _rectangle(x - length / 2, y - width / 2, length, width, black)
     arrangements: Mapping[int, Sequence[tuple[float, float]]] = GRID_HOLES if grid else MARKER_HOLES
     side = GRID_SIDE if grid else HOLE_SIDE
     for forward, left in arrangements[number]:
-        yield Rectangle(x + forward - side / 2, y - left - side / 2, side, side, True)
+        yield _rectangle(x + forward - side / 2, y - left - side / 2, side, side, True)
     front = x + MARKER_LENGTH / 2 + MARKER_FRAME + 3
-    yield Line(front, y, front + 12, y)
+    yield _line(front, y, front + 12, y)
     for side in (-1, 1):
-        yield Line(front + 12, y, front + 8, y + side * 3)
-    yield TextLine(y + 9, "front", front + 7)
+        yield _line(front + 12, y, front + 8, y + side * 3)
+    yield _text(y + 9, "front", front + 7)
     name = f"marker {number}" if grid else "1 hole" if number == 1 else f"{number} holes"
-    yield TextLine(y + MARKER_WIDTH / 2 + MARKER_FRAME + 6, name, x, 4.2)
+    yield _text(y + MARKER_WIDTH / 2 + MARKER_FRAME + 6, name, x, 4.2)
 
 
 def svg(page: Page) -> str:
@@ -165,18 +178,7 @@ def svg(page: Page) -> str:
         f'viewBox="0 0 {PAGE_WIDTH:g} {PAGE_HEIGHT:g}" shape-rendering="crispEdges">',
         '<rect width="100%" height="100%" fill="white"/>',
     ]
-    for e in page:
-        if isinstance(e, Rectangle):
-            fill = "black" if e.black else "white"
-            size = f'width="{e.width:g}" height="{e.height:g}"'
-            lines.append(f'<rect x="{e.x:g}" y="{e.y:g}" {size} fill="{fill}"/>')
-        elif isinstance(e, Line):
-            ends = f'x1="{e.x1:g}" y1="{e.y1:g}" x2="{e.x2:g}" y2="{e.y2:g}"'
-            lines.append(f'<line {ends} stroke="black" stroke-width="0.3"/>')
-        else:
-            font = f'font-family="sans-serif" font-size="{e.size / 0.72:g}" text-anchor="middle"'
-            lines.append(f'<text x="{e.x:g}" y="{e.y:g}" {font}>{e.text}</text>')
-    return "\n".join([*lines, "</svg>", ""])
+    return "\n".join([*lines, *(element.svg for element in page), "</svg>", ""])
 
 
 def save_pages(path: str | os.PathLike[str], pages: Sequence[Page]) -> Path:
@@ -209,20 +211,11 @@ def save_pages(path: str | os.PathLike[str], pages: Sequence[Page]) -> Path:
 def _image(page: Page, dpi: int = DPI) -> "Image":
     """A page as a grey image."""
     require("a PNG or PDF", "render", otherwise="; SVG works without")
-    from PIL import Image, ImageDraw, ImageFont
+    from PIL import Image, ImageDraw
 
     scale = dpi / 25.4
     image = Image.new("L", (round(PAGE_WIDTH * scale), round(PAGE_HEIGHT * scale)), 255)
     drawing = ImageDraw.Draw(image)
     for element in page:
-        if isinstance(element, Rectangle):
-            x, y, width, height, black = element
-            # Pillow fills the last pixel too.
-            end = (round((x + width) * scale) - 1, round((y + height) * scale) - 1)
-            drawing.rectangle((round(x * scale), round(y * scale), *end), fill=0 if black else 255)
-        elif isinstance(element, Line):
-            drawing.line([v * scale for v in element], fill=0, width=round(0.3 * scale))
-        else:
-            font = ImageFont.load_default(element.size / 0.72 * scale)
-            drawing.text((element.x * scale, element.y * scale), element.text, fill=0, font=font, anchor="ms")
+        element.draw(drawing, scale)
     return image

@@ -231,7 +231,7 @@ class MarkerDetector:
         """In the picture: steps of a region pixel along and across the marker (columns), and its middle."""
         jacobian = self._calibration.jacobian(moments.u, moments.v, self._height)
         cos, sin = math.cos(moments.axis), math.sin(moments.axis)
-        steps = np.linalg.inv(np.array(jacobian).reshape(2, 2)) @ [[cos, -sin], [sin, cos]]
+        steps = np.linalg.inv(jacobian) @ [[cos, -sin], [sin, cos]]
         return steps, np.array(moments[:2])
 
     def _upright(self, frame: Frame, middle: Floats, steps: Floats) -> Frame:

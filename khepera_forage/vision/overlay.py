@@ -56,29 +56,27 @@ def draw_scene(
         raise ValueError(f"enlargement is {enlargement!r}; allowed: at least 1")
     larger = frame.repeat(enlargement, axis=0).repeat(enlargement, axis=1)
     picture: NDArray[np.uint8] = cv2.cvtColor(larger, cv2.COLOR_GRAY2RGB)  # type: ignore[assignment]
-    calibration, settings = calibration or Calibration.identity(), settings or TrackerSettings()
+    settings = settings or TrackerSettings()
+    calibration = (calibration or Calibration.identity()).for_size(*larger.shape[::-1])
     thickness, size = (enlargement + 1) // 2, _TEXT_SIZE + _TEXT_GROWTH * (enlargement - 1)
     for region in scene.regions:
         marker = region.holes > 0
         colour = (MARKER if marker else FOOD) if region.found else LOST
-        outline = _outline(region, settings)
-        strokes = [[(-1.5, 0.0), (1.5, 0.0)], [(0.0, -1.5), (0.0, 1.5)]]
+        strokes = [_outline(region, settings), [(-1.5, 0.0), (1.5, 0.0)], [(0.0, -1.5), (0.0, 1.5)]]
         if marker:
             tip = settings.marker_length / MM_PER_PIXEL * 0.8
             strokes += [[(0.0, 0.0), (tip, 0.0)], [(tip - 3, 2.5), (tip, 0.0), (tip - 3, -2.5)]]
         height = settings.marker_height if marker else settings.food_height
-        for line in (outline, *strokes):
-            corners = enlargement * _shown(region, line, calibration, height)
+        outline, *others = (_shown(region, stroke, calibration, height) for stroke in strokes)
+        for corners in (outline, *others):
             points = np.rint((corners - 0.5) * 2**_FRACTIONAL_BITS).astype(np.int32)
-            closed = line is outline
+            closed = corners is outline
             cv2.polylines(picture, [points], closed, colour, thickness, cv2.LINE_AA, _FRACTIONAL_BITS)
         # The caption of a marker is above its outline, that of food below, so that neighbours stay apart.
-        text = caption(region, settings.markers)
+        text, gap = caption(region, settings.markers), 3 * enlargement
         (_, letters), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, thickness)
-        places = enlargement * _shown(region, outline, calibration, height)
-        gap = 3 * enlargement
-        bottom = places[:, 1].min() - gap if marker else places[:, 1].max() + gap + letters
-        place = (round(places[:, 0].min()), round(bottom))
+        bottom = outline[:, 1].min() - gap if marker else outline[:, 1].max() + gap + letters
+        place = (round(outline[:, 0].min()), round(bottom))
         cv2.putText(picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, size, colour, thickness, cv2.LINE_AA)
     return picture
 

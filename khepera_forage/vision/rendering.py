@@ -30,6 +30,7 @@ from khepera_forage.vision.shapes import (
     PICTURE_HEIGHT,
     PICTURE_WIDTH,
 )
+from khepera_forage.vision.tags import CELLS, DICTIONARY
 
 _GREYS = ("white", "black", "floor", "wall", "body", "gripper", "cable")
 _SUPERSAMPLING = 16
@@ -52,10 +53,12 @@ _SPARE = 256
 """Pixels by which the precomputed noise is larger than a frame in each direction."""
 _FULL_SAG_LENGTH = 400.0
 """mm between anchor and robot from which on a cable sags in full; a nearer cable is steeper and shows less sag."""
+_TAG_MARGIN = 0.5
+"""Width of the white margin around a tag, in cells."""
 _POINTS = 24
 """Points on the polyline that approximates a cable."""
 
-_SHAPE = (int(PICTURE_HEIGHT), int(PICTURE_WIDTH))
+SIZE = (int(PICTURE_WIDTH), int(PICTURE_HEIGHT))
 
 Wall = tuple[float, float, float, float]
 
@@ -179,12 +182,12 @@ _SHEET = Box(
 
 
 class FrameRenderer:
-    """Renders frames of 640 x 480 grey pixels, 5 mm each on the floor, whose lower left corner is (0, 0) mm.
+    """Renders grey frames of a floor 3200 mm wide, whose lower left corner is (0, 0) mm: 640 x 480 pixels of 5 mm.
 
-    A frame shows, from bottom to top: the floor and its walls, white food, the robots' dark bodies and grippers,
-    their markers (white, 120 x 80 mm, with black holes and frame) and the cables. Light, lens, sensor and frame
-    grabber then disturb the picture. Food under a marker is drawn and covered. Grippers are always drawn lowered and
-    open: dark shapes on the floor make no region.
+    A frame shows, from bottom to top: the floor and its walls, white food, the robots' dark bodies and grippers, their
+    markers (white, 120 x 80 mm, with black holes and frame, or ArUco tags) and the cables. Light, lens, sensor and
+    frame grabber then disturb the picture. Food under a marker is drawn and covered. Grippers are always drawn lowered
+    and open: dark shapes on the floor make no region.
 
     Edges are exact to a fiftieth of a pixel before light and noise. A frame shows one instant, without motion blur (a
     robot drives 3 mm in the 20 ms of a frame).
@@ -197,9 +200,16 @@ class FrameRenderer:
         anchor: Where the cables hang from, in mm as seen from above; None draws no cables.
         walls: Segments (x1, y1, x2, y2) in mm, as in `Arena.segments`.
         period: Seconds from one frame to the next, in which light and cables move.
+        size: Width and height of the frames in pixels.
+        tag_size: Side in mm of the tags that replace the markers; their ids are the numbers of the markers.
+        gripper: Whether the robots have one.
 
     Raises:
         ValueError: A period that is negative or not finite.
+
+    Attributes:
+        cables: Each robot's cable in the newest frame: n x 2 points in pixels, x right and y up, from the anchor to the
+            middle of the marker, which hides its end; empty without cables.
     """
 
     def __init__(
@@ -210,6 +220,9 @@ class FrameRenderer:
         *,
         walls: Sequence[Wall] = (),
         period: float = CONTROL_PERIOD,
+        size: tuple[int, int] = SIZE,
+        tag_size: float | None = None,
+        gripper: bool = True,
     ) -> None:
         if not (math.isfinite(period) and period >= 0):
             raise ValueError(f"period of frames is {period!r} s; allowed: a finite number >= 0")
@@ -219,10 +232,12 @@ class FrameRenderer:
         self._walls = tuple(walls)
         self._period = period
         self._frames = 0
-        self._light: Light | None = None
+        self._floor: NDArray[np.uint8] | None = None
         self._sway: SlowNoise | None = None
-        self._curves: list[NDArray[np.float64]] = []
-        self._robot = _robot_shapes(self._appearance)
+        self.cables: list[NDArray[np.float64]] = []
+        self._size, self._mm = size, SIZE[0] * MM_PER_PIXEL / size[0]
+        self._tag_size = tag_size
+        self._robot = _robot_shapes(self._appearance)[: None if gripper else 1]
         self._markers = {
             holes: marker_shapes(self._appearance, centres) for holes, centres in MARKER_HOLES.items()
         }
@@ -236,27 +251,31 @@ class FrameRenderer:
         """
         floor, light, cables = rng.spawn(3)
         self._frames = 0
-        self._floor = _draw_floor(self._appearance, self._walls, floor)
-        self._light = Light(self._appearance, light)
-        self._sway, self._curves = None, []
+        self._floor = _draw_floor(self._appearance, self._walls, floor, self._size)
+        self._light = Light(self._appearance, light, self._size)
+        if self._tag_size is not None:
+            self._markers = {
+                number: _tag_shapes(self._appearance, number, self._tag_size)
+                for *_, number in self._truth().markers
+            }
+        self._sway, self.cables = None, []
         if self._anchor is not None and self._appearance.cable_width > 0:
             robots = len(self._truth().markers)
             self._sway = SlowNoise(cables, robots, _SWAY_PERIOD)
             self._sides = cables.choice((-1.0, 1.0), robots)
 
     def frame(self) -> NDArray[np.uint8]:
-        """The next frame, 480 x 640; row 0 is the top (largest y).
+        """The next frame; row 0 is the top (largest y).
 
         Raises:
             RuntimeError: The renderer was never reset.
         """
-        light, truth = self._light_after_reset(), self._truth()
-        seconds = self._frames * self._period
+        truth = self._truth()
+        picture, seconds = self._drawn(truth), self._frames * self._period
         self._frames += 1
-        picture = self._drawn(truth)
         if self._sway is not None:
             self._draw_cables(picture, truth, self._sway.at(seconds))
-        return light.expose(picture, seconds)
+        return self._light.expose(picture, seconds)
 
     def newest(self) -> tuple[NDArray[np.uint8], float]:
         """The next frame, and its age: 0 s. With this and `close` the renderer is a `FrameSource`."""
@@ -271,15 +290,11 @@ class FrameRenderer:
         Raises:
             RuntimeError: The renderer was never reset.
         """
-        self._light_after_reset()
         return self._drawn(self._truth())
 
-    def _light_after_reset(self) -> "Light":
-        if self._light is None:
-            raise RuntimeError("frame before any reset(rng); allowed: after one")
-        return self._light
-
     def _drawn(self, truth: Truth) -> NDArray[np.uint8]:
+        if self._floor is None:
+            raise RuntimeError("frame before any reset(rng); allowed: after one")
         picture = self._floor.copy()
         for x, y in truth.foods:
             draw_shapes(picture, self._image_pose(x, y, 0.0, FOOD_HEIGHT), self._food)
@@ -297,34 +312,27 @@ class FrameRenderer:
         food, but never its own robot's marker.
         """
         assert self._anchor is not None
-        appearance, start = self._appearance, np.array(to_pixels(*self._anchor))
-        sags = (appearance.cable_sag * self._sides + appearance.cable_sway * sway) / MM_PER_PIXEL
+        appearance, start = self._appearance, np.array(self._anchor) / self._mm
+        sags = (appearance.cable_sag * self._sides + appearance.cable_sway * sway) / self._mm
         poses = [
             self._image_pose(x, y, heading, appearance.marker_height) for x, y, heading, _ in truth.markers
         ]
-        self._curves = [_cable(start, pose, float(sag)) for pose, sag in zip(poses, sags, strict=True)]
-        for pose, curve in zip(poses, self._curves, strict=True):
-            width = appearance.cable_width / MM_PER_PIXEL
-            draw_cable(picture, curve, width, appearance.cable, (_SHEET, pose))
-
-    @property
-    def cables(self) -> list[NDArray[np.float64]]:
-        """Each robot's cable in the newest frame; empty without cables.
-
-        Each is n x 2 points in pixels, x right and y up, from the anchor to the middle of the marker, which hides the
-        end of the cable.
-        """
-        return [curve.copy() for curve in self._curves]
+        full = _FULL_SAG_LENGTH / self._mm
+        self.cables = [_cable(start, pose, float(sag), full) for pose, sag in zip(poses, sags, strict=True)]
+        for pose, curve, (*_, number) in zip(poses, self.cables, truth.markers, strict=True):
+            width, sheet = appearance.cable_width / self._mm, self._markers[number][0]
+            draw_cable(picture, curve, width, appearance.cable, (sheet, pose))
 
     def _image_pose(self, x: float, y: float, heading: float, height: float) -> ImagePose:
         """Pose in the picture of an object in mm, shifted by the parallax of its height."""
-        column, row = to_pixels(x, y)
+        column, row = x / self._mm, y / self._mm
         magnification = 1.0
         if self._appearance.height is not None:
             magnification = self._appearance.height / (self._appearance.height - height)
-            column = PICTURE_WIDTH / 2 + (column - PICTURE_WIDTH / 2) * magnification
-            row = PICTURE_HEIGHT / 2 + (row - PICTURE_HEIGHT / 2) * magnification
-        return ImagePose(column, row, math.cos(heading), math.sin(heading), magnification / MM_PER_PIXEL)
+            middle = self._size[0] / 2, self._size[1] / 2
+            column = middle[0] + (column - middle[0]) * magnification
+            row = middle[1] + (row - middle[1]) * magnification
+        return ImagePose(column, row, math.cos(heading), math.sin(heading), magnification / self._mm)
 
 
 class SlowNoise:
@@ -346,20 +354,22 @@ class Light:
     pixel to pixel. For speed it is drawn once, and each frame uses a randomly shifted and mirrored part of it.
     """
 
-    def __init__(self, appearance: CameraAppearance, rng: np.random.Generator) -> None:
+    def __init__(
+        self, appearance: CameraAppearance, rng: np.random.Generator, size: tuple[int, int] = SIZE
+    ) -> None:
         drift, self._rng = rng.spawn(2)
         self._appearance = appearance
         self._drift = SlowNoise(drift, 3, _DRIFT_PERIOD)
         tilt = drift.uniform(-1, 1, 2)
         self._tilt = tilt * appearance.gradient / max(1e-9, float(np.abs(tilt).max()))
-        height, width = _SHAPE
+        width, height = size
         self._across = np.linspace(-1, 1, width, dtype=np.float32)
         self._down = np.linspace(-1, 1, height, dtype=np.float32)[:, None]
         noise = self._rng.standard_normal((height + _SPARE, width + _SPARE), dtype=np.float32)
         self._noise = np.float32(appearance.grain) * noise
 
     def expose(self, picture: NDArray[np.uint8], seconds: float) -> NDArray[np.uint8]:
-        """The frame that the camera takes of a 480 x 640 picture under full, even light, some time after the reset."""
+        """The frame that the camera takes of a picture under full, even light, some time after the reset."""
         appearance = self._appearance
         if appearance.blur > 0:
             picture = cv2.GaussianBlur(picture, (0, 0), appearance.blur)  # type: ignore[assignment]
@@ -376,13 +386,13 @@ class Light:
         return cv2.add((across + down) * picture, noise, dtype=cv2.CV_8U)  # type: ignore[return-value]
 
 
-def _cable(start: NDArray[np.float64], marker: ImagePose, sag: float) -> NDArray[np.float64]:
-    """Points in pixels from the anchor to the middle of a marker; `sag` is the signed distance of the middle."""
+def _cable(start: NDArray[np.float64], marker: ImagePose, sag: float, full: float) -> NDArray[np.float64]:
+    """Points in pixels from the anchor to the middle of a marker; `sag` is that of the middle of a `full` length."""
     end = np.array((marker.x, marker.y))
     along = end - start
     length = math.hypot(*along)
     normal = np.array((-along[1], along[0])) / max(length, 1e-9)
-    control = (start + end) / 2 + 2 * sag * min(1.0, length * MM_PER_PIXEL / _FULL_SAG_LENGTH) * normal
+    control = (start + end) / 2 + 2 * sag * min(1.0, length / full) * normal
     s = np.linspace(0, 1, _POINTS)[:, None]
     return (1 - s) ** 2 * start + 2 * s * (1 - s) * control + s**2 * end  # type: ignore[no-any-return]
 
@@ -409,28 +419,42 @@ def marker_shapes(appearance: CameraAppearance, holes: Iterable[tuple[float, flo
     )
 
 
+def _tag_shapes(appearance: CameraAppearance, number: int, side: float) -> tuple[Box, ...]:
+    """White sheet, black square and white cells of an ArUco tag whose top is the front, lowest first."""
+    half, cell = side / 2, side / CELLS
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
+    sheet = half + _TAG_MARGIN * cell
+    return (
+        Box(-sheet, -sheet, sheet, sheet, appearance.white),
+        Box(-half, -half, half, half, appearance.black),
+        *(
+            Box(half - (row + 1) * cell, half - (column + 1) * cell, half - row * cell, half - column * cell,
+                appearance.white)
+            for row, column in np.argwhere(cv2.aruco.generateImageMarker(dictionary, number, CELLS)).tolist()
+        ),
+    )  # fmt: skip
+
+
 def _draw_floor(
-    appearance: CameraAppearance, walls: Sequence[Wall], rng: np.random.Generator
+    appearance: CameraAppearance, walls: Sequence[Wall], rng: np.random.Generator, size: tuple[int, int]
 ) -> NDArray[np.uint8]:
     """The empty floor with its walls, under full light."""
-    blotches = cv2.GaussianBlur(rng.standard_normal(_SHAPE, dtype=np.float32), (0, 0), _BLOTCH_SIZE)
-    grain = cv2.GaussianBlur(rng.standard_normal(_SHAPE, dtype=np.float32), (0, 0), 0.8)
+    shape, scale = (size[1], size[0]), size[0] / SIZE[0]
+    blotches = cv2.GaussianBlur(rng.standard_normal(shape, dtype=np.float32), (0, 0), _BLOTCH_SIZE * scale)
+    grain = cv2.GaussianBlur(rng.standard_normal(shape, dtype=np.float32), (0, 0), 0.8)
     texture = appearance.texture * (0.85 * blotches / blotches.std() + 0.5 * grain / grain.std())
-    wall_mask = np.zeros(_SHAPE, np.uint8)
+    wall_mask = np.zeros(shape, np.uint8)
     for x1, y1, x2, y2 in walls:
         length = math.hypot(x2 - x1, y2 - y1)
         if length > 0:
             half_length, half_width = length / 2, appearance.wall_width / 2
-            pose = ImagePose(
-                *to_pixels((x1 + x2) / 2, (y1 + y2) / 2),
-                (x2 - x1) / length,
-                (y2 - y1) / length,
-                1 / MM_PER_PIXEL,
-            )
+            pixels = scale / MM_PER_PIXEL
+            middle = (x1 + x2) / 2 * pixels, (y1 + y2) / 2 * pixels
+            pose = ImagePose(*middle, (x2 - x1) / length, (y2 - y1) / length, pixels)
             box = Box(-half_length - half_width, -half_width, half_length + half_width, half_width, 255)
             draw_shapes(wall_mask, pose, (box,))
     coverage = wall_mask.astype(np.float32) / 255
-    shade = 1 - _SHADE * cv2.GaussianBlur(coverage, (0, 0), _SHADE_WIDTH) if walls else 1.0
+    shade = 1 - _SHADE * cv2.GaussianBlur(coverage, (0, 0), _SHADE_WIDTH * scale) if walls else 1.0
     floor = (appearance.floor + texture) * shade
     picture = floor + coverage * (appearance.wall + texture - floor)
     return np.asarray(picture).round().clip(0, 255).astype(np.uint8)
@@ -439,9 +463,10 @@ def _draw_floor(
 def draw_shapes(picture: NDArray[np.uint8], pose: ImagePose, shapes: Sequence[Box | Disc]) -> None:
     """Draw the shapes of one object into a picture, lowest first; parts outside of the picture are left out."""
     reach = pose.scale * max(_reach(shape) for shape in shapes) + 1.0
-    row = PICTURE_HEIGHT - pose.y
-    left, right = max(0, math.floor(pose.x - reach)), min(int(PICTURE_WIDTH), math.ceil(pose.x + reach))
-    top, bottom = max(0, math.floor(row - reach)), min(int(PICTURE_HEIGHT), math.ceil(row + reach))
+    height, width = picture.shape
+    row = height - pose.y
+    left, right = max(0, math.floor(pose.x - reach)), min(width, math.ceil(pose.x + reach))
+    top, bottom = max(0, math.floor(row - reach)), min(height, math.ceil(row + reach))
     if left >= right or top >= bottom:
         return
     patch = picture[top:bottom, left:right]
@@ -494,11 +519,6 @@ def draw_cable(
     share = _coverage(columns, rows, points, width)
     below = picture[rows, columns]
     picture[rows, columns] = np.rint(below + share * (grey - below)).astype(np.uint8)
-
-
-def to_pixels(x: float, y: float) -> tuple[float, float]:
-    """A position in mm as pixels, x right and y up."""
-    return x / MM_PER_PIXEL, y / MM_PER_PIXEL
 
 
 def _corners(box: Box, pose: ImagePose, shrink: float = 0.0) -> NDArray[np.float64]:

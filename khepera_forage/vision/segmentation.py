@@ -106,7 +106,10 @@ def segment(frame: Frame, contrast: float) -> Segmentation:
     thresholds[_BRIGHTEST_FLOOR:] = 255
     rows, columns = frame.shape
     small = cv2.resize(frame, (columns // _REDUCTION, rows // _REDUCTION), interpolation=cv2.INTER_AREA)
-    floor = cv2.medianBlur(small, _MEDIAN_SIZE)
+    edge = _MEDIAN_SIZE // 2
+    # Reflected, so that a bright strip along the border of the picture is less than half there, too.
+    padded = cv2.copyMakeBorder(small, edge, edge, edge, edge, cv2.BORDER_REFLECT_101)
+    floor = np.ascontiguousarray(cv2.medianBlur(padded, _MEDIAN_SIZE)[edge:-edge, edge:-edge])
     threshold = cv2.resize(thresholds[floor], (columns, rows), interpolation=cv2.INTER_LINEAR)
     return Segmentation(frame, floor, cv2.compare(frame, threshold, cv2.CMP_GT))  # type: ignore[arg-type] # uint8
 
@@ -171,15 +174,11 @@ def shape_moments(
     uu = moments["mu20"] / mass - _PIXEL_VARIANCE
     vv = moments["mu02"] / mass - _PIXEL_VARIANCE
     uv = moments["mu11"] / mass
-    # The covariance in region coordinates is J C J^T.
     jacobian = calibration.jacobian(u, v, height)
-    xu, xv, yu, yv = jacobian
-    xx = xu * xu * uu + 2 * xu * xv * uv + xv * xv * vv
-    yy = yu * yu * uu + 2 * yu * yv * uv + yv * yv * vv
-    xy = xu * yu * uu + (xu * yv + xv * yu) * uv + xv * yv * vv
+    (xx, xy), (_, yy) = (jacobian @ np.array(((uu, uv), (uv, vv))) @ jacobian.T).tolist()  # the covariance
     mean, spread = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
     if mean <= spread:
         return None
     x, y = calibration.to_region(u, v, height)
-    axis, area = 0.5 * math.atan2(2 * xy, xx - yy), mass / 255 * jacobian.area
+    axis, area = 0.5 * math.atan2(2 * xy, xx - yy), mass / 255 * calibration.scale(u, v, height) ** 2
     return ShapeMoments(u, v, x, y, math.sqrt(mean + spread), math.sqrt(mean - spread), axis, area, level)

@@ -159,12 +159,3 @@ def marker_outline(cos: float, sin: float) -> tuple[float, float, float]:
 def in_picture(x: float, y: float, half_width: float = 0.0, half_height: float = 0.0) -> bool:
     """Whether an axis-aligned box lies inside the picture and clear of its border (pixels)."""
     return half_width < x < PICTURE_WIDTH - half_width and half_height < y < PICTURE_HEIGHT - half_height
-
-
-def distance_to_segment(x: float, y: float, x1: float, y1: float, x2: float, y2: float) -> float:
-    """Distance of a point from the line segment between two others."""
-    dx, dy = x2 - x1, y2 - y1
-    length_squared = dx * dx + dy * dy
-    share = ((x - x1) * dx + (y - y1) * dy) / length_squared if length_squared > 0 else 0.0
-    share = min(1.0, max(0.0, share))
-    return math.hypot(x - x1 - share * dx, y - y1 - share * dy)

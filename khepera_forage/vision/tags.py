@@ -1,13 +1,25 @@
 """ArUco tags on robots, food and the floor: found by OpenCV at the full resolution of the picture."""
 
 import math
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.vision.association import Detection
-from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.calibration import (
+    DEFAULT_SIZE,
+    Calibration,
+    CalibrationFit,
+    Point,
+    Size,
+    distances,
+    fit_calibration,
+)
 from khepera_forage.vision.scene import MM_PER_PIXEL, place_text
 from khepera_forage.vision.segmentation import Frame
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -39,50 +51,46 @@ Corners = NDArray[np.float64]
 """4 x 2: u and v of the upper left, upper right, lower right and lower left corner of a tag."""
 
 
-class TagFinder:
-    """Finds the tags with some ids in pictures.
+@cache
+def _dictionary(ids: tuple[int, ...]) -> Any:
+    """OpenCV's dictionary of some ids: the fewer there are, the more wrong cells can be corrected."""
+    import cv2
+
+    whole = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
+    used = whole.bytesList[list(ids)]
+    bits = [whole.getBitsFromByteList(used[i : i + 1], 4) for i in range(len(ids))]
+    least = min(
+        (whole.getDistanceToId(one, i) for one, j in zip(bits, ids, strict=True) for i in ids if i < j),
+        default=_ALONE,
+    )
+    return cv2.aruco.Dictionary(used, whole.markerSize, max(0, (min(least, _ALONE) - 1) // 2))
+
+
+def find_tags(grey: Frame, ids: Sequence[int], side: float) -> list[tuple[int, Corners]]:
+    """Id and corners of each tag in a picture, in pixels; the middle of the upper left pixel is (0.5, 0.5).
 
     Args:
+        grey: The picture.
         ids: Those in use; any other is ignored.
         side: Of the tags in pixels.
     """
+    import cv2
 
-    def __init__(self, ids: Sequence[int], side: float) -> None:
-        import cv2
-
-        whole = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
-        self._ids, self._side = list(ids), side
-        used = whole.bytesList[self._ids]
-        # The fewer ids are in use, the more wrong cells can be corrected.
-        least = min(
-            (
-                whole.getDistanceToId(whole.getBitsFromByteList(used[i : i + 1], 4), other)
-                for i in range(len(ids))
-                for other in self._ids[:i]
-            ),
-            default=_ALONE,
-        )
-        self._dictionary = cv2.aruco.Dictionary(used, whole.markerSize, max(0, (min(least, _ALONE) - 1) // 2))
-
-    def find(self, grey: Frame) -> list[tuple[int, Corners]]:
-        """Id and corners of each tag in a picture, in pixels; the middle of the upper left pixel is (0.5, 0.5)."""
-        import cv2
-
-        parameters = cv2.aruco.DetectorParameters()
-        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
-        parameters.minMarkerPerimeterRate = 0.6 * 4 * self._side / max(grey.shape)
-        parameters.minDistanceToBorder = 1
-        parameters.errorCorrectionRate = 1.0
-        # One window of almost a tag.
-        window = max(3, round(_WINDOW * self._side) // 2 * 2 + 1)
-        parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = window
-        corners, ids, _ = cv2.aruco.ArucoDetector(self._dictionary, parameters).detectMarkers(grey)
-        if ids is None:
-            return []
-        return [
-            (self._ids[int(i)], c.reshape(4, 2).astype(np.float64) + 0.5)
-            for i, c in zip(ids.ravel(), corners, strict=True)
-        ]
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
+    parameters.minMarkerPerimeterRate = 0.6 * 4 * side / max(grey.shape)
+    parameters.minDistanceToBorder = 1
+    parameters.errorCorrectionRate = 1.0
+    # One window of almost a tag.
+    window = max(3, round(_WINDOW * side) // 2 * 2 + 1)
+    parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = window
+    corners, found, _ = cv2.aruco.ArucoDetector(_dictionary(tuple(ids)), parameters).detectMarkers(grey)
+    if found is None:
+        return []
+    return [
+        (ids[int(i)], c.reshape(4, 2).astype(np.float64) + 0.5)
+        for i, c in zip(found.ravel(), corners, strict=True)
+    ]
 
 
 class TagDetector:
@@ -95,7 +103,7 @@ class TagDetector:
     def __init__(self, settings: TrackerSettings, calibration: Calibration) -> None:
         self._settings, self._calibration = settings, calibration
         scale = 1 / calibration.mm_per_pixel()
-        self._finders: list[tuple[TagFinder, Sequence[int], NDArray[np.uint8]]] = []
+        self._kinds: list[tuple[tuple[int, ...], float, NDArray[np.uint8]]] = []
         for ids, size in (
             (settings.numbers if settings.markers == "tags" else (), settings.tag_size),
             (settings.food_tags, settings.food_tag_size),
@@ -108,7 +116,7 @@ class TagDetector:
                     f"{_LEAST_PIXELS:g} pixels, here {math.ceil(_LEAST_PIXELS / scale)} mm: use larger tags, or a "
                     "higher resolution"
                 )
-            self._finders.append((TagFinder(ids, size * scale), ids, _closing_kernel(size, scale)))
+            self._kinds.append((ids, size * scale, _closing_kernel(size, scale)))
         # Region pixels around a tag's middle within which white belongs to the tag.
         self.reach = (0.75 * settings.tag_size + 12) / MM_PER_PIXEL
 
@@ -117,15 +125,14 @@ class TagDetector:
         import cv2
 
         found = dict[int, list[Corners]]()
-        for finder, ids, kernel in self._finders:
-            for tag, corners in finder.find(grey):
+        for ids, side, kernel in self._kinds:
+            for tag, corners in find_tags(grey, ids, side):
                 found.setdefault(tag, []).append(corners)
             if not found.keys() >= set(ids):
                 # Closing removes dark cables that cross a tag.
                 closed = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, kernel)
-                for tag, corners in finder.find(closed):  # type: ignore[arg-type] # uint8
-                    if tag not in found:
-                        found[tag] = [corners]
+                again = find_tags(closed, ids, side)  # type: ignore[arg-type] # uint8
+                found |= {tag: [corners] for tag, corners in again if tag not in found}
         warnings, detections = {}, []
         for tag, places in found.items():
             seen = [self._detection(tag, corners) for corners in places]
@@ -169,20 +176,22 @@ class FloorTags:
     """Watches the tags on the floor: they appear elsewhere once the camera was moved."""
 
     def __init__(self, calibration: Calibration) -> None:
-        self._calibration = calibration
-        self._finder = TagFinder(sorted(calibration.tags), FLOOR_SIZE / calibration.mm_per_pixel())
-        self._next = 0
+        self._calibration, self._ids = calibration, tuple(sorted(calibration.tags))
+        self._side = FLOOR_SIZE / calibration.mm_per_pixel()
+        self._turns = deque(self._ids)
 
     def check(self, grey: Frame) -> dict[str, str]:
         """A warning if the tags have moved; each frame searches a few, and all if these have moved."""
-        tags = sorted(self._calibration.tags)
-        chosen = [tags[(self._next + i) % len(tags)] for i in range(min(_ROUND, len(tags)))]
-        self._next += len(chosen)
-        shifts = [shift for tag in chosen for shift in self._shifts_near(grey, tag)]
+        if not self._ids:
+            return {}
+        chosen = [self._turns[i] for i in range(min(_ROUND, len(self._turns)))]
+        self._turns.rotate(-len(chosen))
+        shifts = [self._shift(tag, corners) for tag in chosen for corners in self._near(grey, tag)]
         all_stay = len(shifts) == len(chosen) and max(shifts) < _MOVED
         if all_stay or (len(shifts) > 1 and float(np.median(shifts)) < _MOVED):  # some may be hidden
             return {}
-        shifts = [self._shift(tag, corners) for tag, corners in dict(self._finder.find(grey)).items()]
+        found = dict(find_tags(grey, self._ids, self._side))
+        shifts = [self._shift(tag, corners) for tag, corners in found.items()]
         if not shifts or float(np.median(shifts)) < _MOVED:
             return {}
         return {
@@ -190,17 +199,14 @@ class FloorTags:
             "from their places; calibrate it again"
         }
 
-    def _shifts_near(self, grey: Frame, tag: int) -> list[float]:
-        """Distance in mm of a tag from its place, if it is seen near there."""
+    def _near(self, grey: Frame, tag: int) -> list[Corners]:
+        """Corners of a tag that is seen near its place; none otherwise."""
         u, v = self._calibration.tags[tag]
-        reach = math.ceil(_NEAR * FLOOR_SIZE / self._calibration.mm_per_pixel(u, v))
+        reach = math.ceil(_NEAR * FLOOR_SIZE / MM_PER_PIXEL / self._calibration.scale(u, v))
         left, top = max(0, math.floor(u) - reach), max(0, math.floor(v) - reach)
         part = np.ascontiguousarray(grey[top : math.floor(v) + reach, left : math.floor(u) + reach])
-        return [
-            self._shift(tag, corners + np.array((left, top)))
-            for i, corners in self._finder.find(part)
-            if i == tag
-        ][:1]
+        found = find_tags(part, self._ids, self._side)
+        return [corners + np.array((left, top)) for i, corners in found if i == tag][:1]
 
     def _shift(self, tag: int, corners: Corners) -> float:
         places = (
@@ -217,12 +223,66 @@ def find_floor_tags(grey: Frame, ids: Sequence[int]) -> dict[int, Corners]:
     """
     found: dict[int, Corners] = {}
     for side in _SIDES:
-        seen = TagFinder(ids, side).find(grey)
+        seen = find_tags(grey, ids, side)
         for tag, corners in seen:
             if sum(other == tag for other, _ in seen) > 1:
                 raise ValueError(f"tag {tag} is seen twice; allowed: each id once on the floor")
             found.setdefault(tag, corners)
     return found
+
+
+def fit_to_tags(
+    tags: Mapping[int, Corners],
+    places: Mapping[int, Point],
+    side: float,
+    camera: tuple[float, float, float] | None = None,
+    size: Size = DEFAULT_SIZE,
+) -> CalibrationFit:
+    """Fit a calibration to tags that lie on the floor, turned as you like; it remembers the tags' pixels.
+
+    Residuals are those of the tags' middles, and held-out errors those of a fit to the middles alone.
+
+    Args:
+        tags: Corners in the picture, by id.
+        places: Middle on the floor in mm, by id; tags without a place are ignored.
+        side: Of a tag in mm.
+        camera: As for `fit_calibration`.
+        size: Width and height of the picture.
+
+    Raises:
+        ValueError: Fewer than four of the tags are seen, or they fit no camera.
+    """
+    seen = sorted(set(tags) & set(places))
+    if len(seen) < 4:
+        missing = ", ".join(map(str, sorted(set(places) - set(tags))))
+        raise ValueError(
+            f"{len(seen)} of {len(places)} floor tags are seen, without {missing}; allowed: at least four"
+        )
+    middles = [middle(tags[tag]) for tag in seen]
+    floor = [places[tag] for tag in seen]
+    by_middles = fit_calibration(middles, floor, camera, size)
+    first = by_middles.calibration
+    points, corners = list[Point](), list[Point]()
+    for tag in seen:
+        # With the turn of a tag known, its corners are points, too.
+        pixels = [(u, v) for u, v in tags[tag].tolist()]
+        (ax, ay), (bx, by), (cx, cy), (dx, dy) = (first.to_region(u, v) for u, v in pixels)
+        turn = math.atan2(by - ay + cy - dy, bx - ax + cx - dx)
+        cos, sin = math.cos(turn) * side / 2, math.sin(turn) * side / 2
+        x, y = places[tag]
+        points += pixels
+        corners += [
+            (x + right * cos - ahead * sin, y + right * sin + ahead * cos)
+            for right, ahead in ((-1, 1), (1, 1), (1, -1), (-1, -1))
+        ]
+    fit = fit_calibration(points, corners, camera, size)
+    calibration = replace(fit.calibration, tags=dict(zip(seen, middles, strict=True)))
+    return fit._replace(
+        calibration=calibration,
+        residuals=distances(calibration, middles, floor),
+        held_out=by_middles.held_out,
+        held_out_without_lens=by_middles.held_out_without_lens,
+    )
 
 
 def _closing_kernel(size: float, scale: float) -> NDArray[np.uint8]:

@@ -1,5 +1,9 @@
-"""The tracker: frames become detections; those that count become tracks, and these a scene (3.5)."""
+"""The tracker: frames become detections; those that count become tracks, and these a scene (3.5).
 
+`TrackedCamera` is the real overhead camera.
+"""
+
+import logging
 import math
 from collections.abc import Callable, Collection, Sequence
 
@@ -9,13 +13,22 @@ from khepera_forage.extras import require
 from khepera_forage.robots.khepera import MARKER_WIDTH
 from khepera_forage.vision.association import GATE, Detection, Track, match, may_vanish, start_tracks
 from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.image_quality import measure_quality
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene, place_text
 from khepera_forage.vision.segmentation import Frame, Segmentation, as_grey, segment
 from khepera_forage.vision.shapes import Plate, under_plate
 from khepera_forage.vision.tags import FloorTags, TagDetector
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.video import FrameSource
 
-__all__ = ["Tracker", "TrackerSettings"]
+__all__ = ["TrackedCamera", "Tracker", "TrackerSettings"]
+
+_LOG = logging.getLogger(__name__)
+_URGENT = ("camera moved", "tag twice", "tag size")
+"""Warnings that are logged at once."""
+_LASTING, _CHECK_INTERVAL = 5, 300
+"""Frames after which the others are logged: half a second of rounds; and frames from one check of the picture's quality
+to the next: half a minute."""
 
 _NATIVE = (0.8, 1.25)
 """Region pixels per pixel of a frame between which the frame is used as it is; others are resized to 5 mm a pixel."""
@@ -132,7 +145,6 @@ class Tracker:
         doomed = self._confirmation.doomed(detections, self.scene)
         self.scene = self._tracks.update(detections, visible, doomed)
         self._visible = now
-        self._confirmation.count(self.scene)
         for region in self.scene.regions:
             if region.holes and not region.found:
                 place = place_text(region.x, region.y)
@@ -160,8 +172,8 @@ class Tracker:
         for z in (settings.marker_height, settings.food_height):
             calibration.to_region(width / 2, height / 2, z)  # raises an error for heights above the camera
         scale = MM_PER_PIXEL / calibration.mm_per_pixel()
-        self._tags = TagDetector(settings, calibration) if settings.tag_ids else None
-        self._floor_tags = FloorTags(calibration) if calibration.tags else None
+        self._tags = TagDetector(settings, calibration)
+        self._floor_tags = FloorTags(calibration)
         if settings.markers != "tags" and scale < _LEAST_SCALE:
             raise ValueError(
                 f"a pixel in the middle of the picture shows {calibration.mm_per_pixel():.1f} mm of the floor; "
@@ -192,27 +204,23 @@ class Tracker:
     def _detect(self, frame: Frame) -> tuple[list[Detection], Segmentation]:
         grey = self._checked(frame)
         segmentation = segment(self.reduced(grey), self.settings.contrast)
-        tagged = self.settings.markers == "tags"
-        if self._tags is None:
-            detections, warnings = self._detector.detect(segmentation), dict[str, str]()
-        else:
-            tags, warnings = self._tags.detect(grey)
-            # White parts of tags look like food.
-            near, places = self._tags.reach, [(t.x, t.y) for t in tags]
-            places += [(r.x, r.y) for r in self.scene.regions if r.holes and tagged]
-            detections = tags + [
+        tags, warnings = self._tags.detect(grey)
+        places, near = [(tag.x, tag.y) for tag in tags], self._tags.reach
+        if self.settings.markers == "tags":
+            places += [(r.x, r.y) for r in self.scene.regions if r.holes]
+        found = self._detector.detect(segmentation, places, near)
+        if self.settings.tag_ids:  # white parts of tags look like food
+            found = [
                 d
-                for d in self._detector.detect(segmentation, not tagged, places, near)
+                for d in found
                 if d.holes
                 or (
                     all(math.dist((d.x, d.y), place) > near for place in places)
                     and self._is_on_floor(segmentation, d)
                 )
             ]
-        self.warnings = self._detector.warnings | warnings
-        if self._floor_tags is not None:
-            self.warnings |= self._floor_tags.check(grey)
-        return detections, segmentation
+        self.warnings = self._detector.warnings | warnings | self._floor_tags.check(grey)
+        return tags + found, segmentation
 
     def _is_on_floor(self, segmentation: Segmentation, food: Detection) -> bool:
         """Whether food has floor around it, and not the black of a tag."""
@@ -245,10 +253,14 @@ class Tracker:
     def _shows_floor(self, segmentation: Segmentation, plates: list[Plate], x: float, y: float) -> bool:
         """Whether the disc of food at a place (region coordinates) shows the floor."""
         radius, food_height = self.settings.food_radius, self.settings.food_height
-        if under_plate(x * MM_PER_PIXEL, y * MM_PER_PIXEL, radius + _CLEARANCE, plates):
+        place = x * MM_PER_PIXEL, y * MM_PER_PIXEL
+        if self._tags is not None and self.settings.markers == "tags":
+            if any(math.dist(place, plate[:2]) <= self._tags.reach * MM_PER_PIXEL for plate in plates):
+                return False
+        elif under_plate(*place, radius + _CLEARANCE, plates):
             return False
         u, v = self._resized.to_picture(x, y, food_height)
-        reach = radius / MM_PER_PIXEL / math.sqrt(self._resized.jacobian(u, v, food_height).area)
+        reach = radius / MM_PER_PIXEL / self._resized.scale(u, v, food_height)
         rows, columns = segmentation.frame.shape
         if not (reach <= u <= columns - reach and reach <= v <= rows - reach):
             return False
@@ -283,6 +295,8 @@ class Confirmation:
 
     def confirmed(self, detections: Sequence[Detection], scene: Scene) -> list[Detection]:
         """The detections of a frame that count, given the scene before it."""
+        self._found = {r.label: self._found.get(r.label, 0) + r.found for r in scene.regions}
+        self._lost = {r.label: 0 if r.found else self._lost.get(r.label, 0) + 1 for r in scene.regions}
         confirmed, candidates = [], []
         lost_markers = [r for r in scene.regions if r.holes and not r.found]
         for detection in detections:
@@ -297,24 +311,20 @@ class Confirmation:
         self._first, self._candidates = False, candidates
         return confirmed
 
-    def count(self, scene: Scene) -> None:
-        """Use the scene after a frame."""
-        self._found = {r.label: self._found.get(r.label, 0) + r.found for r in scene.regions}
-        self._lost = {r.label: 0 if r.found else self._lost.get(r.label, 0) + 1 for r in scene.regions}
-
     def doomed(self, detections: Sequence[Detection], scene: Scene) -> set[int]:
         """Labels of lost markers that are none, given the detections that count and the scene before them."""
+
+        def is_taken(region: Region) -> bool:
+            """Whether another marker is at its place."""
+            return any(
+                d.holes not in (0, region.holes) and _distance(d, region) < _OVERLAP for d in detections
+            )
+
+        lost = [r for r in scene.regions if r.holes and not r.found]
         return {
             r.label
-            for r in scene.regions
-            if r.holes
-            and (
-                (self._found[r.label] < _YOUNG and self._lost[r.label] >= _LOST)
-                or (
-                    not r.found
-                    and any(d.holes not in (0, r.holes) and _distance(d, r) < _OVERLAP for d in detections)
-                )
-            )
+            for r in lost
+            if is_taken(r) or (self._found[r.label] < _YOUNG and self._lost[r.label] >= _LOST)
         }
 
     def _continues(self, region: Region, detection: Detection) -> bool:
@@ -379,6 +389,69 @@ class Tracks:
         self._regions = [region for _, region in kept]
         self._regions += [_region(track.label, detections[track.detection]) for track in slots]
         return Scene(tuple(self._regions))
+
+
+class TrackedCamera:
+    """A `Camera` that reports the regions which a `Tracker` finds in the frames of a `FrameSource`.
+
+    The scene is empty before the first `reset` or `expose`. The first frame after a reset, and one frame every half
+    minute, is checked by `measure_quality`; what is beyond its limit is logged as a warning, once. What the tracker is
+    uncertain about is logged once in an episode.
+
+    Args:
+        source: Frame source; it is closed with the camera.
+        tracker: A tracker that nothing else uses.
+    """
+
+    def __init__(self, source: FrameSource, tracker: Tracker) -> None:
+        self._source, self._tracker = source, tracker
+        self._until_check = 0
+        self._warned: set[str] = set()
+        self._lasted: dict[str, int] = {}
+        self._logged: set[str] = set()
+
+    def reset(self) -> None:
+        """Forget all tracks, and take the first frame.
+
+        Raises:
+            CameraLost: The source has no more frames.
+        """
+        self._tracker.reset()
+        self._until_check = 0
+        self._lasted, self._logged = {}, set()
+        self.expose()
+
+    def expose(self) -> None:
+        """Take the newest frame, once per round.
+
+        Raises:
+            CameraLost: The source has no more frames; `look` still returns the last scene.
+        """
+        frame, _ = self._source.newest()
+        self._tracker.update(frame)
+        # What the tracker is uncertain about is logged if it lasts or needs the user.
+        found = self._tracker.warnings
+        self._lasted = {name: self._lasted.get(name, 0) + 1 for name in found}
+        for name, text in found.items():
+            if name not in self._logged and (name in _URGENT or self._lasted[name] >= _LASTING):
+                _LOG.warning("camera: %s", text)
+                self._logged.add(name)
+        self._until_check -= 1
+        if self._until_check < 0:
+            self._until_check = _CHECK_INTERVAL
+            found = measure_quality(self._tracker.reduced(frame)).warnings(self._tracker.settings)
+            for name, text in found.items():
+                if name not in self._warned:
+                    _LOG.warning("camera picture %s", text)
+            self._warned = set(found)
+
+    def look(self) -> Scene:
+        """The scene of the last frame; empty before the first."""
+        return self._tracker.scene
+
+    def close(self) -> None:
+        """Close the source; a second call does nothing."""
+        self._source.close()
 
 
 def _distance(one: Region | Detection, other: Region | Detection) -> float:

@@ -64,30 +64,26 @@ class TrackerSettings:
             if type(field.default) in (float, int) and not 0 <= value < math.inf:
                 self._refuse(field.name, "a finite number >= 0")
         self._check_numbers()
-        for name in (
-            "marker_length",
-            "marker_width",
-            "hole_side",
-            "food_radius",
-            "tag_size",
-            "food_tag_size",
-        ):
-            if getattr(self, name) == 0:
-                self._refuse(name, "above 0 mm")
-        if not 0 < self.tolerance < 1:
-            self._refuse("tolerance", "between 0 and 1")
-        if self.contrast <= 1:
-            self._refuse("contrast", "above 1")
         width = self.marker_width
-        if self.marker_length < 1.2 * width:
-            self._refuse(
+        sizes = ("marker_length", "marker_width", "hole_side", "food_radius", "tag_size", "food_tag_size")
+        for name, wrong, allowed in (
+            *((size, getattr(self, size) == 0, "above 0 mm") for size in sizes),
+            ("tolerance", not 0 < self.tolerance < 1, "between 0 and 1"),
+            ("contrast", self.contrast <= 1, "above 1"),
+            (
                 "marker_length",
+                self.marker_length < 1.2 * width,
                 f"at least 1.2 times the marker_width of {width!r}, or the axis is uncertain",
-            )
-        if self.hole_side > 0.5 * width:
-            self._refuse("hole_side", f"up to half the marker_width, which is {width!r}")
-        if self.patience < 1 or self.patience != int(self.patience):
-            self._refuse("patience", "whole frames, at least 1")
+            ),
+            ("hole_side", self.hole_side > 0.5 * width, f"up to half the marker_width, which is {width!r}"),
+            (
+                "patience",
+                self.patience < 1 or self.patience != int(self.patience),
+                "whole frames, at least 1",
+            ),
+        ):
+            if wrong:
+                self._refuse(name, allowed)
 
     def _refuse(self, name: str, allowed: str) -> NoReturn:
         raise ValueError(f"tracker {name} is {getattr(self, name)!r}; allowed: {allowed}")

@@ -6,7 +6,7 @@ import time
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +42,9 @@ class CameraLost(ConnectionError):  # noqa: N818 (named for the event, as `Robot
         self.source = source
         self.reason = reason
         self.age = age
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.source, self.reason, self.age)
 
 
 @dataclass(frozen=True, slots=True)

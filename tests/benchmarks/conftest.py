@@ -2,15 +2,12 @@
 
 import fcntl
 import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.benchmarks.running import ROOT, quick, quick_here
-
-sys.path.insert(0, str(ROOT / "benchmarks"))
+from tests.benchmarks.running import quick, quick_here
 
 QuickRun = Callable[..., Path]
 APART = ("lab_faults", "virtual_lab", "wire")

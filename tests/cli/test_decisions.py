@@ -28,16 +28,17 @@ def test_table_has_every_decision_with_default_range_section_and_reason(
 ) -> None:
     assert main(["decisions"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].split() == ["decision", "default", "allowed", "thesis"]
+    assert lines[0].split() == ["decision", "default", "thesis", "allowed"]
     for field, line, reason in zip(FIELDS.values(), lines[1::2], lines[2::2], strict=True):
         assert line.startswith(f"{field.name} ")
-        assert line.endswith(f" {field.section}")
+        assert f" {field.section} " in line
         assert field.unit in line
         assert reason == f"    {field.reason}"
         for choice in field.choices:
             assert choice in line
+    assert sum(len(line) > 80 for line in lines[1::2]) < 10, "most lines fit a terminal"
     (next_to_food,) = [line.split() for line in lines if line.startswith("next_to_food")]
-    assert next_to_food == ["next_to_food", default("next_to_food"), "pixels", "10", "to", "30", "4.2.1"]
+    assert next_to_food == ["next_to_food", default("next_to_food"), "pixels", "4.2.1", "10", "to", "30"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -45,15 +45,15 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
 ) -> None:
     """The clicks themselves belong to `khepera-forage camera calibrate`."""
     film = tmp_path / "film.avi"
-    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 10, (768, 576))
+    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 10, (1920, 1080))
     for _ in range(60):
-        writer.write(np.full((576, 768, 3), 128, np.uint8))
+        writer.write(np.full((1080, 1920, 3), 128, np.uint8))
     writer.release()
     places: list[tuple[float, float]] = []
 
     def calibrated(arguments: argparse.Namespace) -> int:
         places.extend(arguments.places)
-        Calibration.identity((1000.0, 1000.0, 2000.0)).save(arguments.out)
+        Calibration.identity((1000.0, 1000.0, 2000.0), arguments.size).save(arguments.out)
         return 0
 
     clicked = calibrate_command._replace(run=calibrated)
@@ -71,7 +71,9 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
     assert "no marker of teacher is seen in its arena" in lines[2]
     assert (tmp_path / "lab.png").stat().st_size > 0
     assert places == [(600, 600), (1250, 600), (1250, 830), (600, 830)], "the corners of the corridor"
-    assert load_settings("lab.toml").camera.calibration is not None
+    settings = load_settings("lab.toml")
+    assert settings.camera.calibration is not None
+    assert settings.tracker.markers == "tags", "a larger marker would hide the food that an e-puck2 pushes"
 
 
 def test_check_says_what_is_wrong_in_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -27,11 +27,14 @@ def printed(out: Path, capsys: pytest.CaptureFixture[str], *arguments: str) -> s
 def test_reproduce_ends_with_a_summary_of_both_decisions(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    page, end = printed(tmp_path, capsys).split("\nSummary\n")
+    start, end = printed(tmp_path, capsys).split("Summary\n")
+    assert "smoke test" in start
+    page = (tmp_path / "thesis.md").read_text(encoding="utf-8")
     assert page.startswith("# The thesis's experiments, repeated")
     assert "| v0.1: score (%) |" in page
     lines = end.strip().splitlines()
-    assert lines[-1] == f"Tables, figures and rows are in {tmp_path}"
+    assert lines[-1] == f"Page (thesis.md), tables, figures and rows are in {tmp_path}"
+    assert max(map(len, lines[:-1])) <= 80
     (last,) = (line.split() for line in lines if line.startswith("corridor") and "10" in line.split())
     assert last == ["corridor", "10", "73.80", "80.0", "80.0", "7", "of", "10", "10.0", "10.0"]
     assert (tmp_path / "recalls_v0.1.csv").exists()
@@ -40,9 +43,8 @@ def test_reproduce_ends_with_a_summary_of_both_decisions(
 def test_reproduce_without_comparison_has_only_our_results(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    page, end = printed(tmp_path, capsys, "--no-comparison").split("\nSummary\n")
-    assert "v0.1: score" not in page
-    assert "v0.1" not in end
+    assert "v0.1" not in printed(tmp_path, capsys, "--no-comparison")
+    assert "v0.1: score" not in (tmp_path / "thesis.md").read_text(encoding="utf-8")
     assert not (tmp_path / "recalls_v0.1.csv").exists()
 
 

@@ -16,7 +16,7 @@ from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.world import Layout
 from khepera_forage.vision.rendering import CameraAppearance
-from khepera_forage.vision.tracked_camera import TrackedCamera
+from khepera_forage.vision.tracker import TrackedCamera
 from tests.contracts.suites import CameraContract, RobotContract, Stage, WorldContract
 from tests.version_0_1 import RECTANGLE, V0_1
 

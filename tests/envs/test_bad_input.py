@@ -83,6 +83,7 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (("vector",), {"backend": "pymunk"},
      "backend is 'pymunk'; allowed here: 'compiled' .*vectorization_mode='sync' or 'async'"),
     *((("vector",), {"num_envs": wrong}, f"num_envs is {wrong}; {LEAST_1}") for wrong in (0, -1, 1.5)),
+    (("vector",), {"autoreset_mode": "SAME_STEP"}, "'SAME_STEP'; allowed: AutoresetMode, or 'NextStep', 'SameStep'"),
     (("vector",), {"max_episode_steps": 0}, f"max_episode_steps is 0; {LEAST_1}"),
     (("kernel", "learners"), {"episodes": 0}, "episodes is 0"),
     (("learners",), {"n": 0}, "n is 0"),

@@ -41,7 +41,8 @@ def plain(values: dict[str, object]) -> dict[str, object]:
 
 @on_both_backends
 @pytest.mark.parametrize("env_id", EVERY)
-def test_check_env_passes(env_id: str, backend: str) -> None:
+def test_check_env_passes(env_id: str, backend: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     env: Any = gym.make(env_id, render_mode="rgb_array", backend=backend).unwrapped
     assert env.backend == backend
     check_env(env, skip_render_check=env_id not in IDS)

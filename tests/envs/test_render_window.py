@@ -73,6 +73,12 @@ screen.close()
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
+def test_window_without_display_warns() -> None:
+    done = in_python(DRAW + 'draw(Screen("human", 0.001), (CORRIDOR,))')
+    assert "no display to open a window on" in done.stderr
+    assert "Nobody sees this window" in done.stderr
+
+
 def test_missing_pygame_or_pillow_is_reported_with_what_to_install() -> None:
     done = in_python(
         """

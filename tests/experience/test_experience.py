@@ -93,6 +93,7 @@ def test_loading_several_files_joins_them(tmp_path: Path) -> None:
         == Experience([SEARCH] * 3, [0] * 3, seed=4, episodes=2)
     )
     g123 = Experience.load(*paths)
+    assert g123 == Experience.load(tmp_path)
     assert (len(g123), g123.seed, g123.episodes) == (6, None, 3)
     assert pickle.loads(pickle.dumps(g123)) == g123
     text = decisions_text(Decisions())

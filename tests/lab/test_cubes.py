@@ -15,6 +15,7 @@ from khepera_forage.lab.operator import OperatorGaveUp
 from khepera_forage.lab.settings_file import parse
 from khepera_forage.lab.virtual_laboratory import VirtualCubeLaboratory
 from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.toio.driver import CubePose
 from khepera_forage.sim.world import Layout
 from tests.version_0_1 import SET_UP, V0_1
 
@@ -62,6 +63,25 @@ def test_cubes_drive_to_their_places_for_every_episode_and_are_sensed(lab: Virtu
         assert max(max(own.proximity[2:4]) for own in senses) > 0, "as the map shows the food"
         lab.stop()
         assert not any(lab.table.cube(name).turning for name in ("robot 0", "robot 1"))
+
+
+def test_spare_food_cube_leaves_the_arena_of_a_recall() -> None:
+    with VirtualCubeLaboratory(parse(FILE, SET_UP, 0.1).for_recall()) as lab:
+        (arena,) = lab.arenas
+        for seed, name in enumerate(("food1", "food2")):
+            lab.table.cube(name, CubePose(arena.home.x, arena.home.y, 0.0))
+            lab.reset(np.random.default_rng(seed), Layout((arena.start,), arena.foods))
+            (food,) = lab.food_places()
+            assert math.dist(food[:2], arena.foods[0]) <= 15
+
+
+def test_spare_food_cube_without_room_is_named() -> None:
+    settings = parse(FILE.replace('"virtual:food2"]', '"virtual:food2", "virtual:food3"]'), SET_UP, 0.1)
+    with (
+        VirtualCubeLaboratory(settings) as lab,
+        pytest.raises(OperatorGaveUp, match=r"no room beside the arenas for virtual:food[123]: take it away"),
+    ):
+        lab.reset(np.random.default_rng(0), layout_of(lab))
 
 
 def test_lost_cube_stops_all_and_takes_a_person(lab: VirtualCubeLaboratory) -> None:

@@ -1,6 +1,7 @@
 """A laboratory that loses a robot or the camera: all robots are stopped, and `reset` reconnects."""
 
 import os
+import pickle
 import signal
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.real_robot import RobotSuspended
 from khepera_forage.robots.serial.line import LineTooSlow
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.virtual_khepera import Faults
@@ -45,6 +47,15 @@ class FailingSource:
 
     def close(self) -> None:
         self.closed = True
+
+
+@pytest.mark.parametrize(
+    "lost",
+    [RobotLost("p", "D", 3, "mute"), RobotSuspended("p", "", 0, "slept"), CameraLost("0", "closed", None)],
+)
+def test_losses_reach_other_processes(lost: Exception) -> None:
+    copied = pickle.loads(pickle.dumps(lost))
+    assert (type(copied), str(copied), vars(copied)) == (type(lost), str(lost), vars(lost))
 
 
 def test_lost_robot_stops_all_and_is_reconnected_by_reset(lab: VirtualLaboratory) -> None:

@@ -20,9 +20,11 @@ from khepera_forage.experience import Experience
 from khepera_forage.lab.settings_file import LabSettings, parse
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
+from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.virtual.virtual_khepera import FAULTS, Faults
 from khepera_forage.rollouts import training
+from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.sim.arena import Pose
@@ -34,6 +36,8 @@ from tests.version_0_1 import SET_UP, TIMING, V0_1
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
+
+BEHIND = 1216546553
 
 
 def quiet(settings: LabSettings, timing: Timing = TIMING, **options: Any) -> VirtualLaboratory:
@@ -153,6 +157,20 @@ def test_laboratory_of_e_puck2s_is_sensed_and_driven() -> None:
         for pose, truth in zip(lab.poses(), lab.simulation.poses(), strict=True):
             assert pose.x == pytest.approx(truth.x, abs=8)
         assert lab.food_places()[0].x > lab.arenas[0].foods[0].x + 20, "it was pushed"
+
+
+def test_e_puck2_brings_food_home_from_behind_it() -> None:
+    """No marker hides the food that it pushes, and what it pushed away leaves no food behind."""
+    with virtual_laboratory("corridor", 1, robot="e-puck2") as lab:
+        env = recall_env("corridor", world=lab)
+        teacher = Teacher.of(env)
+        observation, info = env.reset(seed=BEHIND)
+        assert lab.poses()[0].x > lab.food_places()[0].x, "the robot starts nearer home than the food"
+        ended = False
+        while not ended:
+            observation, _, ended, truncated, info = env.step(int(teacher.act(observation)))
+            assert not truncated
+        assert info["delivered"] == 1
 
 
 def test_command_line_trains_recalls_and_films(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -96,7 +96,5 @@ def test_a_learner_is_found_by_its_place(package: str) -> None:
 @pytest.mark.parametrize("place", ["nowhere:forest", "{0}", "{0}:", ":forest", "{0}:missing", "{0}:number"])
 def test_a_wrong_place_is_named(place: str, package: str) -> None:
     place = place.format(package)
-    with pytest.raises(
-        ValueError, match=f"learner is '{place}'.*; allowed: package.module:name of what makes"
-    ):
+    with pytest.raises(ValueError, match=f"learner is '{place}'.*; allowed: .*what makes a classifier$"):
         learner_at(place)

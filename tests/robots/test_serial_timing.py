@@ -1,5 +1,6 @@
 """The times that the driver of a serial robot keeps: rounds, opening, stops; on lines with a clock of their own."""
 
+import math
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,13 +12,15 @@ from khepera_forage.lab.clock import WallClock
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.line import LineTiming, LineTooSlow
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from khepera_forage.robots.serial.serial_robot import HOLD_AFTER, MAX_DURATION
+from khepera_forage.robots.serial.serial_robot import HOLD_AFTER, MAX_DURATION, MAX_UNATTENDED
 from tests.robots.rig import FORWARD
-from tests.robots.scripted_robot import Action, NumberedReplies
+from tests.robots.scripted_robot import Action, NumberedReplies, reply_with
 from tests.robots.simulated_line import SimulatedLine
 from tests.robots.stage import make_stage
 
 PERIOD = 0.1
+VARIATION = 84
+"""Bytes by which the replies to a `receive` differ, with and without positions of the gripper."""
 POLLS = 0.011
 """Seconds: the driver notices a reply, or the end of a wait, up to two polls later."""
 Script = Callable[[bytes, int], list[Action]]
@@ -71,7 +74,7 @@ def test_rounds_keep_the_period_and_one_latency(
             begin = clock.beginning
             stage.rounds(1)
             robot.receive()
-            assert line.now - end <= robot.timing._replace(latency=latency).longest_round(PERIOD) + POLLS
+            assert line.now - end <= PERIOD + max(latency, VARIATION * 11 / baud) + POLLS
             end = line.now
             down = round_ // 5 % 2 == 0
             robot.drive(Motors(5, round_ % 9, 255 if down else 215, 0 if down else 200))
@@ -162,7 +165,7 @@ def test_wheels_are_held_while_replies_are_missing(monkeypatch: pytest.MonkeyPat
         assert line.now - begin <= MAX_DURATION + POLLS
         assert not robot.stop_confirmed
         stops = [at - begin for at, request in line.requests if request == b"D,0,0" and at > begin]
-        assert HOLD_AFTER <= stops[0] <= HOLD_AFTER + POLLS
+        assert HOLD_AFTER - POLLS <= stops[0] <= HOLD_AFTER + POLLS
         assert all(later - earlier <= HOLD_AFTER + POLLS for earlier, later in pairwise(stops))
         mute = False
 
@@ -189,6 +192,43 @@ def test_repeated_speeds_do_not_start_held_wheels(monkeypatch: pytest.MonkeyPatc
         assert line.sent_since(begin, b"D,")[-1] == b"D,0,0"
 
 
+@pytest.mark.parametrize("confirmed_after", [0.1, 0.39, 0.47, math.inf])
+@pytest.mark.parametrize("timeout", [0.1, 3.0])
+@pytest.mark.parametrize("period", [0.1, 0.5])
+def test_wheels_stop_within_the_limit_when_all_replies_are_garbled(
+    period: float, timeout: float, confirmed_after: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The speeds may be confirmed by chance, so that `transmit` ends, and `receive` waits anew."""
+    fault = math.inf
+
+    def script(request: bytes, number: int) -> list[Action]:
+        reply = reply_with(request, number + 1)
+        since = line.now - fault
+        chance = request == b"D,5,5" and since >= confirmed_after
+        return [reply if since < 0 or chance else reply.replace(reply[:1], b"?")]
+
+    line = SimulatedLine(script).install(monkeypatch)
+    with SerialKhepera("simulated", watchdog=False, timeout=timeout, period=period) as robot:
+        clock = WallClock(period, lambda: line.now, lambda seconds: line.sleep(line.now + seconds))
+
+        def rounds(count: int) -> None:
+            for _ in range(count):
+                robot.transmit()
+                clock.wait()
+                robot.receive()
+
+        robot.drive(FORWARD)
+        rounds(2)
+        fault = line.now
+        with pytest.raises(RobotLost, match="received only"):
+            rounds(2)
+        speeds = [(at - fault, request) for at, request in line.requests if request.startswith(b"D,")]
+        turning = max(at for at, request in speeds if request == b"D,5,5")
+        stopped = min(at for at, request in speeds if at > turning and request == b"D,0,0")
+        assert stopped <= MAX_UNATTENDED + POLLS
+        fault = math.inf
+
+
 def test_held_wheels_continue_with_the_next_command(monkeypatch: pytest.MonkeyPatch) -> None:
     late = 0.0
 
@@ -206,6 +246,24 @@ def test_held_wheels_continue_with_the_next_command(monkeypatch: pytest.MonkeyPa
         line.sleep(line.now + 5.0)  # for the replies to what was repeated
         robot.transmit()
         assert line.sent_since(0.0, b"D,")[-1] == b"D,5,5"
+
+
+@pytest.mark.parametrize("late", [0.0, 0.05, 0.2])
+def test_object_is_sensed_at_once_even_in_a_late_round(late: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An unexpected reading is requested once more; it enters the experience of this round."""
+    present = False
+
+    def script(request: bytes, number: int) -> list[Action]:
+        if present and request == b"T,1,G":
+            return [b"t,1,g,200\r\n"]
+        delay: list[Action] = [late] if present and request == b"N" else []
+        return delay + NumberedReplies({})(request, number)
+
+    with opened(monkeypatch, script) as (robot, _):
+        for round_ in range(4):
+            present = round_ == 3
+            robot.receive()
+            assert robot.sense().object_presence == 255 * present
 
 
 @pytest.mark.parametrize("wrong", [b"h,5000,5000", b"h,1,900", b"h,-490,490", b"h,20500,500"])

@@ -10,11 +10,11 @@ import pettingzoo
 import pytest
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage.envs import paired_corridors_v1
+from khepera_forage.envs import paired_corridors_v1, paired_corridors_wheels_v1
 from khepera_forage.envs.arguments import set_up_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
-from khepera_forage.policies import NearestNeighbourImitator, Neighbours, Teacher
+from khepera_forage.policies import ModelPolicy, NearestNeighbourImitator, Neighbours, Teacher
 from khepera_forage.policies.classifiers import tree
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels
@@ -88,9 +88,10 @@ def test_train_names_a_wrong_seed(seed: Any) -> None:
         train(paired_corridors_v1.env(), seed)
 
 
-def test_train_names_another_environment() -> None:
-    with pytest.raises(TypeError, match="allowed: a TrainingEnv, such as paired_corridors_v1"):
-        train(gym.make("CartPole-v1"), 0)
+@pytest.mark.parametrize("env", [gym.make("CartPole-v1"), paired_corridors_wheels_v1.env()])
+def test_train_names_another_environment(env: Any) -> None:
+    with pytest.raises(TypeError, match="allowed: a TrainingEnv of behaviours, such as paired_corr"):
+        train(env, 0)
 
 
 @pytest.mark.parametrize("backend", ["pymunk", pytest.param("compiled", marks=needs_numba)])
@@ -120,13 +121,57 @@ def test_other_noise_is_named(noise: Any) -> None:
 
 
 THREE: Any = 3
+HALF: Any = 0.5
+TWO: Any = np.int64(2)
+
+
+class Fixed:
+    """Always the same action, as the simplest agent and as a model."""
+
+    def __init__(self, action: Any) -> None:
+        self.action = action
+
+    def act(self, observation: Any, rng: Any = None) -> Any:
+        return self.action
+
+    def predict(self, observation: Any, deterministic: bool = True) -> Any:
+        return self.action, None
+
+
+class OnlyObserves(Fixed):
+    """Decides by the observation alone."""
+
+    def act(self, observation: Any) -> Any:  # type: ignore[override]
+        return self.action
+
+
+def test_recall_takes_an_agent_without_rng_and_a_seed_of_numpy() -> None:
+    env = recall_env("corridor", limit=5)
+    assert recall(env, OnlyObserves(np.array([3])), seed=TWO) == recall(env, Fixed(3), seed=2)
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: recall(recall_env("corridor"), THREE, seed=0), "policy is 3; allowed: what has act"),
+        (
+            lambda: recall(recall_env("corridor"), THREE, seed=0),
+            "learner is 3; allowed: an instance with act",
+        ),
+        (
+            lambda: recall(recall_env("corridor"), Teacher, seed=0),
+            "learner is <class .*; allowed: an instance",
+        ),
+        (
+            lambda: recall(recall_env("corridor"), Fixed(1.5), seed=0),
+            "action of Fixed is 1.5; allowed: a whole",
+        ),
+        (
+            lambda: recall(recall_env("corridor"), Teacher(), seed=HALF),
+            "seed is 0.5; allowed: a whole number",
+        ),
+        (lambda: ModelPolicy(Fixed(0), hold=0), "hold is 0; allowed: a whole number of at least 1"),
         (lambda: recall(THREE, Teacher(), seed=0), "env is 3; allowed: Corridor-v1"),
+        (lambda: Teacher.of(THREE), "env is 3; allowed: one environment of this package, not a batch"),
         (lambda: train(THREE, 0), "env is 3; allowed: a TrainingEnv"),
         (lambda: recall_env(THREE), "arena is 3; allowed: an Arena"),
         (lambda: gym.make(NAME, food_types={"PICKABLE": "a"}), "odds of PICKABLE are 'a'; allowed: a number"),

@@ -86,6 +86,8 @@ def test_table_as_markdown_csv_and_text() -> None:
         "a | b  0.50 [0.25, 0.75]      3\n"
         "c                   0.50      -\n"
     )
+    assert table.text(22).endswith("what\na | b\nc\n(2 more columns are in table_stem.csv)\n")
+    assert table.text(6).endswith("wh…\na …\nc\n(2 more columns are in table_stem.csv)\n")
     with pytest.raises(ValueError, match="stem: a row has 1 values; allowed: 4"):
         Table("stem", "Title", "Note.", table.columns, [("a",)])
 

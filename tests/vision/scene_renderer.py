@@ -1,14 +1,16 @@
 """Rendered frames of markers and food placed by a test, and errors of the regions tracked in them."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
+from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer, Light
 from khepera_forage.vision.scene import Region, Scene, Truth
 
 Frame = NDArray[np.uint8]
+LABORATORY = CameraAppearance.laboratory()
 NONE = CameraAppearance.none()
 PAIR = Truth(((400.0, 300.0, 0.5, 1), (900.0, 700.0, 2.0, 2)), ((400.0, 700.0), (900.0, 300.0)))
 ROW, COLUMN = np.mgrid[:480, :640] + 0.5
@@ -45,6 +47,35 @@ class SceneRenderer:
             self._markers = len(markers)
             self._renderer.reset(self._rng)
         return self._renderer.frame()
+
+
+class Laboratory:
+    """Frames of a laboratory, with something done to the picture before lens and sensor."""
+
+    def __init__(
+        self, appearance: CameraAppearance = LABORATORY, walls: tuple[tuple[float, ...], ...] = ()
+    ) -> None:
+        self.rng = np.random.default_rng(5)
+        self.truth = Truth((), ())
+        self.renderer = FrameRenderer(self._shown, appearance, walls=walls)  # type: ignore[arg-type] # four each
+        self.renderer.reset(self.rng)
+        self.light = Light(appearance, self.rng)
+
+    def _shown(self) -> Truth:
+        return self.truth
+
+    def frame(
+        self,
+        markers: tuple[Marker, ...],
+        foods: tuple[tuple[float, float], ...] = (),
+        change: Callable[[Frame], Frame] = lambda picture: picture,
+    ) -> NDArray[np.uint8]:
+        self.truth = Truth(markers, foods)
+        return self.light.expose(change(self.renderer.picture()), 0.0)
+
+    def marker(self, holes: int) -> Marker:
+        x, y, heading = self.rng.uniform((300, 300, -math.pi), (2900, 2100, math.pi)).tolist()
+        return x, y, heading, holes
 
 
 def random_marker(rng: np.random.Generator, holes: int, left: float = 120.0, right: float = 3080.0) -> Marker:

@@ -9,12 +9,11 @@ import pytest
 from numpy.typing import NDArray
 
 from khepera_forage.vision.association import Detection
-from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer, Light, draw_cable
+from khepera_forage.vision.rendering import draw_cable
 from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.tracker import Tracker
-from tests.vision.scene_renderer import Marker
+from tests.vision.scene_renderer import Laboratory, Marker
 
-LABORATORY = CameraAppearance.laboratory()
 BLACK, GREY, LIGHT_GREY = 30.0, 60.0, 130.0
 COLUMNS, TILES, TILE, MARGIN = 5, 20, (640.0, 600.0), 190.0
 """Columns and number of the tiles of a frame, their size, and the least distance of a marker from their border, mm: no
@@ -43,21 +42,7 @@ def cable_across(
     return points
 
 
-class Stage:
-    """What every series of frames begins with: the same floor, light and generator."""
-
-    def __init__(self) -> None:
-        self.rng = np.random.default_rng(5)
-        self.truth = Truth((), ())
-        self.renderer = FrameRenderer(self.shown, LABORATORY)
-        self.renderer.reset(self.rng)
-        self.light = Light(LABORATORY, self.rng)
-
-    def shown(self) -> Truth:
-        return self.truth
-
-
-STAGE = cache(Stage)
+STAGE = cache(Laboratory)
 """Floor and light take longer to draw than a frame."""
 
 

@@ -12,6 +12,7 @@ from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.rendering import CameraAppearance, Disc, ImagePose, draw_shapes
 from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import (
+    LABORATORY,
     SceneRenderer,
     heading_error,
     only_region,
@@ -19,7 +20,6 @@ from tests.vision.scene_renderer import (
     random_marker,
 )
 
-LABORATORY = CameraAppearance.laboratory()
 APPEARANCES = {
     "laboratory": LABORATORY,
     "dim": replace(LABORATORY, white=150.0, floor=70.0, wall=55.0, body=30.0, black=18.0),
@@ -52,6 +52,41 @@ def test_markers_are_detected_at_any_pose(name: str) -> None:
     assert max(angles) < 3.5
     assert float(np.quantile(angles, 0.99)) < 3.0
     assert float(np.median(distances)) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("changes", "exposure"),
+    [
+        ({"grain": 12.0}, 1.0),
+        ({}, 1.4),  # white is saturated
+        (
+            {
+                "white": 45.0,
+                "floor": 21.0,
+                "wall": 16.0,
+                "body": 10.0,
+                "black": 5.0,
+                "gripper": 12.0,
+                "cable": 12.0,
+            },
+            1.0,
+        ),
+        ({"cable_sag": 0.0, "cable_sway": 0.0}, 1.0),
+    ],
+)
+def test_food_is_found_in_bad_pictures_and_under_cables(changes: dict[str, float], exposure: float) -> None:
+    rng, tracker = np.random.default_rng(4), Tracker()
+    renderer = SceneRenderer(replace(LABORATORY, **changes), (200.0, 1200.0))
+    found = 0
+    for _ in range(20):
+        # Half of the food lies on the cable from the left to marker 1.
+        foods = tuple(
+            (600.0 + 150 * i, 1200 + float(rng.uniform(-20, 20)) + 300 * (i % 2)) for i in range(12)
+        )
+        frame = renderer.frame(((2700.0, 1200.0, 0.3, 1), (2700.0, 1900.0, 2.0, 2)), foods)
+        seen = [d for d in tracker.detect((frame * exposure).clip(0, 255).astype(np.uint8)) if not d.holes]
+        found += sum(any(math.dist((d.x, d.y), (x / 5, y / 5)) < 1 for d in seen) for x, y in foods)
+    assert found >= 0.98 * 20 * 12
 
 
 @pytest.mark.parametrize("distance", [82.0, 84.0, 86.0, 88.0, 92.0])

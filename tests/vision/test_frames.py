@@ -14,6 +14,7 @@ from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.shapes import MARKER_FEATURES, MARKER_FRAME, MARKER_HOLES
 from tests.vision.scene_renderer import (
     COLUMN,
+    LABORATORY,
     NONE,
     PAIR,
     ROW,
@@ -23,9 +24,6 @@ from tests.vision.scene_renderer import (
     render_frame,
     render_frames,
 )
-
-LABORATORY = CameraAppearance.laboratory()
-
 
 # ---------------------------------------------------------------- truth
 

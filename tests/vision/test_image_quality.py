@@ -12,9 +12,8 @@ from khepera_forage.vision.rendering import CameraAppearance
 from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from tests.vision.scene_renderer import PAIR, Frame, SceneRenderer, render_frame
+from tests.vision.scene_renderer import LABORATORY, PAIR, Frame, SceneRenderer, render_frame
 
-LABORATORY = CameraAppearance.laboratory()
 SETTINGS = TrackerSettings()
 MARKERS = ((900.0, 700.0, 0.4, 1), (2200.0, 1500.0, 2.0, 2))
 FOODS = ((500.0, 1800.0), (1500.0, 1100.0))

@@ -1,21 +1,49 @@
 """Tags and markers of the table of twelve, at the resolutions of webcams; calibrations by tags on the floor."""
 
 import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
+from laboratory.sheets import Picture, Pose, Scene, grid_sheet, tag_sheet
 
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.calibration_fit import fit_to_tags
 from khepera_forage.vision.shapes import GRID_HOLES
-from khepera_forage.vision.tags import find_floor_tags
+from khepera_forage.vision.tags import find_floor_tags, fit_to_tags
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from tests.vision.tag_scenes import Picture, Pose, Scene, errors, grid_sheet, places, tag_sheet
 
 ROBOTS = (1, 2, 5, 7, 11, 17)
 TAGS = TrackerSettings(markers="tags", numbers=ROBOTS, tag_size=100.0)
+
+
+def places(count: int, rng: np.random.Generator, wide: float, high: float, apart: float) -> list[Pose]:
+    """Poses in the cells of a grid, so that nothing touches."""
+    columns = int(wide // apart)
+    cells = rng.permutation(columns * int(high // apart))[:count]
+    return [
+        (
+            float((cell % columns + 0.5) * apart + rng.uniform(-15, 15)),
+            float((cell // columns + 0.5) * apart + rng.uniform(-15, 15)),
+            float(rng.uniform(-math.pi, math.pi)),
+        )
+        for cell in cells.tolist()
+    ]
+
+
+def errors(
+    poses: Mapping[int, Pose], found: Sequence[tuple[int, float, float, int]]
+) -> list[tuple[float, float]]:
+    """Errors in mm and degrees of found numbers, x, y (region pixels) and orientations."""
+    return [
+        (
+            math.dist((5 * x, 5 * y), poses[number][:2]),
+            abs(math.remainder(degrees - math.degrees(poses[number][2]), 360)),
+        )
+        for number, x, y, degrees in found
+    ]
 
 
 def measured(poses: dict[int, Pose], found: list[Detection]) -> list[tuple[float, float]]:
@@ -28,7 +56,7 @@ def test_tags_are_found_exactly(width: int, height: int) -> None:
     rng, tracker = np.random.default_rng(1), Tracker(TAGS)
     found = []
     for seed in range(2):
-        scene = Scene(width, height, seed=seed)
+        scene = Scene(width, height, rng=seed)
         poses = dict(zip(ROBOTS, places(len(ROBOTS), rng, 3200, 3200 * height / width, 300), strict=True))
         for tag, pose in poses.items():
             scene.put(tag_sheet(tag, 100.0), pose)
@@ -64,7 +92,7 @@ def test_twelve_markers_are_found_and_never_mistaken(width: int, height: int) ->
     rng = np.random.default_rng(2)
     tracker = Tracker(TrackerSettings(markers="grid", numbers=tuple(GRID_HOLES)))
     for seed in range(2):
-        scene = Scene(width, height, seed=seed)
+        scene = Scene(width, height, rng=seed)
         poses = dict(zip(GRID_HOLES, places(12, rng, 3200, 3200 * height / width, 300), strict=True))
         for number, pose in poses.items():
             scene.put(grid_sheet(number), pose)
@@ -182,12 +210,13 @@ def test_floor_tags_calibrate_to_a_millimetre(width: int, height: int) -> None:
     ("shift", "turn"), [((30.0, 10.0), 0.03), ((20.0, 60.0), 0.03), ((20.0, 10.0), 0.06)]
 )
 def test_camera_that_was_knocked_is_noticed_at_the_next_frame(
-    shift: tuple[float, float], turn: float
+    tmp_path: Path, shift: tuple[float, float], turn: float
 ) -> None:
     middles = {tag: pose[:2] for tag, pose in floor_places(2400.0).items()}
     frame = floor_scene(640, 480).frame()
     calibration = fit_to_tags(find_floor_tags(frame, sorted(middles)), middles, 100.0).calibration
-    tracker = Tracker(calibration=Calibration.from_table(calibration.as_table()))
+    calibration.save(tmp_path / "tags.toml")
+    tracker = Tracker(calibration=Calibration.load(tmp_path / "tags.toml"))
     for _ in range(3):
         tracker.update(frame)
         assert "camera moved" not in tracker.warnings

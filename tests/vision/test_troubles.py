@@ -10,24 +10,31 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer, Light, draw_cable
-from khepera_forage.vision.scene import Truth
+from khepera_forage.vision.rendering import CameraAppearance, draw_cable
 from khepera_forage.vision.shapes import MARKER_HOLES
 from khepera_forage.vision.tracker import Tracker
-from tests.vision.scene_renderer import COLUMN, ROW, Marker, heading_error, position_error
+from tests.vision.scene_renderer import (
+    COLUMN,
+    LABORATORY,
+    ROW,
+    Frame,
+    Laboratory,
+    Marker,
+    heading_error,
+    position_error,
+)
 
-Picture = NDArray[np.uint8]
-Trouble = Callable[[Picture, Marker, np.random.Generator], Picture]
+Trouble = Callable[[Frame, Marker, np.random.Generator], Frame]
 
 
-def brightened(picture: Picture, x: float, y: float, amplitude: float, size: float) -> Picture:
+def brightened(picture: Frame, x: float, y: float, amplitude: float, size: float) -> Frame:
     """The picture with the reflection of a lamp: a Gaussian of some pixels around a place in mm."""
     squares = (COLUMN - x / 5) ** 2 + (480 - ROW - y / 5) ** 2
-    bright: Picture = (picture + amplitude * np.exp(-squares / (2 * size**2))).clip(0, 255).astype(np.uint8)
+    bright: Frame = (picture + amplitude * np.exp(-squares / (2 * size**2))).clip(0, 255).astype(np.uint8)
     return bright
 
 
-def glare(picture: Picture, marker: Marker, rng: np.random.Generator) -> Picture:
+def glare(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     """A reflection over the front hole, or the back one, of a marker."""
     x, y, heading, holes = marker
     ahead = float(rng.choice([hole[0] for hole in MARKER_HOLES[holes]])) + rng.uniform(-6, 6)
@@ -52,25 +59,25 @@ def _distance_for(share: float, turn: float) -> float:
     return float(np.quantile(x * math.cos(turn) + y * math.sin(turn), 1 - share))
 
 
-def cover(picture: Picture, marker: Marker, rng: np.random.Generator) -> Picture:
+def cover(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     """A cover of the floor's colour over 20 to 30 % of a marker."""
     turn = rng.uniform(-math.pi, math.pi)
     beyond = _beyond(marker, marker[2] + turn, _distance_for(rng.uniform(0.2, 0.3), turn))
     near = np.hypot(COLUMN - marker[0] / 5, 480 - ROW - marker[1] / 5) < 25
     share = (beyond + 0.5).clip(0, 1) * near
-    covered: Picture = (picture * (1 - share) + 105 * share).astype(np.uint8)
+    covered: Frame = (picture * (1 - share) + 105 * share).astype(np.uint8)
     return covered
 
 
-def shadow(picture: Picture, marker: Marker, rng: np.random.Generator) -> Picture:
+def shadow(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     """The hard edge of a shadow over a marker."""
     turn, factor = rng.uniform(-math.pi, math.pi), rng.uniform(0.3, 0.8)
     beyond = _beyond(marker, marker[2] + turn, _distance_for(rng.uniform(0.1, 0.9), turn))
-    dim: Picture = (picture * (1 - (1 - factor) * (beyond + 0.5).clip(0, 1))).astype(np.uint8)
+    dim: Frame = (picture * (1 - (1 - factor) * (beyond + 0.5).clip(0, 1))).astype(np.uint8)
     return dim
 
 
-def two_cables(picture: Picture, marker: Marker, rng: np.random.Generator) -> Picture:
+def two_cables(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     """Two cables of 4 to 12 mm over one marker."""
     picture = picture.copy()
     for _ in range(2):
@@ -83,7 +90,7 @@ def two_cables(picture: Picture, marker: Marker, rng: np.random.Generator) -> Pi
     return picture
 
 
-def hand(picture: Picture, marker: Marker, rng: np.random.Generator) -> Picture:
+def hand(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     """A hand near or over the marker: an arm of skin and five fingers."""
     picture = picture.copy()
     turn = rng.uniform(-math.pi, math.pi)
@@ -109,39 +116,12 @@ TROUBLES: dict[str, Trouble] = {
 }
 
 
-LABORATORY = CameraAppearance.laboratory()
 GLARE = (150.0, 4.0)
 """Amplitude in grey levels and size in pixels of a lamp's reflection."""
 
 
-def troubled(name: str, marker: Marker, rng: np.random.Generator, picture: Picture) -> Picture:
+def troubled(name: str, marker: Marker, rng: np.random.Generator, picture: Frame) -> Frame:
     return TROUBLES[name](picture, marker, rng) if name in TROUBLES else picture
-
-
-class Laboratory:
-    """Frames of a laboratory, with something done to the picture before lens and sensor."""
-
-    def __init__(
-        self, appearance: CameraAppearance = LABORATORY, walls: tuple[tuple[float, ...], ...] = ()
-    ) -> None:
-        self.rng = np.random.default_rng(5)
-        self.truth = Truth((), ())
-        self.renderer = FrameRenderer(lambda: self.truth, appearance, walls=walls)  # type: ignore[arg-type] # four each
-        self.renderer.reset(self.rng)
-        self.light = Light(appearance, self.rng)
-
-    def frame(
-        self,
-        markers: tuple[Marker, ...],
-        foods: tuple[tuple[float, float], ...] = (),
-        change: Callable[[Picture], Picture] = lambda picture: picture,
-    ) -> NDArray[np.uint8]:
-        self.truth = Truth(markers, foods)
-        return self.light.expose(change(self.renderer.picture()), 0.0)
-
-    def marker(self, holes: int) -> Marker:
-        x, y, heading = self.rng.uniform((300, 300, -math.pi), (2900, 2100, math.pi)).tolist()
-        return x, y, heading, holes
 
 
 @pytest.mark.parametrize(
@@ -233,6 +213,23 @@ def test_food_that_touches_one_of_three_bright_walls_is_found(width: float, grey
         )
         (food,) = tracker.detect(laboratory.frame((), (place,)))
         assert math.dist((food.x, food.y), (place[0] / 5, place[1] / 5)) < 1
+        assert tracker.detect(laboratory.frame((), ())) == []
+        assert tracker.warnings == {}
+
+
+@pytest.mark.parametrize("grey", [190.0, 225.0])
+@pytest.mark.parametrize("width", [80.0, 140.0])
+def test_food_in_the_corner_of_wide_bright_walls_is_found_or_a_warning_names_the_cause(
+    width: float, grey: float
+) -> None:
+    walls = ((500.0, 500.0, 2700.0, 500.0), (500.0, 500.0, 500.0, 1900.0))
+    laboratory, tracker = Laboratory(replace(LABORATORY, wall=grey, wall_width=width), walls), Tracker()
+    for _ in range(12):
+        x, y = (500 + width / 2 + 17.5 + laboratory.rng.uniform(0, 6, 2)).tolist()
+        found = tracker.detect(laboratory.frame((), ((x, y),)))
+        assert any(math.dist((food.x, food.y), (x / 5, y / 5)) < 1 for food in found) or tracker.warnings[
+            "bright area"
+        ].startswith("the area around (")
 
 
 @pytest.mark.parametrize("grey", [190.0, 225.0])

@@ -340,7 +340,7 @@ def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forag
         arena: Its arena.
         decisions: Of the task.
     """
-    robot, now = SimulatedKhepera(world.robots[0]), state_of(world)
+    robot, now = SimulatedKhepera(world.robots, 0), state_of(world)
     food = KnownFood(
         now.tracker,
         [FoodObject(*food.item()) for food in world.objects],

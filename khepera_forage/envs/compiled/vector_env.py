@@ -83,6 +83,11 @@ class RecallVectorEnv(VectorEnv):
             raise ValueError(f"render_mode is {render_mode!r}; allowed for a batch: None, 'rgb_array'")
         self.num_envs = whole_number("num_envs", num_envs, 1)
         self.batch = CompiledBatch(self.num_envs, arena, foods, limit, noise, food_types, decisions, robot)
+        modes = [mode.value for mode in AutoresetMode]
+        if autoreset_mode not in (*modes, *AutoresetMode):
+            raise ValueError(
+                f"autoreset_mode is {autoreset_mode!r}; allowed: AutoresetMode, or {', '.join(map(repr, modes))}"
+            )
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         duration = self.batch.decisions.round_duration
         self.metadata = {

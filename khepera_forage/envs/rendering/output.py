@@ -110,6 +110,10 @@ class Screen:
 
         if self._window is None:
             self._clock = pygame.time.Clock()
+            try:
+                open_display()
+            except OSError as error:
+                gym.logger.warn(f"{error}. Nobody sees this window")
         if self._window is None or self._window.get_size() != picture.get_size():
             pygame.display.init()
             self._window = pygame.display.set_mode(picture.get_size())

@@ -38,7 +38,11 @@ PROTOCOL = Protocol(
     identity=Request("V"),
     queries=tuple(Request(letter) for letter in "EQONV"),
     baud_rates=(115200,),
+    baud=115200,
     stop_bits=1,
+    motion=("D",),
+    counters=("Q", 16),
+    lamps=(8,),
     remark="HW version",
     end=b"\r",
     hint="is this the port of an e-puck2, switched on, with its selector in position 3 (Bluetooth) or 8 (USB)?",
@@ -61,16 +65,11 @@ class SerialEPuck(SerialRobot):
 
     model = E_PUCK
     protocol = PROTOCOL
-    default_baud = 115200
-    motion_commands = ("D",)
-    lamps = (8,)
-    counter_bits = 16
 
     def _requests(self, command: Motors) -> list[Request]:
         return [Request("D", (round(command.left * self.model.unit), round(command.right * self.model.unit)))]
 
-    def _receive(self) -> None:
-        self._begin_call()
+    def _read_senses(self) -> Senses:
         infra_reds, counters = (
             [int(value) for value in reply.values] for reply in self._exchange([Request("N"), Request("Q")])
         )
@@ -81,4 +80,4 @@ class SerialEPuck(SerialRobot):
         step = self.model.pulse / self.model.scale / PULSE
         left, right = (round(count * step) for count in self._counters.total)
         presence = PRESENT if min(infra_reds[0], infra_reds[7]) >= TOUCHED else 0
-        self._senses = Senses((a, b, c, d, e, f, g, h), left, right, ARM_DOWN, JAW_OPEN, presence)
+        return Senses((a, b, c, d, e, f, g, h), left, right, ARM_DOWN, JAW_OPEN, presence)

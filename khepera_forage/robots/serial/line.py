@@ -20,7 +20,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from time import monotonic
-from typing import TYPE_CHECKING, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, NamedTuple
 
 from khepera_forage.extras import require
 from khepera_forage.robots.khepera import RobotLost
@@ -41,20 +41,20 @@ if TYPE_CHECKING:
 
 POLL = 0.005
 """Seconds after which a read without input returns. Constant: `rfc2217://` negotiates every change with the server."""
-DEFAULT_TIMEOUT = 0.1
-MAX_TIMEOUT = 10.0
+DEFAULT_TIMEOUT, MAX_TIMEOUT = 0.1, 10.0
 _TRIES = 6
 """The robot counts as lost after so many tries in a row that bring no reply."""
-MAX_ADAPTED_TIMEOUT = 0.5
-"""Seconds: limit of the timeout that follows from the latency of the line."""
-OPENING_TIMEOUT = 1.9
-"""Seconds for opening: then the robot counts as lost, or its line as too slow."""
-_NOT_REPEATABLE = ("G", RESTART)
-"""Setting the counters twice loses the counts in between; a restart has no reply."""
 _COST_OF_GARBAGE = 0.25
 """How much a try counts whose reply was garbled: the robot is there."""
-_MAX_BACKOFF, _MAX_BACKOFF_OF_STOP = 8, 2
+_MAX_BACKOFF = 8
 """Timeouts that a try may last: the wait doubles after each silent try, up to this."""
+_MAX_ADAPTED_TIMEOUT = 0.5
+"""Seconds: limit of the timeout that follows from the latency of the line."""
+_OPENING_TIMEOUT, _PATIENCE = 1.9, 0.6
+"""Seconds for opening, after which the robot counts as lost, or its line as too slow; and for the first reply, since a
+repeated request would distort the measurement."""
+_NOT_REPEATABLE = ("G", RESTART)
+"""Setting the counters twice loses the counts in between; a restart has no reply."""
 _MAX_REPLY_LENGTH = 60
 """Bytes: N has up to 43, K and H fewer than 60."""
 _WAIT_AFTER_GARBAGE = 0.02
@@ -63,19 +63,11 @@ _BANNER_GAP, _MAX_BANNER_DURATION = 0.06, 3.0
 """Seconds without a byte that mark the end of a restart banner; its 17 lines (KNET) take one second at 9600 baud."""
 _RFC2217 = "rfc2217://"
 """For these, pyserial has a fixed write timeout and rejects any other."""
-
 FAST = 0.005
 """Seconds: up to this latency, a command is confirmed before the round goes on."""
-MAX_ROUND_BYTES, MAX_ROUND_REQUESTS = 170, 8
-"""Bytes and requests of a round in which arm and jaw move and all numbers have the maximum number of digits."""
-_SHORTEST_ANSWERS, _LONGEST_ANSWERS = (3, 45), (5, 129)
-"""Requests of `receive` and bytes both ways: without positions of the gripper and with numbers of one digit, or with
-both positions and with all digits."""
-_ROUND, _GRIPPER_ROUND = (4, 61), (6, 103)
-"""The same for a round in which the gripper rests (D, N, T,1,G and H), or moves: medians of `benchmarks/wire.py`."""
-
-_PATIENCE = 0.6
-"""Seconds to wait for a reply before the latency is known: a repeated request would distort the measurement."""
+_ROUND = (4, 61)
+"""Requests, and bytes both ways, of a round in which the gripper rests (D, N, T,1,G and H): a median of
+`benchmarks/wire.py`."""
 
 
 class RobotRestarted(Exception):  # noqa: N818 (an event, not an error)
@@ -112,25 +104,11 @@ class LineTiming(NamedTuple):
     def duration(self, requests: int, length: int) -> float:
         """Seconds that requests take whose bytes, with those of the replies, have this length."""
         waits = requests if not self.pipelined else 1 if self.latency > FAST else min(requests, 2)
-        return waits * self.latency + seconds_on_wire(length, self.baud, self.stop_bits)
+        return waits * self.latency + self.on_wire(length)
 
-    def longest_round(self, period: float) -> float:
-        """Seconds from the end of a round to the end of the next one, at most, at a fixed rate without late replies."""
-        variation = self.duration(*_LONGEST_ANSWERS) - self.duration(*_SHORTEST_ANSWERS)
-        usual = period + max(self.latency, variation)
-        if self.duration(*_GRIPPER_ROUND) <= period:
-            return usual
-        # A clock that such rounds have delayed by half a period skips the rest of it.
-        return max(usual, 1.5 * period + variation)
-
-    def latest_end(self, period: float) -> float:
-        """Seconds from the beginning of a period to the end of its exchange, at most: the period and one latency.
-
-        The readings are requested at the beginning of each period; the exchange ends when the next commands have been
-        sent. This holds without late replies if a round in which the gripper moves takes at most half a period and one
-        latency.
-        """
-        return period + self.latency
+    def on_wire(self, count: int) -> float:
+        """Transmission time of a number of bytes."""
+        return seconds_on_wire(count, self.baud, self.stop_bits)
 
     def check(self, port: str, period: float) -> None:
         """Raise `LineTooSlow` if a round does not fit into its period."""
@@ -173,27 +151,6 @@ class _Slot:
     request: Request
     command: str = ""
     reply: Reply | None = None
-
-
-@dataclass(slots=True)
-class _Exchange:
-    """The state of one exchange: tries in a row that brought no reply, and those of them with an error reply."""
-
-    slots: list[_Slot]
-    insist: bool
-    sent_before: int
-    failed: float = 0.0
-    rejected: float = 0.0
-
-    @property
-    def missing(self) -> list[_Slot]:
-        """The requests without a reply."""
-        return [slot for slot in self.slots if slot.reply is None]
-
-    @property
-    def backoff(self) -> int:
-        """Timeouts to wait for a reply."""
-        return min(1 << int(self.failed), _MAX_BACKOFF_OF_STOP if self.insist else _MAX_BACKOFF)
 
 
 class Line:
@@ -240,14 +197,12 @@ class Line:
         self._serial = open_port(port, baud, protocol.stop_bits, timeout)
         self._splitter = LineSplitter()
         self._lines: deque[bytes] = deque()
-        self._mid_line = self._skip_line = False
-        """Whether the last received byte did not end a line."""
         self._pending: list[_Slot] = []
         """Requests to which a reply may still arrive, in the order in which they were sent: the unanswered ones, and
         the last answered one, whose reply may be repeated. Those of earlier exchanges come first: `_stale` of them."""
         self._stale = 0
         self._received: list[Reply] = []
-        """Replies of this exchange."""
+        """Replies to the pending requests."""
         self._ahead: list[_Slot] = []
         """Requests of `send_ahead`, which the next exchange confirms."""
 
@@ -270,13 +225,13 @@ class Line:
         query, identity = self.protocol.queries[0], self.protocol.identity
         self.timeout = max(patience, _PATIENCE)
         for requests in ([identity, stop], [query], [identity], [query], [identity]):
-            if latencies and self.now() + latencies[-1] > begin + OPENING_TIMEOUT:
+            if latencies and self.now() + latencies[-1] > begin + _OPENING_TIMEOUT:
                 break
-            self.deadline = self.now() + max(OPENING_TIMEOUT, _TRIES * patience)
+            self.deadline = self.now() + max(_OPENING_TIMEOUT, _TRIES * patience)
             latencies.append(self._excess_time(requests))
         # The lower of two medians, and the shortest: the others may contain disturbances. The first is too short where
         # the transmission of its two requests overlaps.
-        self.timeout = max(patience, min(2 * statistics.median_low(latencies), MAX_ADAPTED_TIMEOUT))
+        self.timeout = max(patience, min(2 * statistics.median_low(latencies), _MAX_ADAPTED_TIMEOUT))
         self.timing = self.timing._replace(latency=min(latencies[1:] or latencies))
         # Again: a stall of the computer looks like a robot that replies to one request after the other.
         together = any(self._answers_together(begin) for _ in range(3))
@@ -284,10 +239,10 @@ class Line:
 
     def _answers_together(self, opened: float) -> bool:
         """Whether all replies to pipelined requests arrive together, after one latency."""
-        if self.now() + self.timing.latency > opened + OPENING_TIMEOUT:
+        if self.now() + self.timing.latency > opened + _OPENING_TIMEOUT:
             return True  # no time to test it
         requests = [query for query in self.protocol.queries if query.command in ("N", "E", "O")]
-        self.deadline = self.now() + self.timeout + self._on_wire(len(requests) * _MAX_REPLY_LENGTH)
+        self.deadline = self.now() + self.timeout + self.timing.on_wire(len(requests) * _MAX_REPLY_LENGTH)
         try:
             return self._excess_time(requests) <= 1.5 * self.timing.latency + 0.01
         except RobotLost:
@@ -298,17 +253,15 @@ class Line:
         begin, replies = self.now(), self.exchange(requests)
         took = self.now() - begin
         data = [*map(self.protocol.encode_request, requests), *map(self.protocol.encode_reply, replies)]
-        return max(0.0, took - self._on_wire(len(b"".join(data))))
+        return max(0.0, took - self.timing.on_wire(len(b"".join(data))))
 
     def send_ahead(self, requests: Sequence[Request]) -> None:
         """Send requests for whose replies the next exchange waits."""
         self._ahead = [_Slot(request) for request in requests]
-        sent_before = self.statistics.sent
         try:
-            self._send(self._ahead, 0)
+            self._send(self._ahead)
         except OSError as error:
-            tries = self.statistics.sent - sent_before
-            raise RobotLost(self.port, str(requests[0]), tries, f"the port failed: {error}") from error
+            raise RobotLost(self.port, str(requests[0]), 0, f"the port failed: {error}") from error
 
     def forget_ahead(self) -> bool:
         """Do not wait for the replies to requests sent ahead; returns whether there were any."""
@@ -317,15 +270,13 @@ class Line:
 
     def send_aside(self, request: Request) -> None:
         """Send a request in the middle of an exchange, without waiting for its reply."""
-        self._send([_Slot(request)], 0)
+        self._send([_Slot(request)])
 
-    def exchange(self, requests: Sequence[Request], *, insist: bool = False) -> list[Reply]:
+    def exchange(self, requests: Sequence[Request]) -> list[Reply]:
         """Send requests and return their replies, in their order; repeats what is not answered.
 
         Args:
             requests: Different commands, or the same with others in between.
-            insist: Send the requests themselves after silence, not only a query: to stop a robot as early as possible,
-                whose replies may be lost.
 
         Raises:
             ValueError: A request cannot be encoded, or is G or restart, which may not be repeated.
@@ -339,85 +290,85 @@ class Line:
                 )
             self.protocol.encode_request(request)
         if not self.timing.pipelined and len(requests) > 1:
-            return [self.exchange([request], insist=insist)[0] for request in requests]
+            return [self.exchange([request])[0] for request in requests]
         own = [_Slot(request) for request in requests]
-        exchange = _Exchange([*self._ahead, *own], insist, self.statistics.sent)
+        missing, to_send, sent_before = [*self._ahead, *own], own, self.statistics.sent
+        failed = rejections = 0.0
         self._forget_answered()
         self._stale = len(self._pending) - len(self._ahead)
         try:
             if not self._ahead:
                 self._discard_input()
-            to_send = own
-            while exchange.missing:
+            while True:
                 self._check()
-                self._try(exchange, to_send)
-                missing = exchange.missing
+                garbled, rejected, reason = self._try(
+                    missing, to_send, self.timeout * min(2 ** int(failed), _MAX_BACKOFF)
+                )
+                left = [slot for slot in missing if slot.reply is None]
+                if not left:
+                    break
+                failed = (
+                    0.0
+                    if len(left) < len(missing)
+                    else failed + (_COST_OF_GARBAGE if garbled and not rejected else 1.0)
+                )
+                rejections = rejections + rejected if failed else 0.0
+                missing = left
+                if failed >= _TRIES or self.now() > self.deadline:
+                    self._check()
+                    kind = RequestRejected if 0 < rejections == failed else RobotLost
+                    raise kind(self.port, str(left[0].request), self.statistics.sent - sent_before, reason)
                 # Of equal neighbours only the first: a repeated reply to it could be taken for that to the second.
                 others = (slot for last, slot in pairwise(missing) if slot.command != last.command)
-                to_send = [*missing[:1], *others]
+                to_send = [missing[0], *others]
         except RobotRestarted:
             self._pending, self._received, self._ahead = [], [], []
             raise
         except RobotLost:
             raise
         except OSError as error:
-            self._give_up(exchange, f"the port failed: {error}", error)
+            tries = self.statistics.sent - sent_before
+            raise RobotLost(self.port, str(missing[0].request), tries, f"the port failed: {error}") from error
         self._ahead = []
         return [slot.reply for slot in own if slot.reply is not None]
 
-    def _try(self, exchange: _Exchange, to_send: list[_Slot]) -> None:
+    def _try(self, missing: list[_Slot], to_send: list[_Slot], patience: float) -> tuple[int, bool, str]:
         """Send requests, and assign the replies that arrive, until all have arrived or the missing ones must be lost.
 
-        After silence, a query follows: once it is answered, what is missing is lost.
+        Returns the number of garbled lines, whether there were error replies, and what was received instead of a reply.
         """
-        missing_before, failed_before = len(exchange.missing), exchange.failed
         garbled, rejected, reason = 0, False, "received nothing"
-        answers_left = missing_before
         self._forget_answered()
         if to_send[0].request.command in {slot.command for slot in self._pending}:
             # A query first: no late reply is then taken for that to the first request.
             to_send = [self._fresh_query(to_send), *to_send]
-            answers_left += 1
-        deadline = self._send(to_send, answers_left) + exchange.backoff * self.timeout
-        while exchange.missing:
+        deadline = self._send(to_send) + patience
+        while any(slot.reply is None for slot in missing):
             self._check()
             line = self._receive_line()
             now = self.now()
             if now > (self.deadline if line else min(deadline, self.deadline)):
                 self.statistics.timeouts += 1
-                exchange.failed += _COST_OF_GARBAGE if garbled and not rejected else 1.0
-                exchange.rejected += rejected
-                if exchange.failed >= _TRIES or now > self.deadline:
-                    self._give_up(exchange, reason)
-                if garbled or exchange.insist:
-                    break
-                deadline = self._send([self._fresh_query([])], 1) + exchange.backoff * self.timeout
-                answers_left += 1
-            if line is None:
+                break
+            reply = None if line is None else self._decode(line)
+            if line is None or isinstance(reply, TextLine):
                 continue
-            reply = self._decode(line)
-            if self._skip_line:  # its first part arrived before the requests were sent
-                self._skip_line = False
-            elif isinstance(reply, Reply):
+            if isinstance(reply, Reply):
                 place = self._assign(reply)
                 if place < self._stale:
                     self.statistics.unmatched += 1
                     reason = self._reason(line)
-                    continue
-                answers_left -= 1
-                exchange.failed = min(exchange.failed, failed_before + 1.0)
-                if place == len(self._pending) - 1:
+                elif place == len(self._pending) - 1:
                     break  # no other reply can follow
-            elif not isinstance(reply, TextLine):
-                garbled, reason = garbled + 1, self._reason(line)
-                if isinstance(reply, ErrorReply):
-                    rejected = True
-                    self.statistics.rejected += 1
-                rest = max(1, answers_left - garbled + 1)
-                wait = self._on_wire(rest * _MAX_REPLY_LENGTH) + self.timing.latency + _WAIT_AFTER_GARBAGE
-                deadline = min(deadline, now + wait)
-        if len(exchange.missing) < missing_before:
-            exchange.failed = exchange.rejected = 0.0
+                continue
+            garbled, reason = garbled + 1, self._reason(line)
+            if isinstance(reply, ErrorReply):
+                rejected = True
+                self.statistics.rejected += 1
+            rest = max(1, len(to_send) - garbled + 1)
+            wait = self.timing.on_wire(rest * _MAX_REPLY_LENGTH) + self.timing.latency + _WAIT_AFTER_GARBAGE
+            deadline = min(deadline, now + wait)
+        return garbled, rejected, reason
 
     def _assign(self, reply: Reply) -> int:
         """Take a reply, and assign all replies so far that can belong to one request only.
@@ -453,8 +404,8 @@ class Line:
         queries = self.protocol.queries
         return _Slot(next((query for query in queries if query.command not in taken), queries[0]))
 
-    def _send(self, slots: Sequence[_Slot], replies: int) -> float:
-        """Send requests; returns the moment at which a number of replies has arrived if they are not late.
+    def _send(self, slots: Sequence[_Slot]) -> float:
+        """Send requests; returns the moment at which their replies have arrived if they are not late.
 
         A port that is blocked for longer than its time limit loses requests, like a disturbed line.
         """
@@ -468,7 +419,8 @@ class Line:
         with contextlib.suppress(SerialTimeoutException):
             self._serial.write(data)
         self.statistics.sent += len(requests)
-        return self.now() + self._on_wire(len(data) + replies * _MAX_REPLY_LENGTH)
+        replies = len(slots) + len(self._ahead)
+        return self.now() + self.timing.on_wire(len(data) + replies * _MAX_REPLY_LENGTH)
 
     def _discard_input(self) -> None:
         """Discard all received bytes: none of them can belong to the next reply."""
@@ -477,7 +429,7 @@ class Line:
         while self._lines:
             if isinstance(self._decode(self._lines.popleft()), Reply | ErrorReply):
                 self.statistics.unmatched += 1
-        self._skip_line = self._mid_line
+        self._splitter.skip()
 
     def _receive_line(self) -> bytes | None:
         """The next line; None without one within `POLL` seconds."""
@@ -519,9 +471,7 @@ class Line:
         data = self._arrived(size)
         if data and (more := self._serial.in_waiting):
             data += self._arrived(more)
-        if data:
-            self._lines.extend(self._splitter.feed(data))
-            self._mid_line = data[-1] not in b"\r\n"
+        self._lines.extend(self._splitter.feed(data))
         return data
 
     def _arrived(self, size: int) -> bytes:
@@ -533,27 +483,14 @@ class Line:
             data = self._serial.read(size)
         return data
 
-    def _on_wire(self, count: int) -> float:
-        return seconds_on_wire(count, self.timing.baud, self.timing.stop_bits)
-
     def _reason(self, unmatched: bytes) -> str:
         """Why there is no reply: what was received instead."""
-        if not unmatched:
-            return "received nothing"
         if unmatched.startswith(b"z,"):
             return f"it replied {unmatched.decode('latin-1')}"
         counts = self.statistics
         understood = counts.answered or counts.unmatched or counts.rejected
         hint = "" if understood else f" (is the robot set to {self.timing.baud} baud?)"
         return f"received only {unmatched!r}{hint}"
-
-    def _give_up(self, exchange: _Exchange, reason: str, cause: Exception | None = None) -> NoReturn:
-        if cause is None:
-            self._check()
-        is_rejected = 0.0 < exchange.rejected == exchange.failed
-        tries = self.statistics.sent - exchange.sent_before
-        kind = RequestRejected if is_rejected else RobotLost
-        raise kind(self.port, str(exchange.missing[0].request), tries, reason) from cause
 
 
 def _first_places(commands: Sequence[str], replies: Sequence[Reply]) -> list[int]:

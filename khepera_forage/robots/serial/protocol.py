@@ -108,6 +108,10 @@ class Protocol:
         banner: Lines that the robot sends when it starts.
         identity: A request that tells this kind of robot from others.
         queries: Requests that change nothing, the shortest first; more than the tries before a robot counts as lost.
+        baud: The usual one of `baud_rates`.
+        motion: Commands that set the wheels in motion.
+        counters: The command that reads the counters, and their bits.
+        lamps: Arguments of command L that switch all lamps.
         remark: Beginning of a line of text that follows a reply, and has no meaning.
         end: End of a request.
         hint: What to check if no such robot replies.
@@ -118,7 +122,11 @@ class Protocol:
     identity: Request
     queries: tuple[Request, ...]
     baud_rates: tuple[int, ...]
+    baud: int
     stop_bits: int
+    motion: tuple[str, ...]
+    counters: tuple[str, int]
+    lamps: tuple[int, ...]
     remark: str = "\n"
     end: bytes = b"\n"
     hint: str = ""
@@ -191,6 +199,7 @@ class LineSplitter:
 
     def __init__(self) -> None:
         self._incomplete = bytearray()
+        self._skips = False
 
     def feed(self, data: bytes) -> list[bytes]:
         """Take the next chunk; returns the lines that it completes, oldest first. Never raises."""
@@ -199,10 +208,15 @@ class LineSplitter:
         for end in ends:
             line = (bytes(self._incomplete) + end)[:MAX_LINE]
             self._incomplete.clear()
-            if line:
+            if line and not self._skips:
                 lines.append(line)
+            self._skips = False
         self._incomplete += rest[: MAX_LINE - len(self._incomplete)]
         return lines
+
+    def skip(self) -> None:
+        """Drop the line that is not complete yet."""
+        self._skips = bool(self._incomplete)
 
 
 def seconds_on_wire(count: int, baud: int, stop_bits: int = 2) -> float:
@@ -340,5 +354,9 @@ KHEPERA = Protocol(
         *(Request("H"), Request("O"), Request("N")),
     ),
     baud_rates=BAUD_RATES,
+    baud=38400,
     stop_bits=2,
+    motion=("C", "D", "P"),
+    counters=("H", 32),
+    lamps=(0, 1),
 )

@@ -38,10 +38,6 @@ class SerialKhepera(SerialRobot):
 
     model = KHEPERA
     protocol = PROTOCOL
-    default_baud = 38400
-    motion_commands = ("C", "D", "P")
-    lamps = (0, 1)
-    counter_bits = 32
 
     def turn_wheels(self, left: int, right: int) -> None:
         """See `RealRobot`."""
@@ -64,8 +60,7 @@ class SerialKhepera(SerialRobot):
         self._arm.set_target(None if command is None else command.arm)
         self._jaw.set_target(None if command is None else command.jaw)
 
-    def _receive(self) -> None:
-        self._begin_call()
+    def _read_senses(self) -> Senses:
         begin = self._line.now()
         # Equal letters never follow each other: their replies could not be told apart.
         arm, jaw = ([reading.request] if reading.is_due() else [] for reading in (self._arm, self._jaw))
@@ -86,8 +81,7 @@ class SerialKhepera(SerialRobot):
         jaw_position = max(JAW_CLOSED, min(JAW_OPEN, self._jaw.value))
         presence = PRESENT if self._barrier.value else 0
         counts = self._counters.total
-        self._senses = Senses((a, b, c, d, e, f, g, h), *counts, arm_position, jaw_position, presence)
-        self._last_round = self._line.now()
+        return Senses((a, b, c, d, e, f, g, h), *counts, arm_position, jaw_position, presence)
 
     def _read(self, requests: list[Request]) -> dict[Request, tuple[int, ...]]:
         """The values of replies, all numbers; 1 for an interrupted barrier."""

@@ -4,13 +4,11 @@ import time
 from collections.abc import Callable, Sequence
 from typing import ClassVar, TypeVar
 
-from khepera_forage.robots.khepera import CONTROL_PERIOD, Motors, RobotLost
+from khepera_forage.robots.khepera import CONTROL_PERIOD, Motors, RobotLost, Senses
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import (
     DEFAULT_TIMEOUT,
     FAST,
-    MAX_ROUND_BYTES,
-    MAX_ROUND_REQUESTS,
     Line,
     LineTiming,
     RobotRestarted,
@@ -21,13 +19,15 @@ from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
 T = TypeVar("T")
 
 STOP = Request("D", (0, 0))
+MAX_UNATTENDED = 0.9
+"""Seconds from a `transmit` after which no wheel turns if the following `receive` is not complete, whatever happens."""
 HOLD_AFTER = 0.5
-"""Seconds after which a call that is not complete stops the wheels."""
-MAX_DURATION = 4.0
-"""Seconds after which a robot whose call is not complete counts as lost."""
+"""Seconds of waiting in a `transmit` and the following `receive`, together, after which the wheels are stopped."""
+MAX_DURATION, _STOP_DURATION = 4.0, 2.0
+"""Seconds after which a robot whose call, or stop, is not complete counts as lost; more with a longer timeout."""
 
-_MAX_TIMEOUTS = 40
-"""The same in timeouts, for a user who has chosen a long one."""
+_LONGEST_ROUND = (8, 170)
+"""Requests and bytes of a round in which arm and jaw move and all numbers have the maximum number of digits."""
 _MAX_RESTARTS = 5
 """Restarts tolerated within one call; after more, the robot counts as lost: its power supply is unusable."""
 _FLASH = 0.3
@@ -64,12 +64,6 @@ class SerialRobot(RealRobot):
     """
 
     protocol: ClassVar[Protocol]
-    default_baud: ClassVar[int]
-    motion_commands: ClassVar[tuple[str, ...]]
-    """Requests that set the wheels in motion."""
-    lamps: ClassVar[tuple[int, ...]]
-    """Arguments of request L that switch all lamps."""
-    counter_bits: ClassVar[int]
 
     def __init__(
         self,
@@ -82,7 +76,7 @@ class SerialRobot(RealRobot):
         period: float | None = CONTROL_PERIOD,
     ) -> None:
         super().__init__(port, self.model.max_speed if max_speed is None else max_speed)
-        self.baud = self.default_baud if baud is None else baud
+        self.baud = self.protocol.baud if baud is None else baud
         self._period = period
         self._base_timeout = timeout
         self._watchdog: Watchdog | None = None
@@ -90,7 +84,8 @@ class SerialRobot(RealRobot):
         """Whether the last speeds that were sent turn the wheels."""
         self._held = self._must_restore = False
         self._hold_at = float("inf")
-        self._last_round = float("-inf")
+        self._time_left: float | None = None
+        """Of the seconds after which wheels are held, what `transmit` has left to the following `receive`."""
         self._line = Line(
             port,
             self.protocol,
@@ -100,7 +95,7 @@ class SerialRobot(RealRobot):
             check=self._check,
         )
         self.statistics = self._line.statistics
-        self._counters = Counters(self.counter_bits)
+        self._counters = Counters(self.protocol.counters[1])
         self._prepare()
         self._open(self._begin_session)
         if watchdog:
@@ -119,7 +114,7 @@ class SerialRobot(RealRobot):
     @property
     def longest_exchange(self) -> float:
         """See `RealRobot`."""
-        return self.timeout + self.timing.duration(MAX_ROUND_REQUESTS, MAX_ROUND_BYTES)
+        return self.timeout + self.timing.duration(*_LONGEST_ROUND)
 
     def request(self, command: str, *values: int) -> tuple[int | str, ...]:
         """Send any other request of the protocol; returns the values of the reply.
@@ -137,7 +132,7 @@ class SerialRobot(RealRobot):
 
     def _turns(self, request: Request) -> bool:
         """Whether a request sets the wheels in motion."""
-        return request.command in self.motion_commands and (request.command == "C" or any(request.values))
+        return request.command in self.protocol.motion and (request.command == "C" or any(request.values))
 
     # The methods below run in the robot's thread.
 
@@ -155,18 +150,26 @@ class SerialRobot(RealRobot):
         if self._period is not None:
             self.timing.check(self.port, self._period)
 
-    def _begin_call(self) -> None:
+    def _begin_call(self, duration: float = MAX_DURATION) -> None:
         """Begin a call, whose time is limited."""
         now = self._line.now()
-        self._line.deadline = now + max(MAX_DURATION, _MAX_TIMEOUTS * self._base_timeout)
-        self._hold_at = now + max(HOLD_AFTER, self._base_timeout)
+        self._line.deadline = now + duration * max(1.0, self._base_timeout / DEFAULT_TIMEOUT)
+        self._hold_at = now + self._hold_after
+
+    @property
+    def _hold_after(self) -> float:
+        """Seconds of waiting after which the wheels are held; who keeps the period pauses for the rest of it."""
+        longest = max(HOLD_AFTER, self._base_timeout)
+        if self._period is None:
+            return longest
+        return min(longest, MAX_UNATTENDED - (self._period - self.timing.round_time))
 
     def _check(self) -> None:
         """While waiting: pause for a stop, and hold the wheels of a robot that has not replied in time."""
         self._check_interruption()
         now = self._line.now()
         if now >= self._hold_at and not self.stop_confirmed:
-            self._hold_at = now + max(HOLD_AFTER, self._base_timeout)
+            self._hold_at = now + self._hold_after
             self._held = True
             self._line.send_aside(STOP)
 
@@ -210,6 +213,14 @@ class SerialRobot(RealRobot):
         else:
             self._line.send_ahead(requests)
         self._note_sent(command)
+        self._time_left = self._hold_at - self._line.now()
+
+    def _receive(self) -> None:
+        self._begin_call()
+        if self._time_left is not None:
+            self._hold_at = self._line.now() + self._time_left
+        self._senses = self._read_senses()
+        self._time_left = None
 
     def _exchange(self, requests: Sequence[Request]) -> list[Reply]:
         """Send requests; returns their replies, once those to the last command have arrived, too."""
@@ -220,23 +231,23 @@ class SerialRobot(RealRobot):
 
     def _request(self, request: Request) -> Reply:
         self._begin_call()
-        if request.command in self.motion_commands:
+        if request.command in self.protocol.motion:
             self._moves = self._turns(request)
             if self._moves:
                 self._held = self.stop_confirmed = False
         return self._exchange([request])[0]
 
     def _stop_wheels(self) -> None:
-        self._begin_call()
+        self._begin_call(_STOP_DURATION)
         self._held = True
         if self._line.forget_ahead():
             self._note_sent(None)  # Their replies can no longer be told from others: send them again.
-        self._attempt(lambda: self._line.exchange([STOP], insist=True), restore=False)
+        self._attempt(lambda: self._line.exchange([STOP]), restore=False)
         self._moves, self.stop_confirmed = False, True
 
     def _flash(self) -> None:
         for action in (1, 0, 1, 0):
-            for lamp in self.lamps:
+            for lamp in self.protocol.lamps:
                 self._request(Request("L", (lamp, action)))
             time.sleep(_FLASH)
 
@@ -244,15 +255,15 @@ class SerialRobot(RealRobot):
         self._line.close()
 
     def _has_time(self, begin: float, requests: Sequence[Request]) -> bool:
-        """Whether a round that began then has time to send requests with short replies again.
+        """Whether a `receive` that began then has time to send requests with short replies again.
 
-        A round must not end too long after the last one, at most 0.5 s if the caller does not keep the period.
+        That must not make a round late; one that is late already has until its wheels are held.
         """
-        limit = begin + HOLD_AFTER
-        if self._period is not None and begin <= self._last_round + self._period:
-            limit = self._last_round + self.timing.longest_round(self._period)
+        now, period = self._line.now(), self._period
+        is_late = period is None or now > begin + period + self.timing.latency
+        limit = HOLD_AFTER if period is None or is_late else period
         needed = self.timing.duration(len(requests), len(requests) * _SHORT_EXCHANGE)
-        return self._line.now() + needed <= limit
+        return now + needed <= begin + limit
 
     # What differs between the robots.
 
@@ -261,6 +272,10 @@ class SerialRobot(RealRobot):
 
     def _requests(self, command: Motors) -> list[Request]:
         """The requests that transmit a command, the wheel speeds first."""
+        raise NotImplementedError
+
+    def _read_senses(self) -> Senses:
+        """Request all readings."""
         raise NotImplementedError
 
     def _note_sent(self, command: Motors | None) -> None:

@@ -1,7 +1,6 @@
 """Frames of tags and markers at any resolution, drawn by OpenCV alone: no code of the package draws them."""
 
 import math
-from collections.abc import Mapping, Sequence
 
 import cv2
 import numpy as np
@@ -44,7 +43,7 @@ class Scene:
         width: Of the picture in pixels.
         height: Of the picture in pixels.
         wide: mm of the floor across the picture.
-        seed: Of the noise.
+        rng: Of the noise, or its seed.
         shift: Moves the camera by some mm.
         turn: Turns the camera by some radians.
     """
@@ -54,12 +53,12 @@ class Scene:
         width: int,
         height: int,
         wide: float = 3200.0,
-        seed: int = 0,
+        rng: int | np.random.Generator = 0,
         shift: tuple[float, float] = (0.0, 0.0),
         turn: float = 0.0,
     ) -> None:
         self.width, self.height, self.scale = width, height, width / wide
-        self.rng = np.random.default_rng(seed)
+        self.rng = np.random.default_rng(rng)
         self.picture = np.full((height, width), 105.0, np.float32)
         cos, sin = math.cos(turn) * self.scale, math.sin(turn) * self.scale
         # From mm to pixels: the floor's y is up.
@@ -68,6 +67,7 @@ class Scene:
         )
 
     def pixel(self, x: float, y: float) -> tuple[float, float]:
+        """Where the picture shows a place in mm."""
         u, v, _ = self.matrix @ (x, y, 1.0)
         return float(u), float(v)
 
@@ -98,12 +98,15 @@ class Scene:
     def cable(self, x: float, y: float, angle: float, width: float) -> None:
         """A dark cable through a place, 160 mm long to either side."""
         along = 160 * np.array((math.cos(angle), math.sin(angle)))
-        ends = [self.pixel(x + sign * along[0], y + sign * along[1]) for sign in (-1, 1)]
-        points = [tuple(round((c - 0.5) * 16) for c in end) for end in ends]
+        start, end = (np.array(self.pixel(x + sign * along[0], y + sign * along[1])) for sign in (-1, 1))
+        self.line(start, end, width * self.scale, 55.0)
+
+    def line(self, start: NDArray[np.float64], end: NDArray[np.float64], width: float, grey: float) -> None:
+        """Draw a line in the picture, between two points in pixels."""
         mask = np.zeros((self.height, self.width), np.uint8)
-        thick = max(1, round(width * self.scale))
-        cv2.line(mask, points[0], points[1], 255, thick, cv2.LINE_AA, 4)
-        self.picture += (55 - self.picture) * (mask / np.float32(255))
+        (x1, y1), (x2, y2) = (np.rint(16 * (point - 0.5)).astype(int).tolist() for point in (start, end))
+        cv2.line(mask, (x1, y1), (x2, y2), 255, max(1, round(width)), cv2.LINE_AA, 4)
+        self.picture += (grey - self.picture) * (mask / np.float32(255))
 
     def frame(self, blur: float = 0.7, noise: float = 2.5) -> Picture:
         """What the camera delivers."""
@@ -111,30 +114,3 @@ class Scene:
         grain = self.rng.standard_normal(soft.shape, np.float32) * np.float32(noise)
         frame: Picture = (soft + grain).clip(0, 255).astype(np.uint8)
         return frame
-
-
-def places(count: int, rng: np.random.Generator, wide: float, high: float, apart: float) -> list[Pose]:
-    """Poses in the cells of a grid, so that nothing touches."""
-    columns = int(wide // apart)
-    cells = rng.permutation(columns * int(high // apart))[:count]
-    return [
-        (
-            float((cell % columns + 0.5) * apart + rng.uniform(-15, 15)),
-            float((cell // columns + 0.5) * apart + rng.uniform(-15, 15)),
-            float(rng.uniform(-math.pi, math.pi)),
-        )
-        for cell in cells.tolist()
-    ]
-
-
-def errors(
-    poses: Mapping[int, Pose], found: Sequence[tuple[int, float, float, int]]
-) -> list[tuple[float, float]]:
-    """Errors in mm and degrees of found numbers, x, y (region pixels) and orientations."""
-    return [
-        (
-            math.dist((5 * x, 5 * y), poses[number][:2]),
-            abs(math.remainder(degrees - math.degrees(poses[number][2]), 360)),
-        )
-        for number, x, y, degrees in found
-    ]
