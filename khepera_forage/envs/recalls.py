@@ -73,7 +73,8 @@ class Forager(ForagerState):
     def motors_for(self, behaviour: int) -> Motors:
         """What a behaviour commands now."""
         bearing, path = path_home_for(behaviour, self.raw, self.food, self.arena, self.decisions)
-        self.raw = self.raw._replace(home_bearing=bearing, home_path=path)
+        if (bearing, path) != (self.raw.home_bearing, self.raw.home_path):
+            self.raw = self.raw._replace(home_bearing=bearing, home_path=path)
         return command(behaviour, self.raw, self.decisions)
 
     def decide_on_motors(self, motors: Motors) -> None:

@@ -71,7 +71,7 @@ SCRIPTS = {
         needs=("cv2",),
     ),
     "virtual_lab": Script(("recalls", "trainings"), run=("--jobs", "1"), needs=("serial", "cv2")),
-    "wire": Script(("rounds",), needs=("serial",)),
+    "wire": Script(("measurements",), needs=("serial",)),
 }
 
 
