@@ -353,13 +353,12 @@ def picture(rows: Sequence[Measurement]) -> "Figure":
 
     for gripper, colour, shift in ((RESTS, OURS, -0.18), (MOVES, THESIS, 0.18)):
         places = [place + shift for place in range(len(BAUD_RATES))]
-        for measure, alpha in (("measured", 0.35), ("on the wire", 1.0)):
-            medians = [quantiles(values(measure, baud, 1, gripper)).value for baud in BAUD_RATES]
-            left.bar(places, medians, 0.34, color=colour, alpha=alpha, label=f"{gripper}: {measure}")
+        medians = [quantiles(values("measured", baud, 1, gripper)).value for baud in BAUD_RATES]
+        left.bar(places, medians, 0.34, color=colour, label=gripper)
     left.axhline(PERIOD_MS, color=GREY, lw=1.2, ls="--", label=f"a round: {PERIOD_MS:.0f} ms")
     left.set_xticks(range(len(BAUD_RATES)), list(map(str, BAUD_RATES)))
     left.set(xlabel="baud", ylabel="time of a round (ms, median)")
-    legend(figure, left, columns=2)
+    legend(figure, left, columns=3)
     middle, low, high = zip(*(quantiles(values("measured", BAUD, n, RESTS)) for n in FLEETS), strict=True)
     bars = [np.subtract(middle, low), np.subtract(high, middle)]
     right.bar(range(len(middle)), middle, 0.5, color=OURS, yerr=bars, ecolor=GREY, capsize=3)
