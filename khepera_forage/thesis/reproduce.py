@@ -129,7 +129,7 @@ def reproduce(
         v0_1_recalls=v0_1_rows.of(RecallRow),
     )
     for path in out.glob("units*.jsonl.gz"):
-        path.unlink()  # the next run begins anew
+        path.unlink()  # the next run starts from nothing
     return out / PAGE
 
 

@@ -70,5 +70,5 @@ def test_reproduction_that_was_killed_continues(
     monkeypatch.setattr(Interrupted, "run", lambda job: [])
     reproduction.reproduce(0, 1, tmp_path, backend="compiled", comparison=False)
     assert "1 of 2 units are done already" in capsys.readouterr().out
-    assert not list(tmp_path.glob("units*")), "the next run begins anew"
+    assert not list(tmp_path.glob("units*")), "the next run starts from nothing"
     assert len((tmp_path / "recalls.csv").read_text().splitlines()) == 2

@@ -135,3 +135,40 @@ def test_mistake_is_reported_in_one_line_and_changes_nothing(
     assert error.count("\n") == 1
     files = {path.name for path in Path().iterdir() if not path.is_dir() or any(path.iterdir())}
     assert files == {"there", "mine.toml", "deep.toml", "latin.csv"}
+
+
+COMMON = ("--seed", "--out")
+OPTIONS = {
+    "reproduce": (*COMMON, "--decision"),
+    "train": (*COMMON, "--decision", "--lab", "--continue"),
+    "teach": (*COMMON, "--decision", "--pace"),
+    "recall": (*COMMON, "--decision", "--lab", "--allow-other-decisions"),
+    "watch": (*COMMON, "--decision", "--lab", "--allow-other-decisions"),
+    "compare": (*COMMON, "{offline,teaching,wheels,vocabulary}", "--against"),
+    "infer": (*COMMON, "--tables"),
+    "dataset": (*COMMON, "--decision", "--wheels"),
+    "robot selftest": ("--port", "--baud", "--no-watchdog"),
+    "robot virtual": ("--tcp", "--baud", "--seed"),
+    "camera calibrate": (
+        *COMMON,
+        "--source",
+        "--size",
+        "--points",
+        "--places",
+        "--tags",
+        "--camera",
+        "--check",
+    ),
+    "camera preview": (*COMMON, "--source", "--calibration", "--frames"),
+    "camera tags": ("--robots", "--food", "--floor", "--size", "--food-size", "--out"),
+    "lab new": ("--robot", "--out"),
+}
+
+
+@pytest.mark.parametrize("command", OPTIONS)
+def test_help_has_the_options(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main([*command.split(), "--help"])
+    assert stop.value.code == 0
+    text = capsys.readouterr().out
+    assert all(option in text for option in OPTIONS[command])

@@ -198,7 +198,7 @@ def test_repeated_speeds_do_not_start_held_wheels(monkeypatch: pytest.MonkeyPatc
 def test_wheels_stop_within_the_limit_when_all_replies_are_garbled(
     period: float, timeout: float, confirmed_after: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The speeds may be confirmed by chance, so that `transmit` ends, and `receive` waits anew."""
+    """The speeds may be confirmed by chance, so that `transmit` ends, and `receive` waits again."""
     fault = math.inf
 
     def script(request: bytes, number: int) -> list[Action]:

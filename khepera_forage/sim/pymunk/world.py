@@ -260,6 +260,6 @@ class PymunkWorld(Simulation):
         look(enclosure, *self._anchor, self.noise)
 
     def __getstate__(self) -> dict[str, Any]:
-        # A copy continues like its original, bit for bit: both make their bodies anew.
+        # A copy continues like its original, bit for bit: both make new bodies.
         self._bodies = {}
         return super().__getstate__()
