@@ -1,4 +1,7 @@
-"""A training in the virtual laboratory that records what the learner was shown, and whether it was true."""
+"""A training in the virtual laboratory that records what the learner was shown, and whether it was true.
+
+Every robot has a second perception on the same camera scene, with senses from the simulated body instead of the line.
+"""
 
 import math
 from collections.abc import Callable
@@ -8,11 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.envs.arguments import food_odds
+from khepera_forage.envs.layouts import arena_map_of, known_food
+from khepera_forage.envs.recalls import Forager, perceive_all
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.policy import HEARD
+from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import Behaviour, StateVector
 
 Vector = tuple[StateVector, Behaviour]
@@ -33,8 +40,8 @@ class ObservedAttempt:
     Attributes:
         seed: Of the attempt.
         perceived: What the learner was shown whenever it heard a behaviour: the experience.
-        wrong: For each of these vectors, whether its senses differ from those of the learner's body, or its behaviour
-            from what the teacher calls.
+        wrong: For each of these vectors, whether it differs from what the learner's body senses, or its behaviour from
+            what the teacher would have called on its own body's senses.
         outdated: For each of them, whether teacher or learner were elsewhere than the camera reported.
         rounds: Begun rounds.
         lost: What was lost in the last round; empty if nothing was.
@@ -70,11 +77,21 @@ class ObservedTraining(TrainingEnv):
         super().__init__(num_learners=len(lab.markers) - 1, world=lab, noise=Noise.none())
         self.attempts = attempts
         self._lab, self._on_round = lab, on_round
+        self._true: list[Forager] = []
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
         """Start an attempt with a new record; see `TrainingEnv.reset`."""
         self.attempts.append(ObservedAttempt(seed))
         super().reset(seed, options)
+        self._true = []
+        for body, arena, told in zip(
+            self._lab.simulation.robots, self._lab.arenas, self.foragers, strict=True
+        ):
+            arena_map = arena_map_of(arena)
+            food = known_food(arena.foods)
+            draw_food_types(food.objects, 0, food_odds(None))
+            self._true.append(Forager(body, arena_map, told.holes, food, told.decisions))
+        perceive_all(self._true, self._lab.camera.look())
 
     def observe(self, agent: str) -> NDArray[np.int64]:
         """Observe as in any training; what the learner hears is recorded and compared with the truth."""
@@ -83,10 +100,10 @@ class ObservedTraining(TrainingEnv):
             attempt = self.attempts[-1]
             shown, behaviour = StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD]))
             attempt.perceived.append((shown, behaviour))
-            body = self._lab.simulation.robots[1].sense()
-            sensed = shown.object_presence == (body.object_presence > 0), shown.arms_height == body.arm
-            called = Teacher.of(self).act(super().observe(TEACHER))
-            attempt.wrong.append(not all(sensed) or behaviour != called)
+            teacher = super().observe(TEACHER)
+            teacher[:5] = self._true[0].vector
+            called = Teacher.of(self).act(teacher)
+            attempt.wrong.append((shown, behaviour) != (self._true[1].vector, called))
             pairs = zip(self._lab.poses()[:2], self._lab.simulation.poses()[:2], strict=True)
             attempt.outdated.append(any(math.dist(seen[:2], true[:2]) > _OUTDATED for seen, true in pairs))
         return observation
@@ -102,6 +119,10 @@ class ObservedTraining(TrainingEnv):
         attempt.lost = self.infos[TEACHER].get("robot_lost", "")
         attempt.complete = self.terminations[TEACHER]
         attempt.discarded = self.truncations[TEACHER] and not attempt.lost
+        if not attempt.lost:
+            for told, true in zip(self.foragers, self._true, strict=True):
+                true.applied = told.applied
+            perceive_all(self._true, self._lab.camera.look())
         self._on_round(self)
 
 
