@@ -60,16 +60,7 @@ class GrowingMemory(ConfidenceClassifier):
         self.moving = moving
 
     def partial_fit(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None = None) -> Self:  # noqa: N803
-        """Perceive further stimuli, in the order of the rows.
-
-        Args:
-            X: As for `fit`.
-            y: As for `fit`.
-            classes: All labels that may come; by default `classes_` grows by those that do.
-
-        Raises:
-            ValueError: As for `fit`; or a label that is not among `classes`.
-        """
+        """Perceive further stimuli, in the order of the rows; arguments as of `NearestNeighbourImitator`."""
         self._learn(X, y, classes, forget=not hasattr(self, "classes_"))
         return self
 

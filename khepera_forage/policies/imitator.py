@@ -22,12 +22,15 @@ from khepera_forage.policies.distance import (
     rounded_distance,
     unit,
 )
-from khepera_forage.policies.policy import Neighbours, Observation, checked_generator, state_vector_of
+from khepera_forage.policies.policy import (
+    Neighbours,
+    Observation,
+    checked_generator,
+    remembered,
+    state_vector_of,
+)
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, EXACT, FIELDS
 from khepera_forage.task.states import Behaviour
-
-CACHE_SIZE = 32768
-"""State vectors whose neighbours are cached, some 15 MB. A policy sees a few thousand distinct ones in a corridor."""
 
 
 class ConfidenceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
@@ -143,7 +146,7 @@ class NearestNeighbourImitator(VectorClassifier):
     than five columns are no state vectors: each of their columns counts as a distance in pixels. Equal experience
     vectors are merged into counts.
 
-    The neighbours of single state vectors are cached, up to `CACHE_SIZE` of them, and never pickled.
+    The neighbours of single state vectors are cached, and never pickled.
 
     Args:
         diagonal: Of the arena foraged in now, in pixels of 5 mm: an integer above 0; 138 in the corridor, 177
@@ -182,27 +185,15 @@ class NearestNeighbourImitator(VectorClassifier):
 
         Args:
             X: As for `fit`.
-            y: As for `fit`.
+            y: As for `fit`; among `classes`, if these are given.
             classes: All labels that may come. Unlike elsewhere in scikit-learn it need not be given:
                 `classes_` grows by the labels that do come.
-
-        Raises:
-            ValueError: As for `fit`; or a label that is not among `classes`.
         """
         self._learn(X, y, classes, forget=not hasattr(self, "classes_"))
         return self
 
     def act(self, observation: Observation, rng: Generator | None = None) -> Behaviour:
-        """A behaviour, drawn with its confidence level as probability.
-
-        Args:
-            observation: What the robot perceives; see `policies.policy.state_vector_of`.
-            rng: Must be given. One number is drawn at every call, conflict or not.
-
-        Raises:
-            TypeError: `rng` is not a NumPy generator.
-            ValueError: The observation holds no state vector, or what was learned are not behaviours.
-        """
+        """A behaviour, drawn with its confidence level as probability; one number a call, conflict or not."""
         rng = checked_generator(rng)
         return self.neighbours(observation).draw(rng)
 
@@ -211,22 +202,11 @@ class NearestNeighbourImitator(VectorClassifier):
         return self.neighbours(observation).confidence_levels()
 
     def neighbours(self, observation: Observation) -> Neighbours:
-        """Which experience votes on an observation: what `act` draws from, and where ties and conflicts show.
-
-        Args:
-            observation: What the robot perceives; see `policies.policy.state_vector_of`.
-
-        Raises:
-            ValueError: As for `act`.
-        """
+        """Which experience votes on an observation: what `act` draws from, and where ties and conflicts show."""
         vector = state_vector_of(observation)
         cache = self.__dict__.setdefault("_cache", {})
         key = vector, self.diagonal, self.threshold, self.arithmetic
-        if key not in cache:
-            if len(cache) >= CACHE_SIZE:
-                cache.clear()
-            cache[key] = self._neighbours(vector)
-        found: Neighbours = cache[key]
+        found: Neighbours = remembered(cache, key, lambda: self._neighbours(vector))
         return found
 
     def _neighbours(self, vector: Sequence[int]) -> Neighbours:

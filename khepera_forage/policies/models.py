@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial, reduce
 from numbers import Integral
-from typing import Any, Protocol
+from typing import Any
 
 import gymnasium as gym
 import numpy as np
@@ -21,7 +21,13 @@ from numpy.typing import NDArray
 from khepera_forage.extras import require
 from khepera_forage.policies.classifiers import ClassifierPolicy, check_classifier
 from khepera_forage.policies.features import raw_data_space, state_vector_space
-from khepera_forage.policies.policy import Observation, Policy, checked_generator, draw, state_vector_of
+from khepera_forage.policies.policy import (
+    Observation,
+    Policy,
+    checked_generator,
+    draw_label,
+    state_vector_of,
+)
 from khepera_forage.policies.teacher import APPLICABLE, Teacher
 from khepera_forage.task.states import Behaviour, behaviour_number
 
@@ -39,18 +45,8 @@ _ALLOWED = (
     "ModelPolicy(model, features=..., hold=...) with what the model was shown in training, and the rounds that each "
     "action held"
 )
-
-
 ALGORITHMS = ("PPO", "DQN", "SAC")
 """Names of classes in stable-baselines3."""
-
-
-class Model(Protocol):
-    """A trained model with the `predict` of stable-baselines3."""
-
-    def predict(self, observation: Any, *, deterministic: bool) -> tuple[Any, Any]:
-        """The action, and the state of a recurrent model."""
-        ...
 
 
 @dataclass
@@ -63,7 +59,7 @@ class ModelPolicy:
     of `BehavioursEnv.action_masks`. A model of one of `ALGORITHMS` is pickled the way stable-baselines3 saves it.
 
     Attributes:
-        model: Trained on what `features` makes of the environment's observations.
+        model: With the `predict` of stable-baselines3, trained on what `features` makes of observations.
         features: From an observation to one row of numbers, as in `policies.features`; by default the model gets the
             environment's observations unchanged.
         hold: Rounds that an action holds.
@@ -71,7 +67,7 @@ class ModelPolicy:
             most probable action is taken.
     """
 
-    model: Model
+    model: Any
     features: Callable[[Any], Any] | None = None
     hold: int = 1
     sample: bool = False
@@ -92,11 +88,7 @@ class ModelPolicy:
         self._masks = "action_masks" in parameters
 
     def act(self, observation: Any, rng: Generator | None = None) -> Any:
-        """The model's action.
-
-        Args:
-            observation: As the environment gives it.
-            rng: Must be given with `sample`: one number is drawn for a behaviour, four for motors.
+        """The model's action; with `sample` one number is drawn for a behaviour, and four for motors.
 
         Returns:
             A `Behaviour`, or motors: four numbers in -1..1, as `CorridorWheels-v1` takes them.
@@ -180,7 +172,8 @@ def _drawn(model: Any, shown: Any, rng: Generator) -> Any:
     tensor, _ = model.policy.obs_to_tensor(shown)
     distribution = model.policy.get_distribution(tensor).distribution
     if isinstance(model.action_space, spaces.Discrete):
-        return draw(np.array(distribution.probs[0].tolist()), rng)
+        levels = distribution.probs[0].tolist()
+        return draw_label(levels, sum(levels), rng.random())
     return np.clip(rng.normal(distribution.mean[0].tolist(), distribution.stddev[0].tolist()), -1.0, 1.0)
 
 
@@ -277,34 +270,14 @@ def _flattened(space: spaces.Space[Any], observation: Observation) -> Any:
     return spaces.flatten(space, observation)
 
 
-class Agent(Protocol):
-    """An object that decides by the observation alone."""
-
-    def act(self, observation: Observation, /) -> Any:
-        """The behaviour to execute now, as its number in table 4.1."""
-        ...
-
-
 @dataclass(frozen=True, slots=True)
 class AgentPolicy:
-    """Executes the behaviours of an agent that takes no `rng`.
+    """Executes the behaviours of an agent whose `act` takes no `rng`, but the observation alone, unchanged."""
 
-    Attributes:
-        agent: It gets the observations as the environment gives them.
-    """
-
-    agent: Agent
+    agent: Any
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
-        """The agent's behaviour.
-
-        Args:
-            observation: What the robot perceives, passed on unchanged.
-            rng: Not used: the agent has no argument for it.
-
-        Raises:
-            ValueError: The agent's action is not a behaviour.
-        """
+        """The agent's behaviour."""
         return Behaviour(behaviour_number(self.agent.act(observation), who=type(self.agent).__name__))
 
 
