@@ -36,13 +36,7 @@ class Experience:
         decisions: Of the training, such as `env.decisions`; the defaults by default; None if experience of different
             decisions was joined.
 
-    Attributes:
-        vectors: The state vectors.
-        behaviours: The behaviours.
-        arena: Name of the arena.
-        seed: Seed of the training; None if unknown or if experience of different seeds was joined.
-        episodes: Number of training episodes.
-        decisions: Of the training; None if experience of different decisions was joined.
+    Attributes: as the arguments; a seed is None if it is unknown, or if experience of different seeds was joined.
 
     Raises:
         ExperienceError: The numbers of vectors and behaviours differ, or a value is out of range.
@@ -152,19 +146,11 @@ class Experience:
         )
 
     def require_decisions(self, decisions: Decisions | None) -> None:
-        """Check that this experience was recorded under certain decisions, such as those of an environment.
-
-        Raises:
-            ExperienceError: It was recorded under others.
-        """
+        """Raise an ExperienceError unless this was recorded under these decisions, such as `env.decisions`."""
         _require_same(self.decisions, decisions, "")
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write a file, and replace an existing one; an error leaves the existing file unchanged.
-
-        Raises:
-            OSError: The file cannot be written.
-        """
+        """Write a file, and replace an existing one; an OSError leaves the existing file unchanged."""
         text = header_text(checked_header(self.arena, self.seed, self.episodes, self.decisions))
         text += "".join(row_text(*row) for row in self) + closing_line(len(self))
         with replacing(Path(path)) as partial, open(partial, "xb") as file:

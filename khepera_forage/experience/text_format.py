@@ -42,8 +42,11 @@ DECISIONS_KEY = "# decisions: "
 MIXED = "mixed"
 """Text of the decisions of joined experience that was recorded under different ones."""
 
-RECORDED = [behaviour.name for behaviour in Behaviour if behaviour != Behaviour.WAIT]
-FOOD_TYPES = [food_type.name for food_type in FoodType]
+NAMES = {
+    "food_type": [food_type.name for food_type in FoodType],
+    "behaviour": [behaviour.name for behaviour in Behaviour if behaviour != Behaviour.WAIT],
+}
+"""The words of the columns that are no numbers, in the order of what they stand for."""
 
 
 class ExperienceError(ValueError):
@@ -61,14 +64,7 @@ def quoted(thing: object) -> str:
 
 
 class Header(NamedTuple):
-    """The header of an experience file.
-
-    Attributes:
-        arena: Name of the arena in which the experience was recorded.
-        seed: Of the training, if known.
-        episodes: Number of training episodes.
-        decisions: Of the training; None if experience of different decisions was joined.
-    """
+    """The header of an experience file; the values are those of `Experience`."""
 
     arena: str
     seed: int | None
@@ -77,11 +73,7 @@ class Header(NamedTuple):
 
 
 def checked_header(arena: str, seed: int | None, episodes: int, decisions: Decisions | None) -> Header:
-    """Check the values of a header, and return it.
-
-    Raises:
-        ExperienceError: A value is out of range or cannot be written.
-    """
+    """Check the values of a header, and return it; an `ExperienceError` for one that cannot be written."""
     if not arena or arena != arena.strip() or not arena.isprintable():
         raise ExperienceError(
             f"arena is {arena!r}; allowed: a printable name on one line, no space around it"
@@ -107,22 +99,14 @@ def header_decisions_text(decisions: Decisions | None) -> str:
 
 
 def header_decisions(text: str) -> Decisions | None:
-    """The decisions that a text of `header_decisions_text` describes; None if mixed.
-
-    Raises:
-        ValueError: Not of this form.
-    """
+    """The decisions that a text of `header_decisions_text` describes; a ValueError for another text."""
     if not text:
         raise ValueError("decisions are ''; allowed: a version and what differs from it, or no such line")
     return None if text == MIXED else decisions_from_text(text)
 
 
 def checked_row(vector: Sequence[Any], behaviour: Any) -> tuple[StateVector, Behaviour]:
-    """Check that a learner can have recorded a row, and return it as plain integers.
-
-    Raises:
-        ExperienceError: A value is out of range, or the values contradict each other.
-    """
+    """A row as plain integers; an `ExperienceError` if no learner can have recorded it."""
     try:
         numbers = StateVector(*[index(value) for value in vector])
         heard = Behaviour(index(behaviour))
@@ -258,19 +242,17 @@ def _header(lines: _Lines) -> Header:
     arena = _value("arena", lines.of_header(count))
     checked_header(arena, None, 1, None)
     seed_text = _value("seed", lines.of_header(count))
-    seed = None if seed_text == "none" else _integer("seed", seed_text)
-    episodes = _integer("episodes", _value("episodes", lines.of_header(count)))
+    seed = None if seed_text == "none" else _number("seed", seed_text)
+    episodes = _number("episodes", _value("episodes", lines.of_header(count)))
     header = checked_header(arena, seed, episodes, Decisions.v0_1())
     line = lines.of_header(count)
     if line.startswith(DECISIONS_KEY):
         count += 1
         header = header._replace(decisions=header_decisions(line.removeprefix(DECISIONS_KEY)))
         line = lines.of_header(count)
-    units, columns = _value("units", line), lines.of_header(count)
-    if units != UNITS:
-        lines.number -= 1
+    if (units := _value("units", line)) != UNITS:
         raise ExperienceError(f"units are {quoted(units)}; allowed: {UNITS!r}")
-    if columns != ",".join(COLUMNS):
+    if (columns := lines.of_header(count)) != ",".join(COLUMNS):
         raise ExperienceError(f"columns are {quoted(columns)}; allowed: {','.join(COLUMNS)!r}")
     return header
 
@@ -287,21 +269,15 @@ def _row(line: str) -> tuple[StateVector, Behaviour]:
     if len(cells) != len(COLUMNS):
         expected = f"{len(COLUMNS)}, {','.join(COLUMNS)}"
         raise ExperienceError(f"{quoted(line)} has {len(cells)} columns; allowed: {expected}")
-    presence, home, food_type, arm, food, behaviour = cells
-    for name, value, allowed in (("food_type", food_type, FOOD_TYPES), ("behaviour", behaviour, RECORDED)):
-        if value not in allowed:
-            raise ExperienceError(f"{name} is {quoted(value)}; allowed: {', '.join(allowed)}")
-    vector = StateVector(
-        _integer("object_presence", presence),
-        _integer("robot_home_distance", home),
-        FoodType[food_type],
-        _integer("arms_height", arm),
-        _integer("robot_food_distance", food),
-    )
-    return checked_row(vector, Behaviour[behaviour])
+    *vector, behaviour = map(_number, COLUMNS, cells)
+    return checked_row(vector, behaviour)
 
 
-def _integer(name: str, text: str) -> int:
+def _number(name: str, text: str) -> int:
+    if name in NAMES:
+        if text not in NAMES[name]:
+            raise ExperienceError(f"{name} is {quoted(text)}; allowed: {', '.join(NAMES[name])}")
+        return NAMES[name].index(text)
     # Only ASCII digits: int() also accepts '1_0', ' 1' and Arabic digits, and refuses thousands of digits.
     if not re.fullmatch("-?[0-9]{1,100}", text):
         raise ExperienceError(f"{name} is {quoted(text)}; allowed: an integer")
@@ -326,10 +302,7 @@ class ExperienceWriter:
 
     Args:
         path: The file.
-        arena: Name of the arena.
-        seed: Of the training, if known.
-        episodes: Number of training episodes.
-        decisions: Of the training; the defaults by default.
+        arena, seed, episodes, decisions: As of `Experience`.
         overwrite: Replace an existing file. By default an existing file is an error.
 
     Attributes:
@@ -368,11 +341,7 @@ class ExperienceWriter:
             raise
 
     def append(self, vector: Sequence[int], behaviour: int) -> None:
-        """Write one experience vector.
-
-        Args:
-            vector: The learner's state vector; see `StateVector`.
-            behaviour: The behaviour that it heard; never WAIT, because nothing is recorded in silence.
+        """Write a state vector and the behaviour heard with it, never WAIT: nothing is recorded in silence.
 
         Raises:
             ExperienceError: A value is out of range, or the writer is closed. Nothing is written then.
@@ -383,11 +352,7 @@ class ExperienceWriter:
         self.count += 1
 
     def close(self, complete: bool = True) -> None:
-        """Close the file; a second call does nothing.
-
-        Args:
-            complete: Write the closing line, without which the file counts as incomplete.
-        """
+        """Close the file, with its closing line if it is `complete`; a second call does nothing."""
         if self._file.closed:
             return
         with self._file:
