@@ -1,7 +1,6 @@
 """Attribute weights learned from experience."""
 
 import itertools
-from typing import Any
 
 import numpy as np
 import pytest
@@ -67,18 +66,3 @@ def test_equal_weights_equal_the_imitator() -> None:
         NearestNeighbourImitator(arithmetic="exact").fit(rows, heard).predict_proba(rows + 1),
     )
     assert not hasattr(same, "error_")
-
-
-@pytest.mark.parametrize(
-    ("parameters", "message"),
-    [
-        ({"weights": (1, 2)}, r"weights are \(1, 2\); allowed: 5 whole numbers, not all 0"),
-        ({"weights": (0,) * 5}, r"weights are \(0, 0, 0, 0, 0\); allowed"),
-        ({"weights": (1, -1, 1, 1, 1)}, "weights are .*; allowed: whole numbers, at least 0"),
-        ({"choices": (0.5, 1)}, "choices are .*; allowed: whole numbers, at least 0"),
-        ({"diagonal": 0}, "diagonal is 0; allowed"),
-    ],
-)
-def test_parameters_out_of_range_are_refused(parameters: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        WeightedImitator(**parameters).fit(*misleading(0))

@@ -58,19 +58,3 @@ def test_partial_fit_equals_fit() -> None:
     np.testing.assert_array_equal(whole.nodes_, parts.nodes_)
     np.testing.assert_array_equal(whole.predict_proba(rows), parts.predict_proba(rows))
     assert len(whole.nodes_) < 40
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("reach", -1),
-        ("reach", float("inf")),
-        ("habituation", 0),
-        ("recovery", 1.1),
-        ("forgetting", -0.1),
-        ("moving", "1"),
-    ],
-)
-def test_parameters_out_of_range_are_refused(name: str, value: Any) -> None:
-    with pytest.raises(ValueError, match=f"{name} is {value!r}; allowed"):
-        GrowingMemory(**{name: value}).fit([HERE], [0])

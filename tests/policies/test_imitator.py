@@ -1,5 +1,7 @@
-"""Votes of the imitator and of its variants, against section 4.6.1 in fractions, on experience of every shape."""
+"""The imitator and its variants: votes against section 4.6.1 in fractions, on experience of every shape."""
 
+import copy
+import pickle
 from collections import Counter
 from fractions import Fraction
 from typing import Any
@@ -8,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from sklearn.exceptions import NotFittedError
 
 from khepera_forage.policies import KNearestImitator, NearestNeighbourImitator, Neighbours, distance
 from khepera_forage.policies.features import encoded
@@ -150,15 +153,6 @@ def test_floats_split_exact_ties() -> None:
     assert min(votes[1:]) == 1
 
 
-def test_wrong_arithmetic_is_an_error() -> None:
-    with pytest.raises(
-        ValueError, match=r"arithmetic is '16-bit'; allowed: 'exact', '32-bit floats', '64-bit"
-    ):
-        NearestNeighbourImitator(arithmetic="16-bit").fit([(0, 1, 0, 215, 2)], [0])
-    with pytest.raises(ValueError, match=r"threshold is 0\.1 with 32-bit floats; allowed: 0, or exact"):
-        NearestNeighbourImitator(threshold=0.1, arithmetic="32-bit floats").fit([(0, 1, 0, 215, 2)], [0])
-
-
 # ---------------------------------------------------------------- memories in arrays, for kernels
 
 
@@ -270,14 +264,67 @@ def test_confidence_levels_of_k_vectors_equal_shares_in_fractions(
     assert np.abs(first - second).sum() == pytest.approx(float(distance(query, rows[0], diagonal)), abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("parameters", "message"),
-    [
-        *(({"k": k}, f"k is {k!r}; allowed: an integer, at least 1") for k in (0, 2.0, True, None)),
-        ({"weighting": "votes"}, "weighting is 'votes'; allowed: uniform, distance"),
-        ({"diagonal": 0}, "diagonal is 0; allowed: an integer above 0"),
-    ],
-)
-def test_parameters_of_k_nearest_out_of_range_are_refused(parameters: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        KNearestImitator(**parameters).fit([VECTOR], [0])
+# ---------------------------------------------------------------- labels, rows and copies
+
+X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1, 48, 1, 215, 14]])
+Y = np.array([0, 2, 3, 7])
+
+
+def test_imitator_without_experience_raises() -> None:
+    with pytest.raises(NotFittedError):
+        NearestNeighbourImitator().act(X[0], np.random.default_rng())
+    with pytest.raises(NotFittedError):
+        NearestNeighbourImitator().neighbours(X[0])
+
+
+def test_act_refuses_rows_that_are_no_state_vectors() -> None:
+    imitator = NearestNeighbourImitator().fit(X[:, :3], Y)
+    np.testing.assert_array_equal(imitator.predict(X[:, :3]), Y)
+    with pytest.raises(ValueError, match="learned from rows of 3 columns; allowed: 5"):
+        imitator.act(X[0], np.random.default_rng())
+
+
+@pytest.mark.parametrize("labels", [["a", "b", "c", "d"], [0, 2, 3, 11]])
+def test_act_refuses_labels_that_are_no_behaviours(labels: list[Any]) -> None:
+    imitator = NearestNeighbourImitator().fit(X, labels)
+    assert imitator.predict(X).tolist() == labels
+    with pytest.raises(ValueError, match=r"labels learned are .*; allowed: behaviours, 0 to 10"):
+        imitator.act(X[0], np.random.default_rng())
+
+
+def test_labels_outside_classes_are_refused() -> None:
+    imitator = NearestNeighbourImitator()
+    with pytest.raises(
+        ValueError, match=r"labels are \[0, 2, 3, 7\]; allowed: those among classes, \[0, 2\]"
+    ):
+        imitator.partial_fit(X, Y, classes=[0, 2])
+    imitator.partial_fit(X[:1], Y[:1], classes=range(10))
+    assert imitator.classes_.tolist() == list(range(10))
+    assert imitator.predict_proba(X[:1]).tolist() == [[1.0] + [0.0] * 9]
+
+
+@pytest.mark.parametrize("again", [lambda i: pickle.loads(pickle.dumps(i)), copy.deepcopy])
+def test_copy_learns_independently(again: Any) -> None:
+    imitator = NearestNeighbourImitator().fit(X, Y)
+    imitator.act(X[0], np.random.default_rng())
+    twin = again(imitator)
+    twin.partial_fit(np.repeat(X[:1], 4, axis=0), [7] * 4)  # neither a new row nor a new class
+    assert twin.neighbours(X[0]).votes == ((Behaviour.SEARCH_FOR_FOOD, 1), (Behaviour.GO_HOME, 4))
+    twin.partial_fit([[0, 90, 0, 215, 61]], [5])
+    assert twin.neighbours((0, 90, 0, 215, 62)).votes == ((Behaviour.PUSH_FOOD, 1),)
+    assert imitator.neighbours(X[0]).votes == ((Behaviour.SEARCH_FOR_FOOD, 1),)
+
+
+def test_behaviours_are_drawn_with_their_confidence_levels() -> None:
+    """The example of section 4.6.2: of five equally near vectors, four say x and one says y."""
+    query, near = StateVector(0, 50, 0, 215, 18), [(0, 50, 0, 215, food) for food in (20, 20, 16, 16)]
+    imitator = NearestNeighbourImitator().fit(
+        [*near, (0, 52, 0, 215, 18), (0, 90, 0, 215, 60)], [2, 2, 2, 2, 1, 0]
+    )
+    levels = imitator.confidence_levels(query)
+    assert levels == {Behaviour.ORIENT_WITH_FOOD: 0.8, Behaviour.MOVE_SLOWLY: 0.2}
+    rng = np.random.default_rng(11)
+    counts = Counter(imitator.act(query, rng) for _ in range(20_000))
+    assert counts.keys() == levels.keys()
+    # Five standard deviations of the binomial distribution.
+    assert abs(counts[Behaviour.MOVE_SLOWLY] - 4_000) < 5 * (20_000 * 0.2 * 0.8) ** 0.5
