@@ -92,18 +92,15 @@ def test_check_says_what_is_wrong_in_order(tmp_path: Path, capsys: pytest.Captur
 
 
 def test_errors_of_users_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["lab", "check", str(tmp_path / "none.toml")]) == 2
     file = tmp_path / "lab.toml"
     file.write_text(lab_text("khepera", ["/dev/a"], (), "0", None, "corridor").replace("port", "prt"))
     assert main(["lab", "check", str(file)]) == 2
-    errors = capsys.readouterr().err.splitlines()
+    (unknown,) = capsys.readouterr().err.splitlines()
+    assert "robots[0].prt is unknown (did you mean port?)" in unknown
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sys.stdin", io.StringIO())
         assert main(["lab", "new", "--out", str(tmp_path / "new.toml")]) == 2
-    errors += capsys.readouterr().err.splitlines()
-    assert len(errors) == 3
+    (unanswered,) = capsys.readouterr().err.splitlines()
     assert (
-        "Kind of robots (khepera, e-puck2, toio): no answer; allowed: an answer, or the option" in errors[2]
+        "Kind of robots (khepera, e-puck2, toio): no answer; allowed: an answer, or the option" in unanswered
     )
-    assert "none.toml" in errors[0]
-    assert "robots[0].prt is unknown (did you mean port?)" in errors[1]
