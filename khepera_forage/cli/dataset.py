@@ -6,7 +6,6 @@ import re
 import shutil
 from collections import Counter
 from collections.abc import Sequence, Set
-from contextlib import closing
 from typing import Any
 
 import numpy as np
@@ -23,8 +22,7 @@ from khepera_forage.experience.text_format import header_decisions_text
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
 from khepera_forage.option_values import given_path, progress, whole_number
-from khepera_forage.rollouts.raw_episodes import LearnerRecorder, RawEpisode, teacher_alone
-from khepera_forage.rollouts.training import train
+from khepera_forage.rollouts.raw_episodes import RawEpisode, recorded
 from khepera_forage.sim.arena import Arena
 from khepera_forage.task.states import FoodType, StateVector
 
@@ -104,7 +102,7 @@ def dataset_command(arguments: argparse.Namespace) -> None:
         _write_protocol(arguments)
         return
     arena = options.arena_of(arguments)
-    recorded: dict[str, Any] = {}
+    more: dict[str, Any] = {}
     if arguments.experience:
         ignored = ["--episodes", "--food-type", "--wheels", "--alone"]
         options.refuse_ignored(arguments, ignored, "without --experience")
@@ -119,12 +117,12 @@ def dataset_command(arguments: argparse.Namespace) -> None:
         procedure = text.format(arena=arena_name, food=food_in_training(arguments, arena))
         parts, raw = zip(*_recorded(arguments, arena), strict=True)
         if arguments.wheels:
-            recorded["episodes"] = raw
+            more["episodes"] = raw
         else:
-            recorded["rewards"] = [episode.rewards_of_vectors for episode in raw]
-            recorded["truncated"] = [episode.truncated for episode in raw]
+            more["rewards"] = [episode.rewards_of_vectors for episode in raw]
+            more["truncated"] = [episode.truncated for episode in raw]
     known = None if arguments.experience and not arguments.arena else arena
-    _write(arguments, name, parts, procedure, arguments.alone, arena=known, **recorded)
+    _write(arguments, name, parts, procedure, arguments.alone, arena=known, **more)
 
 
 def _write_protocol(arguments: argparse.Namespace) -> None:
@@ -137,9 +135,9 @@ def _write_protocol(arguments: argparse.Namespace) -> None:
 
     for name, made in datasets(arguments.seed, arguments.episodes).items():
         _new_name(arguments, name)
-        about, parts, recorded = made()
+        about, parts, more = made()
         procedure = f"Data of the protocol {name.split('/')[0]}: {about}"
-        _write(arguments, name, parts, procedure, "alone" in name, **recorded)
+        _write(arguments, name, parts, procedure, "alone" in name, **more)
 
 
 def _write(
@@ -148,18 +146,18 @@ def _write(
     parts: Sequence[Experience],
     procedure: str,
     alone: bool,
-    **recorded: Any,
+    **more: Any,
 ) -> None:
-    """Write a dataset and its card, and say where they are; `recorded` are further arguments of `to_minari`."""
+    """Write a dataset and its card, and say where they are; `more` are further arguments of `to_minari`."""
     folder = arguments.out.resolve()
     # Minari has no other way to choose a folder.
     os.environ[FOLDER_VARIABLE] = str(folder)
     from khepera_forage.experience.minari import to_minari
 
-    has_wheels = "episodes" in recorded
-    steps = [len(episode.actions) for episode in recorded["episodes"]] if has_wheels else [*map(len, parts)]
+    has_wheels = "episodes" in more
+    steps = [len(episode.actions) for episode in more["episodes"]] if has_wheels else [*map(len, parts)]
     folder /= name
-    about = {"author": arguments.author, "description": procedure, **recorded}
+    about = {"author": arguments.author, "description": procedure, **more}
     try:
         to_minari(parts, name, allow_other_decisions=arguments.allow_other_decisions, **about)
         with replacing(folder / CARD) as path:
@@ -273,18 +271,9 @@ def food_in_training(arguments: argparse.Namespace, arena: str | Arena) -> str:
 
 
 def _recorded(arguments: argparse.Namespace, arena: str | Arena) -> list[tuple[Experience, RawEpisode]]:
+    given: dict[str, Any] = {"decisions": options.decisions_of(arguments)}
+    if arguments.food_type:
+        given["food_types"] = arguments.food_type
+    env = WheelsEnv(**(settings_of(arena) | given)) if arguments.alone else raw_env(arena, **given)
     seeds = np.random.SeedSequence(arguments.seed).spawn(arguments.episodes or EPISODES)
-    decisions = options.decisions_of(arguments)
-    if arguments.alone:
-        settings = settings_of(arena) | {"decisions": decisions}
-        if arguments.food_type:
-            settings["food_types"] = arguments.food_type
-        with closing(WheelsEnv(**settings)) as alone:
-            numbers = [int(each.generate_state(1)[0]) for each in seeds]
-            return [teacher_alone(alone, number) for number in progress(numbers, unit="episode")]
-    with closing(raw_env(arena, food_types=arguments.food_type, decisions=decisions)) as env:
-        recorder, found = LearnerRecorder(env), []
-        for each in progress(seeds, unit="episode"):
-            experience, _ = train(env, each, teacher=recorder, callback=recorder)
-            found.append((experience, recorder.episode()))
-        return found
+    return recorded(env, progress(seeds, unit="episode"))
