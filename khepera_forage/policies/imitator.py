@@ -34,11 +34,16 @@ from khepera_forage.task.states import Behaviour
 
 
 class ConfidenceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
-    """A classifier that counts votes, and whose `predict_proba` gives confidence levels (4.6.2)."""
+    """A classifier whose vectors vote, and whose `predict_proba` gives confidence levels (4.6.2).
+
+    It compares a query with every distinct vector of its experience; a subclass says which of them vote.
+    """
 
     classes_: NDArray[Any]
     n_features_in_: int
+    _rows: NDArray[np.float64]
     votes_: NDArray[np.int64]
+    """How often each of the rows was heard with each class."""
     diagonal: int | None
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:  # noqa: N803 - scikit-learn's name
@@ -105,19 +110,9 @@ class ConfidenceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc
     def _diagonal(self) -> int:
         return CORRIDOR_DIAGONAL if self.diagonal is None else self.diagonal
 
-    def _add(self, rows: NDArray[np.float64], codes: NDArray[np.intp]) -> None:
-        """Add rows, and the votes for their classes; without `votes_`, to nothing."""
-        raise NotImplementedError
-
     def _shares(self, query: NDArray[np.float64]) -> NDArray[Any]:
         """The share of each class in the votes on a query, in any unit."""
         raise NotImplementedError
-
-
-class VectorClassifier(ConfidenceClassifier):
-    """A classifier that compares a query with every distinct vector of its experience."""
-
-    _rows: NDArray[np.float64]
 
     def _add(self, rows: NDArray[np.float64], codes: NDArray[np.intp]) -> None:
         if len(self.votes_):
@@ -132,7 +127,7 @@ class VectorClassifier(ConfidenceClassifier):
         return attribute_distances(self._rows, query, self._diagonal)
 
 
-class NearestNeighbourImitator(VectorClassifier):
+class NearestNeighbourImitator(ConfidenceClassifier):
     """Does what the teacher did in the most similar situation on record.
 
     The distance between two state vectors is the sum of five attribute distances (4.6.1): 1 each if ObjectPresence or
@@ -269,7 +264,7 @@ class NearestNeighbourImitator(VectorClassifier):
 WEIGHTINGS = ("uniform", "distance")
 
 
-class KNearestImitator(VectorClassifier):
+class KNearestImitator(ConfidenceClassifier):
     """The `k` nearest experience vectors vote, by the distance of section 4.6.1.
 
     Vectors at the same distance as the `k`-th also vote, so that the result does not depend on the order of the
@@ -317,7 +312,7 @@ SWEEPS = 20
 """Most passes over all attributes; the search ends when a pass changes nothing, mostly after three."""
 
 
-class WeightedImitator(VectorClassifier):
+class WeightedImitator(ConfidenceClassifier):
     """The nearest vectors vote, by a distance whose attributes count with different weights.
 
     "The more significant attributes should be weighted more" (5.5). The weights learned are those with the least
