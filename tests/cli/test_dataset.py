@@ -14,7 +14,6 @@ from khepera_forage.cli.main import main
 from khepera_forage.experience import Experience
 from khepera_forage.rollouts.training import arrays
 from khepera_forage.sim.arena_file import write_arena
-from khepera_forage.sim.arenas.procedural import procedural_arena
 from khepera_forage.task.decisions import Decisions
 from tests.arenas import BLOCKS
 
@@ -104,15 +103,6 @@ def test_episodes_in_another_arena_are_a_dataset_of_this_arena() -> None:
 
 
 @pytest.mark.usefixtures("minari")
-def test_procedural_level_of_a_file_is_the_arena_of_a_dataset() -> None:
-    level = ["--difficulty", "easy", "--level", "6"]
-    assert main(["arena", "write", "procedural", "den.toml", *level]) == 0
-    assert main(["dataset", "--episodes", "1", "--arena", "den.toml", "--out", "data"]) == 0
-    dataset = import_module("minari").load_dataset("khepera_forage/procedural_easy_6-v1")
-    assert dataset.recover_environment().unwrapped.arena == procedural_arena(6, "easy")
-
-
-@pytest.mark.usefixtures("minari")
 def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest.CaptureFixture[str]) -> None:
     write_arena(BLOCKS, "blocks.toml")
     Experience(SOME.vectors, SOME.behaviours, "blocks").save("g1.csv")
@@ -123,6 +113,8 @@ def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest
     assert "experience of ['blocks']; allowed: of 'doors', the argument arena" in capsys.readouterr().err
     assert main([*command, "--arena", "blocks.toml"]) == 0
     assert Path("data/khepera_forage/blocks-v1/README.md").exists()
+    dataset = import_module("minari").load_dataset("khepera_forage/blocks-v1")
+    assert dataset.recover_environment().unwrapped.arena == BLOCKS
 
 
 def test_food_in_training_is_named_with_its_shares() -> None:
