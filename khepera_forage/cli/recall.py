@@ -5,6 +5,7 @@ import itertools
 import warnings
 from collections.abc import Callable
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -110,14 +111,8 @@ def _rows(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow]:
 def _forage(env: BehavioursEnv, arguments: argparse.Namespace) -> Callable[..., RecallRow]:
     """A recall by a seed, with the policy that the arguments choose."""
     policy, name, size = _policy(arguments, env)
-
-    def forage(seed: int, **settings: Any) -> RecallRow:
-        noise = arguments.noise or "laboratory"
-        return recall_rollouts.recall(
-            env, policy, seed, learner=name, noise=noise, experience_size=size, **settings
-        )
-
-    return forage
+    noise = arguments.noise or "laboratory"
+    return partial(recall_rollouts.recall, env, policy, learner=name, noise=noise, experience_size=size)
 
 
 def _policy(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, str, int]:

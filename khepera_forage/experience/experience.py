@@ -1,6 +1,5 @@
 """What a learner records (4.5): its state vector and the behaviour it heard, in each round with a behaviour."""
 
-import os
 from collections.abc import Iterable, Iterator, Sequence
 from os import PathLike
 from pathlib import Path
@@ -11,13 +10,11 @@ from numpy.typing import NDArray
 
 from khepera_forage.experience.text_format import (
     ExperienceError,
+    ExperienceWriter,
     checked_header,
     checked_row,
-    closing_line,
     header_decisions_text,
-    header_text,
     read,
-    row_text,
 )
 from khepera_forage.files import replacing
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, differences
@@ -151,12 +148,13 @@ class Experience:
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write a file, and replace an existing one; an OSError leaves the existing file unchanged."""
-        text = header_text(checked_header(self.arena, self.seed, self.episodes, self.decisions))
-        text += "".join(row_text(*row) for row in self) + closing_line(len(self))
-        with replacing(Path(path)) as partial, open(partial, "xb") as file:
-            file.write(text.encode())
-            file.flush()
-            os.fsync(file.fileno())
+        about = self.arena, self.seed, self.episodes
+        with (
+            replacing(Path(path)) as partial,
+            ExperienceWriter(partial, *about, decisions=self.decisions) as writer,
+        ):
+            for row in self:
+                writer.append(*row)
 
     def arrays(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """State vectors of shape (n, 5) and behaviours of shape (n,), as new arrays."""

@@ -143,12 +143,6 @@ def header_text(header: Header) -> str:
     )
 
 
-def row_text(vector: StateVector, behaviour: Behaviour) -> str:
-    """The line of one row."""
-    presence, home, food_type, arm, food = vector
-    return f"{presence},{home},{FoodType(food_type).name},{arm},{food},{behaviour.name}\n"
-
-
 def closing_line(count: int) -> str:
     """The last line of a complete file."""
     return f"# complete: {count} vectors\n"
@@ -321,7 +315,7 @@ class ExperienceWriter:
         seed: int | None = None,
         episodes: int = 1,
         *,
-        decisions: Decisions = DEFAULT_DECISIONS,
+        decisions: Decisions | None = DEFAULT_DECISIONS,
         overwrite: bool = False,
     ) -> None:
         header = checked_header(arena, seed, episodes, decisions)
@@ -348,7 +342,8 @@ class ExperienceWriter:
         """
         if self._file.closed:
             raise ExperienceError(f"{self.path} is closed; allowed: append before close")
-        self._write(row_text(*checked_row(vector, behaviour)))
+        (presence, home, food_type, arm, food), heard = checked_row(vector, behaviour)
+        self._write(f"{presence},{home},{FoodType(food_type).name},{arm},{food},{heard.name}\n")
         self.count += 1
 
     def close(self, complete: bool = True) -> None:
