@@ -223,22 +223,6 @@ def test_escape_at_the_start_leaves_no_file(
     assert list(Path("taught").iterdir()) == []
 
 
-def test_crash_leaves_a_file_that_can_be_recovered(run_script: Callable[[Script], None]) -> None:
-    tapping = TappingScript()
-
-    def script(env: TrainingEnv, view: View) -> None:
-        if len(tapping.chosen) == 12:
-            raise MemoryError
-        tapping(env, view)
-
-    run_script(script)
-    with pytest.raises(MemoryError):
-        main(["teach", *FAST])
-    with pytest.warns(UserWarning, match="closing line"):
-        experience = Experience.load("taught/g1.csv", recover=True)
-    assert list(experience.behaviours) == tapping.chosen
-
-
 class RecordingWindow(TeachingWindow):
     """The window, which also records its pictures and captions."""
 
