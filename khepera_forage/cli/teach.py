@@ -146,25 +146,26 @@ class HumanTeacher:
 
     def _confirm(self) -> None:
         """Wait for Enter, and forget the keys pressed before it."""
-        while True:
-            key, down = self._window.wait() or ("", False)
-            if down and key == QUIT:
-                raise QuitRequest
-            if down and key in CONFIRM:
-                self._pressed.clear()
-                self._caption = self._caption._replace(held=None, last=None)
-                return
+        while self._event() not in ((CONFIRM[0], True), (CONFIRM[1], True)):
+            pass
+        self._pressed.clear()
+        self._caption = self._caption._replace(held=None, last=None)
+
+    def _event(self, timeout: float | None = None) -> tuple[str, bool] | None:
+        """The next key, and whether it goes down; None if there is none in time."""
+        event = self._window.wait(timeout)
+        if event == (QUIT, True):
+            raise QuitRequest
+        return event
 
     def _next_key(self, waits: bool) -> tuple[Behaviour | None] | None:
         """The behaviour, if any, that the next key event chooses; None if there is none before the round is due."""
-        event = self._window.wait(None if waits else max(0.0, self._due - time.monotonic()))
+        event = self._event(None if waits else max(0.0, self._due - time.monotonic()))
         if event is None:
             return None
-        key, down = event
-        if down and key == QUIT:
-            raise QuitRequest
-        if down and key == RESTART:
+        if event == (RESTART, True):
             raise RestartRequest
+        key, down = event
         self._pressed.pop(key, None)
         chosen = (self._caption.last if key == REPEAT else BEHAVIOUR_OF.get(key)) if down else None
         if chosen is not None:

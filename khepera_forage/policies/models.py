@@ -16,7 +16,6 @@ import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from numpy.random import Generator
-from numpy.typing import NDArray
 
 from khepera_forage.extras import require
 from khepera_forage.policies.classifiers import ClassifierPolicy, check_classifier
@@ -47,6 +46,7 @@ _ALLOWED = (
 )
 ALGORITHMS = ("PPO", "DQN", "SAC")
 """Names of classes in stable-baselines3."""
+_NOTHING = None, 0, None, None
 
 
 @dataclass
@@ -71,10 +71,8 @@ class ModelPolicy:
     features: Callable[[Any], Any] | None = None
     hold: int = 1
     sample: bool = False
-    _held: tuple[Generator | None, int, Any] = field(default=(None, 0, None), init=False, repr=False)
-    """The generator of the last action, for how many more rounds the action holds, and the action."""
-    _memory: tuple[Generator | None, Any] = field(default=(None, None), init=False, repr=False)
-    """The generator of the last prediction, and the state that a recurrent model returned with it."""
+    _last: tuple[Generator | None, int, Any, Any] = field(default=_NOTHING, init=False, repr=False)
+    """The generator of the last action, how many more rounds it holds, the action, and a recurrent model's state."""
     _recurs: bool = field(init=False, repr=False)
     """Whether the model takes a state."""
     _masks: bool = field(init=False, repr=False)
@@ -99,13 +97,17 @@ class ModelPolicy:
         """
         if self.sample:
             checked_generator(rng)
-        generator, rounds, action = self._held
-        if generator is not rng or rounds == 0:
-            rounds, action = self.hold, self._action(observation, rng)
-        self._held = rng, rounds - 1, action
+        generator, rounds, action, state = self._last
+        if generator is not rng:
+            rounds, state = 0, None
+        if rounds == 0:
+            rounds = self.hold
+            action, state = self._action(observation, rng, state)
+        self._last = rng, rounds - 1, action, state
         return action.copy() if isinstance(action, np.ndarray) else action
 
-    def _action(self, observation: Any, rng: Generator | None) -> Behaviour | NDArray[np.float32]:
+    def _action(self, observation: Any, rng: Generator | None, state: Any) -> tuple[Any, Any]:
+        """A behaviour or motors, and the new state of a recurrent model."""
         try:
             shown = observation if self.features is None else self.features(observation)
         except KeyError as error:
@@ -113,27 +115,19 @@ class ModelPolicy:
         if self.sample:
             action = _drawn(self.model, shown, checked_generator(rng))
         else:
-            action = self._predicted(shown, rng, observation)
+            options: dict[str, Any] = {"deterministic": True}
+            if self._masks:
+                vector = state_vector_of(observation)
+                options["action_masks"] = APPLICABLE[vector.object_presence, vector.food_type]
+            if self._recurs:
+                options |= {"state": state, "episode_start": np.array([state is None])}
+            action, state = self.model.predict(shown, **options)
+            if self._recurs and state is not None and rng is None:
+                raise TypeError(
+                    "rng is None; allowed for a recurrent model: a numpy.random.Generator, another one for each episode"
+                )
         numbers = np.ravel(action)
-        return Behaviour(int(numbers[0])) if len(numbers) == 1 else numbers.astype(np.float32)
-
-    def _predicted(self, shown: Any, rng: Generator | None, observation: Any) -> Any:
-        options: dict[str, Any] = {"deterministic": True}
-        if self._masks:
-            vector = state_vector_of(observation)
-            options["action_masks"] = APPLICABLE[vector.object_presence, vector.food_type]
-        if not self._recurs:
-            return self.model.predict(shown, **options)[0]
-        generator, state = self._memory
-        begins = generator is not rng or state is None
-        options |= {"state": None if begins else state, "episode_start": np.array([begins])}
-        action, state = self.model.predict(shown, **options)
-        if state is not None and rng is None:
-            raise TypeError(
-                "rng is None; allowed for a recurrent model: a numpy.random.Generator, another one for each episode"
-            )
-        self._memory = rng, state
-        return action
+        return Behaviour(int(numbers[0])) if len(numbers) == 1 else numbers.astype(np.float32), state
 
     def __getstate__(self) -> dict[str, Any]:
         model: Any = self.model
@@ -142,7 +136,7 @@ class ModelPolicy:
             file = io.BytesIO()
             model.save(file)
             model = name, file.getvalue()
-        return {**self.__dict__, "model": model, "_held": (None, 0, None), "_memory": (None, None)}
+        return {**self.__dict__, "model": model, "_last": _NOTHING}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         model = state["model"]
