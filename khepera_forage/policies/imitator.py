@@ -188,7 +188,7 @@ class NearestNeighbourImitator(ConfidenceClassifier):
         return self
 
     def act(self, observation: Observation, rng: Generator | None = None) -> Behaviour:
-        """A behaviour, drawn with its confidence level as probability; one number a call, conflict or not."""
+        """A behaviour, drawn with its confidence level as probability: one number from `rng` at every call."""
         rng = checked_generator(rng)
         return self.neighbours(observation).draw(rng)
 
