@@ -37,8 +37,6 @@ UNITS = f"distances in pixels of 5 mm; arms_height {ARM_DOWN} (down) to {ARM_RAI
 COLUMNS = (*StateVector._fields, "behaviour")
 MAX_DISTANCE = 2**31 - 1
 """Pixels: more than in any arena, and the largest number of a 32-bit integer."""
-
-DECISIONS_KEY = "# decisions: "
 MIXED = "mixed"
 """Text of the decisions of joined experience that was recorded under different ones."""
 
@@ -194,6 +192,7 @@ class _Lines:
         *self._complete, rest = utf8(data).split(b"\n")
         self.rest = rest.decode(errors="replace")
         self.number = 0
+        self.are_decided = any(line.startswith(b"# decisions: ") for line in self._complete[5:6])
 
     def next(self) -> str | None:
         """The next complete line; None at the end."""
@@ -211,13 +210,17 @@ class _Lines:
         self.number = 1
         return self._complete[0].decode(errors="replace").removesuffix("\r") if self._complete else self.rest
 
-    def of_header(self, count: int) -> str:
-        """The next line of a header of `count` lines; a file without all of them has nothing to recover."""
-        line = self.next()
+    def of_header(self, name: str) -> str:
+        """The value of the next line, `# name: value`; a file without all of them has nothing to recover."""
+        line, key = self.next(), f"# {name}: " if name else ""
         if line is None:
             self.number = len(self._complete) + 1
-            raise ExperienceError(f"ends in the header; allowed: {count} lines before the rows")
-        return line
+            raise ExperienceError(
+                f"ends in the header; allowed: {7 + self.are_decided} lines before the rows"
+            )
+        if not line.startswith(key):
+            raise ExperienceError(f"{quoted(line)}; allowed: {key!r} and a value")
+        return line.removeprefix(key)
 
 
 def _header(lines: _Lines) -> Header:
@@ -231,31 +234,19 @@ def _header(lines: _Lines) -> Header:
     if version != str(VERSION):
         later = ", written by a later version of this package" if re.fullmatch("[1-9][0-9]*", version) else ""
         raise ExperienceError(f"the format version is {quoted(version)}{later}; {allowed}")
-    count = 7
-    _value("package", lines.of_header(count))
-    arena = _value("arena", lines.of_header(count))
+    lines.of_header("package")
+    arena = lines.of_header("arena")
     checked_header(arena, None, 1, None)
-    seed_text = _value("seed", lines.of_header(count))
+    seed_text = lines.of_header("seed")
     seed = None if seed_text == "none" else _number("seed", seed_text)
-    episodes = _number("episodes", _value("episodes", lines.of_header(count)))
-    header = checked_header(arena, seed, episodes, Decisions.v0_1())
-    line = lines.of_header(count)
-    if line.startswith(DECISIONS_KEY):
-        count += 1
-        header = header._replace(decisions=header_decisions(line.removeprefix(DECISIONS_KEY)))
-        line = lines.of_header(count)
-    if (units := _value("units", line)) != UNITS:
+    header = checked_header(arena, seed, _number("episodes", lines.of_header("episodes")), Decisions.v0_1())
+    if lines.are_decided:
+        header = header._replace(decisions=header_decisions(lines.of_header("decisions")))
+    if (units := lines.of_header("units")) != UNITS:
         raise ExperienceError(f"units are {quoted(units)}; allowed: {UNITS!r}")
-    if (columns := lines.of_header(count)) != ",".join(COLUMNS):
+    if (columns := lines.of_header("")) != ",".join(COLUMNS):
         raise ExperienceError(f"columns are {quoted(columns)}; allowed: {','.join(COLUMNS)!r}")
     return header
-
-
-def _value(name: str, line: str) -> str:
-    key = f"# {name}: "
-    if not line.startswith(key):
-        raise ExperienceError(f"{quoted(line)}; allowed: {key!r} and a value")
-    return line.removeprefix(key)
 
 
 def _row(line: str) -> tuple[StateVector, Behaviour]:
