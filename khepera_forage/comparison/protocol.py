@@ -44,7 +44,7 @@ from khepera_forage.comparison.learning import (
     unable,
 )
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.estimates import Estimate, Measure, Table, Value, mean, pick, plain, table_of
+from khepera_forage.estimates import Estimate, Measure, Table, Value, mean, pick, table_of
 from khepera_forage.experience import Experience
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.features import wheels_features
@@ -523,8 +523,8 @@ def _table(name: str, question: str, rows: Sequence[Tested], seed: int) -> Table
                     f"{g} (%)": _share([row for row in own if row.place in group], seed)
                     for g, group in groups.items()
                 },
-                "vectors": plain(float(np.mean([row.vectors for row in own]))),
-                "seconds": plain(float(np.mean([row.seconds for row in own]))),
+                "vectors": Estimate(float(np.mean([row.vectors for row in own]))),
+                "seconds": Estimate(float(np.mean([row.seconds for row in own]))),
             }
         )
     note = (
@@ -546,7 +546,7 @@ def _transfer(rows: Sequence[Tested], seed: int) -> Table:
                 {
                     "learner": learner,
                     "teacher": condition,
-                    "thesis's teacher (%)": plain(usual),
+                    "thesis's teacher (%)": Estimate(usual),
                     "this teacher (%)": share,
                     "gap closed (%)": Estimate(
                         *(100 * (value - usual) / max(100 - usual, 1e-9) for value in share)

@@ -11,8 +11,8 @@ from khepera_forage.rollouts.rows import IMITATOR, STATES, TEACHER, RecallRow, T
 from khepera_forage.study import WorkUnit
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import State
+from khepera_forage.thesis import figures
 from khepera_forage.thesis.design import FILES, LABORATORY, THESIS, Cell
-from khepera_forage.thesis.figures import food_figure, score_figure
 from khepera_forage.thesis.orient_analysis import OrientRow
 from khepera_forage.thesis.replication import JobCounts, Row
 
@@ -34,11 +34,13 @@ class OneRowJob:
         return [recall(decisions=self._decisions), training(decisions=self._decisions), orient]
 
 
-BY_EPISODES = (
-    (partial(score_figure, "5.2", "corridor"), "corridor", None),
-    (partial(food_figure, "5.3", "corridor"), "corridor", 20),
-    (partial(score_figure, "5.5", "rectangle"), "rectangle", None),
-    (partial(food_figure, "5.6", "rectangle"), "rectangle", 24),
+BY_EPISODES = tuple(
+    (
+        partial(figures.figure_by_episodes, number, arena, food),
+        arena,
+        (20 if number == 3 else 24) if food else None,
+    )
+    for number, arena, food in figures.BY_EPISODES
 )
 """Figures with their arena, and the food objects in it."""
 

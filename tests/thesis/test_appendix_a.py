@@ -57,9 +57,9 @@ ERRATA = [
 
 
 def test_recalls_are_the_lines_of_the_tables() -> None:
-    lines = Counter(row.table for row in appendix_a.recalls())
+    lines = Counter(row.table for row in appendix_a.RECALLS)
     assert lines == {"A.1": 20, "A.2": 20, "A.3": 20, "A.4": 10, "A.5": 12, "A.6": 12, "A.7": 12}
-    first, last = appendix_a.recalls()[0], appendix_a.recalls()[-1]
+    first, last = appendix_a.RECALLS[0], appendix_a.RECALLS[-1]
     assert (first.file_id, first.correct, first.total, first.percent, first.penalty, first.score) == (
         ("g1", 195, 249, 78, "-", 78)
     )
@@ -70,9 +70,9 @@ def test_recalls_are_the_lines_of_the_tables() -> None:
 
 def test_set_averages_are_the_means_of_their_lines() -> None:
     """All 21 printed set averages are correct to the last decimal."""
-    assert len(appendix_a.sets()) == 21
-    for (table, file_id), group in groupby(appendix_a.recalls(), key=lambda row: (row.table, row.file_id)):
-        printed = [s.average for s in appendix_a.sets() if (s.table, s.file_id) == (table, file_id)]
+    assert len(appendix_a.SETS) == 21
+    for (table, file_id), group in groupby(appendix_a.RECALLS, key=lambda row: (row.table, row.file_id)):
+        printed = [s.average for s in appendix_a.SETS if (s.table, s.file_id) == (table, file_id)]
         scores = [Decimal(row.score) for row in group]
         assert printed in ([], [sum(scores) / len(scores)])
         assert bool(printed) != (table in ("A.4", "A.7")), "only A.4 and A.7 print no set averages"
@@ -84,7 +84,7 @@ def test_errata_are_the_reviewed_list() -> None:
 
 def test_errata_follow_changes_of_the_tables(monkeypatch: pytest.MonkeyPatch) -> None:
     """A corrected line removes its erratum, and an altered line adds one."""
-    rows = list(appendix_a.recalls())
+    rows = list(appendix_a.RECALLS)
     assert rows[53].table == "A.3"
     assert rows[53].line == 14
     header = "table,line,arena,episodes,file_id,correct,total,percent,penalty,score\n"
@@ -94,7 +94,7 @@ def test_errata_follow_changes_of_the_tables(monkeypatch: pytest.MonkeyPatch) ->
     rows[54:55] = parse_rows(
         header + "A.3,15,corridor,5,g246810,125,500,25,-20,5\n", "altered", appendix_a.PrintedRecall
     )
-    monkeypatch.setattr(appendix_a, "recalls", lambda: tuple(rows))
+    monkeypatch.setattr(appendix_a, "RECALLS", tuple(rows))
     changed = {(s.place, s.kind) for s in errata() if s.table == "A.3"}
     assert ("line 14, g246810", "score") not in changed
     assert {("g246810", "average"), ("total average", "average"), ("food collected", "food")} <= changed

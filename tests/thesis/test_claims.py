@@ -20,6 +20,7 @@ from khepera_forage.thesis.claims import (
     at_most,
     beyond,
     claims,
+    gather,
     percent,
     percent_change,
     points,
@@ -50,13 +51,8 @@ def alternating(low: float, high: float) -> Level:
     return lambda replication: (low, high)[replication % 2]
 
 
-def claim_from(
-    name: str,
-    recalls: Sequence[RecallRow] = (),
-    trainings: Sequence[TrainingRow] = (),
-    teachers: Sequence[RecallRow] = (),
-) -> Claim:
-    return claims(recalls, trainings, teachers, np.random.default_rng(3), 400)[NAMES.index(name)]
+def claim_from(name: str, recalls: Sequence[RecallRow] = (), trainings: Sequence[TrainingRow] = ()) -> Claim:
+    return claims(gather(recalls, trainings, np.random.default_rng(3), 400))[NAMES.index(name)]
 
 
 def recalls_with_scores(arena: str, levels: dict[int, Level]) -> list[RecallRow]:
@@ -185,7 +181,7 @@ def cases() -> Iterator[Case]:
         yield from graded(f"orient without food {arena}", orienting, *shares)
         # One forage of eight a step too long: the quantile depends on the resample.
         over: tuple[Level, ...] = (always(0), always(400), lambda replication: replication == 1)
-        yield from graded(f"limit {arena}", partial(forages, arena, limit), *over, kind="teachers")
+        yield from graded(f"limit {arena}", partial(forages, arena, limit), *over)
     for learner, chance, verdict in (
         (always(0.6), always(0.1), SUPPORTED),
         (always(0.1), always(0.3), NOT),
@@ -242,12 +238,12 @@ def test_effects_are_in_the_units_of_the_claims() -> None:
     assert (single.effect, single.verdict) == ("+30.0 points", UNDECIDED)
     assert claim_from("generalises", generalises(always(0.6))).effect == "-"
     lost = [failed(learner=TEACHER, episodes=0, replication=i, steps=400, limit=400) for i in range(5)]
-    limit = claim_from("limit corridor", teachers=lost)
+    limit = claim_from("limit corridor", lost)
     assert (limit.effect, limit.verdict) == ("∞ [∞, ∞] steps", NOT)
 
 
 def test_claims_without_rows_are_undecided() -> None:
-    judged = claims([], [], [], np.random.default_rng(1))
+    judged = claims(gather([], [], np.random.default_rng(1)))
     assert {claim.verdict for claim in judged} == {UNDECIDED}
     assert {claim.effect for claim in judged} == {"-"}
     assert len({claim.name for claim in judged}) == len(judged) == len(NAMES)
@@ -257,7 +253,7 @@ def test_claims_without_rows_are_undecided() -> None:
 def test_claims_from_two_noise_conditions_are_an_error() -> None:
     rows = [recall(), recall(noise="none", recall=1)]
     with pytest.raises(ValueError, match=r"noise conditions \['laboratory', 'none'\]; allowed: one"):
-        claims(rows, [], [], np.random.default_rng(1))
+        gather(rows, [], np.random.default_rng(1))
 
 
 @pytest.mark.parametrize(

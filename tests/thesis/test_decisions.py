@@ -13,7 +13,7 @@ from matplotlib.colors import to_hex
 from khepera_forage.envs.backends import COMPILED
 from khepera_forage.figures import GREY, OURS
 from khepera_forage.rollouts.row_files import read_rows, write_rows
-from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow
+from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.task import decisions as decisions_module
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis import reproduce as reproduction
@@ -36,12 +36,11 @@ def test_arrival_vectors_follow_the_decisions() -> None:
     assert arrival_vectors(OTHER)[0, :, [1, 4]].T.tolist() == [[50, 20], [51, 21], [52, 22]]
 
 
-@pytest.mark.parametrize("table", ["recalls", "trainings", "teachers", "noise_rows", "orient_rows"])
+@pytest.mark.parametrize("table", ["recalls", "trainings", "noise_rows", "orient_rows"])
 def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) -> None:
-    rows: dict[str, list[Any]] = {
+    rows: dict[str, Any] = {
         "recalls": [recall()],
         "trainings": [training()],
-        "teachers": [recall(learner=TEACHER)],
         "noise_rows": [recall()],
         "orient_rows": [OrientRow(0, 1, "g1", 0, 1.0, 0.0, 0.0)],
     }
@@ -49,15 +48,7 @@ def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) 
     with pytest.raises(
         ValueError, match=r"rows of different decisions: food_to_home is .*; next_to_food is"
     ) as error:
-        write_report(
-            tmp_path,
-            rows["recalls"],
-            rows["trainings"],
-            rows["teachers"],
-            rows["noise_rows"],
-            np.random.default_rng(0),
-            orient_rows=rows["orient_rows"],
-        )
+        write_report(tmp_path, **rows, rng=np.random.default_rng(0))
     assert str(error.value).endswith("allowed: rows of the same decisions in one report")
     assert not list(tmp_path.iterdir())
 
@@ -197,7 +188,7 @@ def test_reproduction_replaces_only_rows_of_version_0_1(tmp_path: Path) -> None:
 def test_report_refuses_other_rows_as_those_of_version_0_1(tmp_path: Path) -> None:
     rows, rng = [recall(decisions=NEXT_TEXT)], np.random.default_rng(0)
     with pytest.raises(ValueError, match="v0_1_recalls have other decisions: next_to_food is 22, not 20; "):
-        write_report(tmp_path, rows, [], [], [], rng, v0_1_recalls=rows)
+        write_report(tmp_path, rows, [], [], rng, v0_1_recalls=rows)
     assert not list(tmp_path.iterdir())
 
 
@@ -206,7 +197,7 @@ def test_comparison_does_not_change_the_other_results(tmp_path: Path, recalls: l
     rows = synthetic.reproduction(5, np.random.default_rng(11))
     for name, v0_1_recalls in (("alone", []), ("beside", rows)):
         rng = np.random.default_rng(9)
-        write_report(tmp_path / name, recalls, [], [], [], rng, resamples=200, v0_1_recalls=v0_1_recalls)
+        write_report(tmp_path / name, recalls, [], [], rng, resamples=200, v0_1_recalls=v0_1_recalls)
     claims = [(tmp_path / name / "table_claims.csv").read_bytes() for name in ("alone", "beside")]
     assert claims[0] == claims[1]
 

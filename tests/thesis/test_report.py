@@ -46,7 +46,7 @@ def test_success_by_distance_ignores_other_arenas_and_policies() -> None:
     ]
     ignored = [recall(arena="rectangle"), recall(learner=RANDOM)]
     near, far = success_by_distance(food_places(rows + ignored))
-    assert (near[0], near[1], near[2].value) == (BIN * 3.5, 2, 0.5)
+    assert (near[0], near[1], near[2].value) == (BIN * 3.5, 2, 50)
     assert (far[1], far[2].value) == (1, 0.0)
     assert BIN * 4 <= training_distance(Decisions.v0_1()) < BIN * 5
 
@@ -84,7 +84,7 @@ def test_report_has_page_tables_and_figures(
 ) -> None:
     folder = tmp_path / "results"
     rng = np.random.default_rng(6)
-    write_report(folder, recalls, trainings, teachers, noise_rows, rng, resamples=200)
+    write_report(folder, recalls + teachers, trainings, noise_rows, rng, resamples=200)
     assert all(path.stat().st_size > 0 for path in folder.iterdir())
     page = (folder / PAGE).read_text(encoding="utf-8")
     pictures = sorted(path.name for path in folder.glob("*.png"))
@@ -107,7 +107,7 @@ def test_report_has_page_tables_and_figures(
 
 def test_report_on_one_replication_has_no_supported_claim(tmp_path: Path) -> None:
     rows = synthetic.reproduction(1, np.random.default_rng(7))
-    write_report(tmp_path, rows, [], [], [], np.random.default_rng(8), resamples=200)
+    write_report(tmp_path, rows, [], [], np.random.default_rng(8), resamples=200)
     page = (tmp_path / PAGE).read_text(encoding="utf-8")
     assert "1 replication, 106 recall episodes" in page
     assert "| undecided |" in page
@@ -143,7 +143,7 @@ def test_figures_by_episodes_are_readable(draw: Draw, compared: bool, results: l
 
 
 def test_noise_figure_is_readable(noise_rows: list[RecallRow], trainings: list[TrainingRow]) -> None:
-    figure = noise_figure(noise_table(noise_rows, gather([], trainings, [], np.random.default_rng(1))))
+    figure = noise_figure(noise_table(noise_rows, gather([], trainings, np.random.default_rng(1))))
     lay_out(figure)
     check_readable(figure)
     (legend,) = figure.legends

@@ -11,7 +11,7 @@ from khepera_forage.rollouts.row_files import parse_rows
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.thesis import appendix_a
 from khepera_forage.thesis.appendix_a import PrintedRecall
-from khepera_forage.thesis.design import ARENAS, LABORATORY, THESIS, Cell
+from khepera_forage.thesis.design import FOODS, LABORATORY, THESIS, Cell
 from khepera_forage.toml_table import naming, text_of
 
 Floats = NDArray[np.float64]
@@ -39,7 +39,7 @@ class CellSummary(NamedTuple):
 STATISTICS = CellSummary._fields
 NAMES = tuple(f"{cell.arena} {cell.episodes} {statistic}" for cell in THESIS for statistic in STATISTICS)
 """Names of the statistics of all cells, in their order."""
-SLOPES = tuple(f"{arena} slope of {statistic}" for arena in ARENAS for statistic in ("score", "food"))
+SLOPES = tuple(f"{arena} slope of {statistic}" for arena in FOODS for statistic in ("score", "food"))
 """From the fewest training episodes of an arena to the most."""
 ALL = (*NAMES, *SLOPES)
 """All statistics, in their order."""
@@ -134,14 +134,14 @@ def usable_lines(cell: Cell) -> list[PrintedRecall]:
 def with_slopes(cells: Sequence[CellSummary]) -> Floats:
     """All statistics of experiments, shape (experiments, len(ALL)), of one summary for each cell of `THESIS`."""
     columns = [value for summary in cells for value in summary]
-    for arena in ARENAS:
+    for arena in FOODS:
         own = [summary for cell, summary in zip(THESIS, cells, strict=True) if cell.arena == arena]
         columns += [own[-1].score - own[0].score, own[-1].food - own[0].food]
     return np.stack(columns, axis=1)
 
 
 def thesis_statistics() -> Floats:
-    """Those of the thesis itself, in the order of `NAMES` and `SLOPES`."""
+    """All statistics of the thesis itself."""
     cells = [of_recalls(cell, printed_recalls(cell, printed_lines(cell))) for cell in THESIS]
     return np.asarray(with_slopes(cells)[0])
 
