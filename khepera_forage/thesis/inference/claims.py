@@ -6,14 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from khepera_forage.envs.backends import COMPILED
-from khepera_forage.estimates import Table, Value, percent, table_of
+from khepera_forage.estimates import Floats, Table, Value, percent, table_of
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.study import Arguments, Job, Rows, collect
 from khepera_forage.task.decisions import decisions_text
 from khepera_forage.thesis.claims import Claim, Verdict, claims, gather
 from khepera_forage.thesis.design import NO_LOSSES
-from khepera_forage.thesis.inference.posterior import Floats
 from khepera_forage.thesis.inference.prior import LabModel, laboratory_text
 from khepera_forage.thesis.replication import compiled_jobs, job_counts
 

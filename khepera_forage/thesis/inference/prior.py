@@ -54,7 +54,7 @@ def laboratory_text(laboratory: LabModel) -> str:
 
 
 def laboratory_from_text(text: str) -> LabModel:
-    """The laboratory that a text of `laboratory_text` describes; decisions that it leaves out are those of version 0.1.
+    """The laboratory of a text; decisions that it leaves out are those of version 0.1.
 
     Raises:
         ValueError: Not of this form, an unknown field, or a value that is not allowed.
@@ -68,12 +68,7 @@ def laboratory_from_text(text: str) -> LabModel:
 
 @dataclass(frozen=True, slots=True)
 class Prior:
-    """Independent distributions of decisions and sizes of noise.
-
-    Attributes:
-        decisions: By the name of a field of `Decisions`.
-        noise: By the name of a field of `Noise`; ranges only.
-    """
+    """Independent distributions of fields of `Decisions` and of `Noise`, by name."""
 
     decisions: Mapping[str, PriorRange | Shares]
     noise: Mapping[str, PriorRange]
@@ -110,11 +105,7 @@ class Prior:
 
 
 def _decisions(values: Mapping[str, Any]) -> Decisions:
-    """Decisions with these values, rounded if they are counts.
-
-    Raises:
-        ValueError: Start, food and home do not fit the arenas, or the robot would move slowly faster than it searches.
-    """
+    """Decisions with these values, rounded if they are counts; a ValueError if they contradict each other."""
     whole = {name: round(value) if FIELDS[name].kind is int else value for name, value in values.items()}
     decisions = Decisions.from_changes(whole, Decisions.v0_1())
     for name in THESIS_ARENAS:

@@ -184,19 +184,16 @@ def replicate(laboratory: LabModel, seed: int, experiments: int) -> NDArray[np.f
         numbers = seeds.generate_state(experiments * cell.size).astype(np.int64)
         played = recalls_of(cell, trained, experiments, numbers, noise, decisions)
         shape = (experiments, len(cell.subsets), cell.recalls)
-        arrays = (played.correct, played.steps, played.delivered, played.penalty)
-        cells.append(
-            of_recalls(cell, CellRecalls(*(array.astype(np.float64).reshape(shape) for array in arrays)))
-        )
+        own = (getattr(played, name).astype(np.float64).reshape(shape) for name in CellRecalls._fields)
+        cells.append(of_recalls(cell, CellRecalls(*own)))
     return with_slopes(cells)
 
 
 class Sets(NamedTuple):
-    """Admissible sets, and the fitted statistics of the experiments under them.
+    """Admissible sets among the draws, and the experiments under them.
 
     Attributes:
-        statistics: Shape (sets, experiments, fitted statistics); they may be missing.
-        draws: Sets that were drawn to find as many admissible ones.
+        statistics: The fitted ones, shape (sets, experiments, statistics); they may be missing.
     """
 
     parameters: list[Parameter]
@@ -241,7 +238,8 @@ class Drawn(NamedTuple):
 
     Attributes:
         reasons: Why each set is not admissible; empty if it is.
-        statistics: Of the admissible sets, shape (sets, experiments, statistics).
+        laboratories: The admissible sets.
+        statistics: Of these, shape (sets, experiments, statistics).
     """
 
     reasons: list[str]
