@@ -343,7 +343,7 @@ def _followed(amount: int, key: int) -> Training:
 def wheels_learner(
     name: str, episodes: Sequence[RawEpisode], seed: int
 ) -> Callable[[NDArray[Any]], NDArray[Any]]:
-    """A regression from rows of `wheels_features` to motors: a multi-layer `network`, or extremely randomised `trees`."""
+    """A regression from rows of `wheels_features` to motors: a `network`, or extremely randomised `trees`."""
     from sklearn.ensemble import ExtraTreesRegressor
     from sklearn.neural_network import MLPRegressor
 

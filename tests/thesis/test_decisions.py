@@ -8,10 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_hex
 
 from khepera_forage.envs.backends import COMPILED
-from khepera_forage.figures import GREY, OURS
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.task import decisions as decisions_module
@@ -20,9 +18,7 @@ from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.design import LABORATORY, THESIS
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
 from khepera_forage.thesis.reproduce import PAGE, SUMMARY, V0_1_RECALLS, write_report
-from khepera_forage.thesis.tables import CellResult, cell_results
-from tests.thesis import synthetic
-from tests.thesis.synthetic import BY_EPISODES, recall, training
+from tests.thesis.synthetic import recall, training
 
 V0_1 = Decisions.v0_1()
 OTHER = replace(V0_1, next_to_food=22, food_to_home=200)
@@ -115,12 +111,6 @@ def test_reproduction_refuses_something_else_than_decisions(tmp_path: Path) -> N
         reproduction.reproduce(0, 1, tmp_path, decisions=17)  # type: ignore[arg-type]
 
 
-@pytest.fixture(scope="module")
-def v0_1_results() -> list[CellResult]:
-    rows = synthetic.reproduction(5, np.random.default_rng(11))
-    return cell_results(rows, np.random.default_rng(12), resamples=200)
-
-
 @pytest.mark.usefixtures("no_pictures")
 def test_reproduction_compares_with_version_0_1(tmp_path: Path) -> None:
     """The rows are those of a reproduction under version 0.1, which has no comparison itself."""
@@ -194,28 +184,9 @@ def test_report_refuses_other_rows_as_those_of_version_0_1(tmp_path: Path) -> No
 
 @pytest.mark.usefixtures("no_pictures")
 def test_comparison_does_not_change_the_other_results(tmp_path: Path, recalls: list[RecallRow]) -> None:
-    rows = synthetic.reproduction(5, np.random.default_rng(11))
+    rows = [replace(row, decisions="v0.1") for row in recalls]
     for name, v0_1_recalls in (("alone", []), ("beside", rows)):
         rng = np.random.default_rng(9)
         write_report(tmp_path / name, recalls, [], [], rng, resamples=200, v0_1_recalls=v0_1_recalls)
     claims = [(tmp_path / name / "table_claims.csv").read_bytes() for name in ("alone", "beside")]
     assert claims[0] == claims[1]
-
-
-def test_figures_show_version_0_1_in_grey_left_of_ours(
-    results: list[CellResult], v0_1_results: list[CellResult]
-) -> None:
-    for draw, arena, maximum in BY_EPISODES:
-        (axes,) = draw(results, v0_1_results).axes
-        marks = [(to_hex(line.get_color()).upper(), line) for line in axes.lines if line.get_marker() == "o"]
-        grey, ours = (
-            np.array([np.hstack(line.get_data()) for colour, line in marks if colour == wanted])
-            for wanted in (GREY, OURS)
-        )
-        mine = [r for r in v0_1_results if r.cell.arena == arena]
-        values = [r.food.value * maximum / r.cell.available if maximum else r.score.value for r in mine]
-        assert grey[:, 1].tolist() == pytest.approx(values)
-        assert (grey[:, 0] < ours[:, 0]).all()
-        legend = axes.get_legend()
-        assert legend is not None
-        assert "version 0.1, mean and 95 % interval" in [text.get_text() for text in legend.get_texts()]

@@ -7,16 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table
-from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
+from khepera_forage.estimates import Column, Estimate, Table, pick
+from khepera_forage.rollouts.rows import TEACHER, RecallRow
 from khepera_forage.task.states import State
 from khepera_forage.thesis import appendix_a
-from khepera_forage.thesis.claims import gather
-from khepera_forage.thesis.design import (
-    LABORATORY,
-    NO_NOISE,
-    noise_conditions,
-)
+from khepera_forage.thesis.claims import Evidence, gather
+from khepera_forage.thesis.design import FOODS, LABORATORY, NO_NOISE, noise_conditions
 from khepera_forage.thesis.tables import (
     CellResult,
     cell_results,
@@ -34,7 +30,7 @@ from tests.thesis.synthetic import counts, failed, recall, training
 
 def test_cell_results_equal_means_over_the_rows(recalls: list[RecallRow], results: list[CellResult]) -> None:
     third = results[2]
-    rows = [r for r in recalls if (r.arena, r.episodes) == ("corridor", 5)]
+    rows = pick(recalls, arena="corridor", episodes=5)
     assert third.recalls == len(rows) == 20 * REPLICATIONS
     assert third.score.value == pytest.approx(np.mean([r.score for r in rows]))
     assert third.food.value == pytest.approx(20 * np.mean([r.delivered for r in rows]))
@@ -45,9 +41,8 @@ def test_cell_results_equal_means_over_the_rows(recalls: list[RecallRow], result
 
 
 def test_cell_results_rank_among_complete_replications_only(recalls: list[RecallRow]) -> None:
-    last = max(i for i, r in enumerate(recalls) if (r.arena, r.episodes) == ("corridor", 10))
-    short = recalls[:last] + recalls[last + 1 :]
-    result = cell_results(short, np.random.default_rng(1))[3]
+    last = pick(recalls, arena="corridor", episodes=10)[-1]
+    result = cell_results([row for row in recalls if row is not last], np.random.default_rng(1))[3]
     assert result.recalls == 10 * REPLICATIONS - 1
     assert len(result.scores) == REPLICATIONS - 1
 
@@ -92,22 +87,13 @@ def test_table_as_markdown_csv_and_text() -> None:
         Table("stem", "Title", "Note.", table.columns, [("a",)])
 
 
-def test_noise_table_has_the_cost_of_each_condition(
-    noise_rows: list[RecallRow], trainings: list[TrainingRow]
-) -> None:
-    evidence = gather([], trainings, np.random.default_rng(1))
-    table = noise_table(noise_rows, evidence)
-    names = list(noise_conditions())
-    assert [row[0] for row in table.rows] == names * 2
-    score = {row[0]: row[2] for row in table.rows if row[1] == "corridor, 10"}
-    cost = {row[0]: row[3] for row in table.rows if row[1] == "corridor, 10"}
-    noiseless, noisy, difference = score[NO_NOISE], score[LABORATORY], cost[LABORATORY]
-    assert isinstance(noiseless, Estimate)
-    assert isinstance(noisy, Estimate)
-    assert isinstance(difference, Estimate)
-    assert difference.value == pytest.approx(noiseless.value - noisy.value)
-    assert 0 < difference.low < difference.value < difference.high
-    assert repr(cost[NO_NOISE]) == repr(UNKNOWN)
+def test_noise_table_has_the_cost_of_each_condition(noise_rows: list[RecallRow], evidence: Evidence) -> None:
+    lines: dict[str, Any] = {f"{row[0]}, {row[1]}": row for row in noise_table(noise_rows, evidence).rows}
+    assert list(lines) == [f"{name}, {arena}, 10" for arena in FOODS for name in noise_conditions()]
+    noiseless, noisy = (lines[f"{name}, corridor, 10"] for name in (NO_NOISE, LABORATORY))
+    assert noisy[3].value == pytest.approx(noiseless[2].value - noisy[2].value)
+    assert noisy[3].low < noisy[3].value < noisy[3].high
+    assert math.isnan(noiseless[3].value)
 
 
 def test_training_table_counts_attempts_by_noise() -> None:
