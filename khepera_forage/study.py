@@ -300,8 +300,8 @@ def done(unit: WorkUnit) -> Done:
     return unit.key, unit.run()
 
 
-def in_processes(jobs: int) -> Execute:
-    """Processes of this machine; one job is this process."""
+def in_processes(jobs: int | None) -> Execute:
+    """Processes of this machine, of which one is this process; None is joblib's present backend."""
     running = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
     return lambda units: running(delayed(done)(unit) for unit in units)
 

@@ -73,37 +73,32 @@ def test_reproduction_refuses_a_folder_with_rows_of_other_decisions(name: str, t
 
 
 @pytest.mark.usefixtures("one_job")
-def test_rows_of_an_older_version_are_of_its_decisions(tmp_path: Path) -> None:
-    path = tmp_path / "recalls.csv"
-    write_rows(path, RecallRow, [recall()])
-    path.write_text(path.read_text().replace(",decisions\n", "\n").replace(",\n", "\n"))
-    with pytest.raises(ValueError, match="has rows of other decisions: food_to_home is 180, not 200"):
-        reproduce(tmp_path, OTHER)
-    path.write_text(path.read_text().split("\n")[0] + "\n")
-    reproduce(tmp_path, OTHER)
-
-
-@pytest.mark.usefixtures("one_job")
-@pytest.mark.parametrize("text", ["", "v0.1"])
-def test_rows_keep_their_decisions_under_other_defaults(
-    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("written", "message"),
+    [
+        (None, ": food_to_home is 180, not 200"),
+        ("", ": food_to_home is 180, not 200"),
+        ("v0.1", ": food_to_home is 180, not 200"),
+        ("next_to_food=near", "2: decision next_to_food is 'near'; allowed: a number"),
+    ],
+)
+def test_rows_keep_their_decisions(
+    written: str | None, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Also those of version 0.1, which wrote no decisions, under other defaults, or that are damaged."""
     monkeypatch.setitem(decisions_module.VERSIONS, "v1", OTHER)
-    write_rows(tmp_path / "recalls.csv", RecallRow, [recall(decisions=text)])
-    with pytest.raises(ValueError, match="food_to_home is 180, not 200") as error:
-        reproduce(tmp_path, OTHER)
-    assert "(now v1)" in str(error.value)
-
-
-@pytest.mark.usefixtures("one_job")
-def test_reproduction_refuses_a_damaged_row(tmp_path: Path) -> None:
     path = tmp_path / "recalls.csv"
     write_rows(path, RecallRow, [recall(decisions=TEXT)])
-    path.write_text(path.read_text().replace(TEXT, "next_to_food=near"))
-    with pytest.raises(
-        ValueError, match=re.escape(f"{path}:2: decision next_to_food is 'near'; allowed: a number")
-    ):
+    text = path.read_text()
+    path.write_text(
+        text.replace(TEXT, written or "")
+        if written is not None
+        else text.replace(",decisions\n", "\n").replace(f",{TEXT}", "")
+    )
+    with pytest.raises(ValueError, match=re.escape(message)):
         reproduce(tmp_path, OTHER)
+    path.write_text(text.partition("\n")[0] + "\n")
+    reproduce(tmp_path, OTHER)
 
 
 def test_reproduction_refuses_something_else_than_decisions(tmp_path: Path) -> None:
@@ -147,15 +142,11 @@ def test_page_table_and_summary_have_both_decisions(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("one_job")
-@pytest.mark.parametrize(("decisions", "comparison"), [(V0_1, True), (NEXT, False), (V0_1, False)])
-def test_reproduction_without_comparison(decisions: Decisions, comparison: bool, tmp_path: Path) -> None:
-    page = reproduction.reproduce(
-        0, 1, tmp_path, backend=COMPILED, decisions=decisions, comparison=comparison
-    )
+def test_version_0_1_is_not_compared_with_itself(tmp_path: Path) -> None:
+    assert "For comparison" not in reproduce(tmp_path, V0_1).read_text()
     assert not (tmp_path / V0_1_RECALLS).exists()
-    assert "For comparison" not in page.read_text()
-    assert "v0.1" not in (tmp_path / "table_cells.csv").read_text()
-    assert "v0.1" not in (tmp_path / SUMMARY).read_text()
+    for name in ("table_cells.csv", SUMMARY):
+        assert "v0.1" not in (tmp_path / name).read_text()
 
 
 @pytest.mark.usefixtures("one_job")

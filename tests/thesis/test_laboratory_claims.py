@@ -11,7 +11,7 @@ from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.study import Rows
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
-from khepera_forage.thesis.claims import Claim, Verdict, claims, gather
+from khepera_forage.thesis.claims import Claim, claims, gather
 from khepera_forage.thesis.design import LABORATORY, NO_LOSSES
 from khepera_forage.thesis.inference.claims import (
     RESAMPLES,
@@ -34,13 +34,6 @@ OTHER = LabModel(Decisions(next_to_food=22), replace(Noise.laboratory(), positio
 @pytest.fixture(scope="module")
 def measured() -> list[Claim]:
     return claims_of(DEFAULT, 3, REPLICATIONS)
-
-
-def test_every_claim_is_measured_with_an_interval(measured: list[Claim]) -> None:
-    assert len(measured) == 18
-    for claim in measured:
-        assert claim.estimate.low <= claim.estimate.value <= claim.estimate.high, claim.name
-    assert sum(claim.verdict != Verdict.UNDECIDED for claim in measured) > 5
 
 
 def test_another_seed_or_laboratory_gives_other_claims(measured: list[Claim]) -> None:
