@@ -376,42 +376,6 @@ def pick(rows: Iterable[T], **fields: object) -> list[T]:
     return [row for row in rows if all(getattr(row, name) == value for name, value in fields.items())]
 
 
-def means_table(
-    stem: str,
-    title: str,
-    note: str,
-    by: Mapping[str, str],
-    rows: Sequence[RowT],
-    measures: Sequence[Measure[RowT]],
-    rng: np.random.Generator,
-) -> Table:
-    """Several measures, one a column, for every combination of fields that occurs.
-
-    Args:
-        stem: As in `Table`, like `title` and `note`.
-        title: Heading.
-        note: Explanation.
-        by: Fields, and the headings of their columns. Numbers are sorted, text keeps the order of the rows.
-        rows: All rows.
-        measures: One a column.
-        rng: Draws the resamples.
-    """
-    groups: dict[tuple[Any, ...], list[RowT]] = {}
-    for row in rows:
-        groups.setdefault(tuple(getattr(row, name) for name in by), []).append(row)
-    seen = [list(dict.fromkeys(values)) for values in zip(*groups, strict=True)]
-    for values in seen:
-        if not any(isinstance(value, str) for value in values):
-            values.sort()
-    columns = [*map(Column, by.values()), Column("rows")]
-    columns += [Column(measure.name, measure.digits, estimate=True) for measure in measures]
-    lines = [
-        (*key, len(groups[key]), *(mean(groups[key], measure, rng) for measure in measures))
-        for key in sorted(groups, key=lambda key: [own.index(v) for own, v in zip(seen, key, strict=True)])
-    ]
-    return Table(stem, title, note, tuple(columns), lines)
-
-
 def percent(part: int, whole: int) -> Estimate:
     """A share in percent with Wilson's 95 % interval; unknown of nothing."""
     return wilson(part, whole).times(100)

@@ -189,21 +189,13 @@ def _of_row(row: PrintedRecall, limit: int) -> Iterator[tuple[str, str, str]]:
 
 def _of_series(rows: Sequence[PrintedRecall], limit: int) -> Iterator[Erratum]:
     """Consecutive lines with the same total that count up by one, as a spreadsheet's fill-down produces them."""
-    run = [rows[0]]
-    for row in (*rows[1:], None):
-        last = run[-1]
-        if (
-            row is not None
-            and (row.file_id, row.total, row.correct) == (last.file_id, last.total, last.correct + 1)
-            and row.total < limit
-        ):
-            run.append(row)
-            continue
-        if len(run) > 1:
-            printed = f"{run[0].correct} to {last.correct}, each of {last.total} ({last.percent}%)"
-            place = f"lines {run[0].line}-{last.line}, {last.file_id}"
+    for (file_id, total, _), group in groupby(rows, lambda r: (r.file_id, r.total, r.correct - r.line)):
+        run = list(group)
+        first, last = run[0], run[-1]
+        if first is not last and total < limit:
+            printed = f"{first.correct} to {last.correct}, each of {total} ({last.percent}%)"
+            place = f"lines {first.line}-{last.line}, {file_id}"
             yield Erratum(last.table, place, "series", printed, "a separate count for each line")
-        run = [row] if row is not None else []
 
 
 def _of_averages(table: PrintedTable, rows: Sequence[PrintedRecall]) -> Iterator[Erratum]:

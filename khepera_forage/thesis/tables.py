@@ -424,6 +424,4 @@ def _wrong_in(state: State) -> Callable[[RecallRow], float]:
 
 
 def _ordered(names: set[str]) -> list[str]:
-    """Names of noise conditions in the order of `noise_conditions`, unknown ones last."""
-    known = list(noise_conditions())
-    return sorted(names, key=lambda name: (known.index(name) if name in known else len(known), name))
+    return [name for name in noise_conditions() if name in names]

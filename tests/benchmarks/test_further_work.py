@@ -79,6 +79,16 @@ def test_table_is_that_of_the_rows(out: Path, name: str) -> None:
     assert sum(int(line["rows"]) for line in table) == len(rows_of(out, name))
 
 
+def test_lines_are_sorted_by_numbers_and_text_keeps_the_order_of_the_rows(out: Path) -> None:
+    table = read(out / "spatial_variety" / "table_recalls.csv")
+    assert [tuple(line.values())[:3] for line in table] == [
+        (condition, arena, episodes)
+        for condition in ("one set-up", "food moved", "start and food moved")
+        for arena in ("corridor", "rectangle")
+        for episodes in "12"
+    ]
+
+
 def places_of(out: Path, name: str) -> dict[tuple[str, str], set[tuple[str, ...]]]:
     """The seeds of the recalls in each replication and arena, under every condition and after every amount."""
     seeds: dict[tuple[str, str], set[tuple[str, ...]]] = {}
