@@ -60,14 +60,13 @@ def figure_by_episodes(
     for ours, result in (*product([False], old), *product([True], own)):
         x = result.cell.episodes - (_BESIDE if not ours else 0.0 if old else _BESIDE / 2)
         scale, colour = maximum / result.cell.available if food else 1.0, OURS if ours else GREY
-        estimate = result.food.times(scale) if food else result.score
+        shown = result.food if food else result.score
+        estimate = shown.ours.times(scale)
         mark(axes, x, estimate.value, estimate, colour)
         bars = [(x, estimate.value, colour)]
         if ours:
-            _experiments(
-                axes, x, [scale * value for value in (result.foods if food else result.scores)], scale
-            )
-            beside, printed = x + _BESIDE, scale * result.thesis_food if food else result.thesis_score
+            _experiments(axes, x, [scale * value for value in shown.experiments], scale)
+            beside, printed = x + _BESIDE, scale * shown.thesis
             axes.plot(beside, printed, "D", color=THESIS, ms=8, mec="white", zorder=4)
             bars.append((beside, printed, THESIS))
             if scale != 1:
@@ -76,9 +75,9 @@ def figure_by_episodes(
         for place, height, shade in bars if food else ():
             axes.bar(place, height, _WIDTH, color=shade, alpha=_PALE, zorder=1)
     # The multiple of ten, at most 0, below which no score is shown; penalties make scores negative (5.4).
-    shown = [score for r in own for score in (*r.scores, r.thesis_score)]
-    shown += [score for r in (*own, *old) for score in r.score]
-    lowest = 0 if food else 10 * math.floor(min([0.0, *filter(math.isfinite, shown)]) / 10)
+    scores = [score for r in own for score in (*r.score.experiments, r.score.thesis)]
+    scores += [score for r in (*own, *old) for score in r.score.ours]
+    lowest = 0 if food else 10 * math.floor(min([0.0, *filter(math.isfinite, scores)]) / 10)
     highest, step = (maximum, 4) if food else (100, 10)
     axes.set_ylim(*padded(lowest, highest))
     axes.set_yticks(range(lowest, highest + 1, step))

@@ -3,8 +3,8 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from itertools import zip_longest
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,38 +32,38 @@ from khepera_forage.thesis.design import LIMITS, NO_NOISE, THESIS, Cell, noise_c
 from khepera_forage.thesis.inference.summary import usable_lines
 
 
-@dataclass(frozen=True, slots=True)
-class CellResult:
+class Measured(NamedTuple):
+    """A figure of the thesis, and ours.
+
+    Attributes:
+        ours: Our mean.
+        experiments: One of each complete replication, which is an experiment of the thesis's size.
+    """
+
+    thesis: float
+    ours: Estimate
+    experiments: Sequence[float]
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Percentile and tail of the thesis's figure among our experiments."""
+        return percentile_rank(self.thesis, self.experiments)
+
+
+class CellResult(NamedTuple):
     """One table of appendix A and our replications of it.
 
     Attributes:
         thesis_printed: The thesis's printed mean score, in percent.
-        thesis_score: The mean of the scores in the thesis's lines; it differs where the printed mean is wrong.
-        thesis_food: Food objects carried home in the thesis, of `cell.available`.
-        food: Our mean number of food objects carried home, per experiment of the thesis's size.
-        scores: Our mean score in each complete replication, an experiment of the thesis's size.
-        foods: Food objects carried home in each complete replication.
+        score: Mean score, in percent; the thesis's is that of its lines, which differs where the printed mean is wrong.
+        food: Food objects carried home in an experiment of the thesis's size.
     """
 
     cell: Cell
     thesis_printed: float
-    thesis_score: float
-    thesis_food: int
-    score: Estimate
-    food: Estimate
-    scores: tuple[float, ...]
-    foods: tuple[int, ...]
+    score: Measured
+    food: Measured
     recalls: int
-
-    @property
-    def score_rank(self) -> tuple[float, float]:
-        """Percentile and tail of the thesis's mean score among our experiments."""
-        return percentile_rank(self.thesis_score, self.scores)
-
-    @property
-    def food_rank(self) -> tuple[float, float]:
-        """Percentile and tail of the thesis's food count among our experiments."""
-        return percentile_rank(self.thesis_food, self.foods)
 
 
 def in_cell(rows: Iterable[RecallRow], cell: Cell) -> list[RecallRow]:
@@ -84,19 +84,16 @@ def cell_results(
         for row in rows:
             experiments[row.replication].append(row)
         whole = [group for group in experiments.values() if len(group) == cell.size]
-
+        scores = [sum(row.score for row in group) / cell.size for group in whole]
+        foods = [sum(row.delivered for row in group) for group in whole]
         table = appendix_a.table_of(cell.arena, cell.episodes)
         results.append(
             CellResult(
-                cell=cell,
-                thesis_printed=float(table.average),
-                thesis_score=appendix_a.mean_score(table),
-                thesis_food=table.collected,
-                score=score,
-                food=food,
-                scores=tuple(sum(row.score for row in group) / cell.size for group in whole),
-                foods=tuple(sum(row.delivered for row in group) for group in whole),
-                recalls=len(rows),
+                cell,
+                float(table.average),
+                Measured(appendix_a.mean_score(table), score, scores),
+                Measured(table.collected, food, foods),
+                len(rows),
             )
         )
     return results
@@ -106,24 +103,19 @@ def cell_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResult]
     """Mean score and food count of each cell in the thesis, in our replications, and in those of version 0.1 if any."""
     rows: list[dict[str, Value]] = []
     for r, old in zip_longest(results, v0_1_results):
-        row: dict[str, Value] = {
-            "arena": r.cell.arena,
-            "episodes": r.cell.episodes,
-            "thesis: score (%)": r.thesis_printed,
-            "from its lines (%)": r.thesis_score,
-            "ours: score (%)": r.score,
-            **dict(zip(("score percentile", "score tail"), r.score_rank, strict=True)),
-        }
-        if old:
-            row |= {"v0.1: score (%)": old.score, "v0.1: score percentile": old.score_rank[0]}
-        row |= {
-            "thesis: food": f"{r.thesis_food} of {r.cell.available}",
-            "ours: food": r.food,
-            **dict(zip(("food percentile", "food tail"), r.food_rank, strict=True)),
-        }
-        if old:
-            row |= {"v0.1: food": old.food, "v0.1: food percentile": old.food_rank[0]}
-        rows.append(row | {"experiments": len(r.scores), "recalls": r.recalls})
+        rows.append(
+            {
+                "arena": r.cell.arena,
+                "episodes": r.cell.episodes,
+                "thesis: score (%)": r.thesis_printed,
+                "from its lines (%)": r.score.thesis,
+                **_measured("score", " (%)", r.score, old and old.score),
+                "thesis: food": f"{r.food.thesis} of {r.cell.available}",
+                **_measured("food", "", r.food, old and old.food),
+                "experiments": len(r.score.experiments),
+                "recalls": r.recalls,
+            }
+        )
     digits = dict.fromkeys(("thesis: score (%)", "from its lines (%)", "score tail", "food tail"), 2)
     percentiles = ("score percentile", "food percentile", "v0.1: score percentile", "v0.1: food percentile")
     return table_of(
@@ -139,14 +131,22 @@ def cell_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResult]
     )
 
 
+def _measured(name: str, unit: str, own: Measured, old: Measured | None) -> dict[str, Value]:
+    row: dict[str, Value] = {f"ours: {name}{unit}": own.ours}
+    row[f"{name} percentile"], row[f"{name} tail"] = own.rank
+    if old:
+        row |= {f"v0.1: {name}{unit}": old.ours, f"v0.1: {name} percentile": old.rank[0]}
+    return row
+
+
 def joint_table(results: Sequence[CellResult], recalls: Sequence[RecallRow]) -> Table:
     """The thesis's results taken together, among our experiments; empty without all cells, or with few experiments."""
     rows: list[tuple[Value, ...]] = []
-    counts = {len(r.scores) for r in results}
+    counts = {len(r.score.experiments) for r in results}
     if len(results) == len(THESIS) and len(counts) == 1 and counts.pop() > 3 * len(THESIS):
-        foods = [np.divide((r.thesis_food, *r.foods), r.cell.available) for r in results]
+        foods = [np.divide((r.food.thesis, *r.food.experiments), r.cell.available) for r in results]
         # One line for each experiment, the thesis's first; scores of all cells, then shares of the food.
-        means = np.array([(r.thesis_score, *r.scores) for r in results] + foods).T
+        means = np.array([(r.score.thesis, *r.score.experiments) for r in results] + foods).T
         scores, shares = np.hsplit(means, 2)
         for arena in THESIS_ARENAS:
             own = scores[:, [r.cell.arena == arena for r in results]]
@@ -199,10 +199,10 @@ def summary_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResu
         ),
         [
             (
-                *(r.cell.arena, r.cell.episodes, r.thesis_score, r.score.value),
-                *((old.score.value,) if old else ()),
-                *(f"{r.thesis_food} of {r.cell.available}", r.food.value),
-                *((old.food.value,) if old else ()),
+                *(r.cell.arena, r.cell.episodes, r.score.thesis, r.score.ours.value),
+                *((old.score.ours.value,) if old else ()),
+                *(f"{r.food.thesis} of {r.cell.available}", r.food.ours.value),
+                *((old.food.ours.value,) if old else ()),
             )
             for r, old in zip_longest(results, v0_1_results)
         ],

@@ -2,7 +2,6 @@
 
 import csv
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -73,9 +72,9 @@ def test_figures_show_the_thesis_and_our_means(results: list[CellResult]) -> Non
         assert thesis == pytest.approx(values, abs=0.01)
         mine = [r for r in results if r.cell.arena == arena]
         if scale is None:
-            assert ours == pytest.approx([r.score.value for r in mine])
+            assert ours == pytest.approx([r.score.ours.value for r in mine])
         else:
-            assert ours == pytest.approx([scale * r.food.value / r.cell.available for r in mine])
+            assert ours == pytest.approx([scale * r.food.ours.value / r.cell.available for r in mine])
             assert axes.get_ylim()[1] >= scale
 
 
@@ -91,7 +90,9 @@ def test_figures_show_version_0_1_in_grey_left_of_ours(
             for wanted in (GREY, OURS)
         )
         mine = [r for r in v0_1_results if r.cell.arena == arena]
-        values = [r.food.value * maximum / r.cell.available if maximum else r.score.value for r in mine]
+        values = [
+            r.food.ours.value * maximum / r.cell.available if maximum else r.score.ours.value for r in mine
+        ]
         assert grey[:, 1].tolist() == pytest.approx(values)
         assert (grey[:, 0] < ours[:, 0]).all()
         legend = axes.get_legend()
@@ -143,7 +144,13 @@ def test_report_on_one_replication_has_no_supported_claim(tmp_path: Path, recall
 @pytest.mark.parametrize(("draw", "scale"), [(figure, scale) for figure, _, scale in BY_EPISODES])
 def test_all_experiments_are_shown(draw: Draw, scale: int | None, results: list[CellResult]) -> None:
     """Penalties make the score of an experiment negative (5.4); many experiments may have the same result."""
-    low = [replace(r, scores=(-13.0, 100.0) + (50.0,) * 30, foods=(0, r.cell.available)) for r in results]
+    low = [
+        r._replace(
+            score=r.score._replace(experiments=(-13.0, 100.0) + (50.0,) * 30),
+            food=r.food._replace(experiments=(0, r.cell.available)),
+        )
+        for r in results
+    ]
     for figure in (draw(results), draw(low), draw(results, results)):
         (axes,) = figure.axes
         check_points_are_shown(axes)

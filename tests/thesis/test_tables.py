@@ -1,7 +1,6 @@
 """Results of cells, and the tables of the report, from synthetic rows."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -32,19 +31,19 @@ def test_cell_results_equal_means_over_the_rows(recalls: list[RecallRow], result
     third = results[2]
     rows = pick(recalls, arena="corridor", episodes=5)
     assert third.recalls == len(rows) == 20 * REPLICATIONS
-    assert third.score.value == pytest.approx(np.mean([r.score for r in rows]))
-    assert third.food.value == pytest.approx(20 * np.mean([r.delivered for r in rows]))
-    assert third.scores[1] == pytest.approx(np.mean([r.score for r in rows if r.replication == 1]))
-    assert third.foods[1] == sum(r.delivered for r in rows if r.replication == 1)
-    assert third.score.low < third.score.value < third.score.high
-    assert (third.thesis_printed, third.thesis_score, third.thesis_food) == (68.2, 68.2, 12)
+    assert third.score.ours.value == pytest.approx(np.mean([r.score for r in rows]))
+    assert third.food.ours.value == pytest.approx(20 * np.mean([r.delivered for r in rows]))
+    assert third.score.experiments[1] == pytest.approx(np.mean([r.score for r in rows if r.replication == 1]))
+    assert third.food.experiments[1] == sum(r.delivered for r in rows if r.replication == 1)
+    assert third.score.ours.low < third.score.ours.value < third.score.ours.high
+    assert (third.thesis_printed, third.score.thesis, third.food.thesis) == (68.2, 68.2, 12)
 
 
 def test_cell_results_rank_among_complete_replications_only(recalls: list[RecallRow]) -> None:
     last = pick(recalls, arena="corridor", episodes=10)[-1]
     result = cell_results([row for row in recalls if row is not last], np.random.default_rng(1))[3]
     assert result.recalls == 10 * REPLICATIONS - 1
-    assert len(result.scores) == REPLICATIONS - 1
+    assert len(result.score.experiments) == REPLICATIONS - 1
 
 
 def test_cell_table_has_printed_and_recomputed_scores(results: list[CellResult]) -> None:
@@ -151,11 +150,12 @@ def test_joint_table_takes_results_together(results: list[CellResult]) -> None:
     rng = np.random.default_rng(0)
     common = rng.normal(size=200)
     many = [
-        replace(
-            r,
-            thesis_score=60.0 if r.cell.arena == "corridor" else 40.0,
-            scores=tuple((50 + 5 * common + 0.5 * rng.normal(size=200)).tolist()),
-            foods=tuple(rng.integers(r.cell.available, size=200).tolist()),
+        r._replace(
+            score=r.score._replace(
+                thesis=60.0 if r.cell.arena == "corridor" else 40.0,
+                experiments=(50 + 5 * common + 0.5 * rng.normal(size=200)).tolist(),
+            ),
+            food=r.food._replace(experiments=rng.integers(r.cell.available, size=200).tolist()),
         )
         for r in results
     ]
