@@ -128,7 +128,6 @@ def _part(source: str, **values: Any) -> Any:
     return Shares(values.get("shares") or dict.fromkeys(equal, 1 / len(equal)), source)
 
 
-
 def _read(name: str) -> Prior:
     content = tomllib.loads(resources.files(__package__).joinpath(name).read_text(encoding="utf-8"))
     parts = {kind: {key: _part(**line) for key, line in lines.items()} for kind, lines in content.items()}
