@@ -70,11 +70,11 @@ class ClassifierPolicy:
         return probabilities
 
 
-def check_classifier(learner: Any) -> None:
-    """Check that a fitted classifier has probabilities, says what their columns are, and knows state vectors.
+def policy_of(learner: Any, sample: bool = True) -> ClassifierPolicy:
+    """The policy of a fitted classifier, which learns no further.
 
     Raises:
-        ValueError: It does not.
+        ValueError: It has no probabilities, does not say what their columns are, or knows no state vectors.
     """
     kind = type(learner).__name__
     if not callable(getattr(learner, "predict_proba", None)):
@@ -89,6 +89,7 @@ def check_classifier(learner: Any) -> None:
     columns = getattr(learner, "n_features_in_", STATE_WIDTH)
     if columns != STATE_WIDTH:
         raise ValueError(f"{kind} was fitted on {columns} columns; allowed: {STATE_WIDTH}, state vectors")
+    return ClassifierPolicy(learner, sample, remember=True)
 
 
 class ContiguousLabels:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.deprecation import renamed
-from khepera_forage.policies.classifiers import ClassifierPolicy, boosting, check_classifier, cloning, tree
+from khepera_forage.policies.classifiers import boosting, cloning, policy_of, tree
 from khepera_forage.policies.growing_memory import GrowingMemory
 from khepera_forage.policies.imitator import KNearestImitator, NearestNeighbourImitator, WeightedImitator
 from khepera_forage.policies.policy import Policy
@@ -92,8 +92,7 @@ class OfflineImitation:
         classifier.fit(vectors, behaviours, **more)
         if isinstance(classifier, NearestNeighbourImitator):
             return classifier
-        check_classifier(classifier)
-        return ClassifierPolicy(classifier, sample=self.sample, remember=True)
+        return policy_of(classifier, self.sample)
 
 
 @dataclass(frozen=True, slots=True)

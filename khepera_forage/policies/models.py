@@ -18,7 +18,7 @@ from gymnasium import spaces
 from numpy.random import Generator
 
 from khepera_forage.extras import require
-from khepera_forage.policies.classifiers import ClassifierPolicy, check_classifier
+from khepera_forage.policies.classifiers import policy_of
 from khepera_forage.policies.features import raw_data_space, state_vector_space
 from khepera_forage.policies.policy import (
     Observation,
@@ -295,8 +295,7 @@ def as_policy(learner: Any) -> Policy:
         if callable(getattr(learner, "act", None)):
             return learner if _takes(learner.act, 2) else AgentPolicy(learner)
         if callable(getattr(learner, "predict_proba", None)):
-            check_classifier(learner)
-            return ClassifierPolicy(copy.deepcopy(learner), remember=True)
+            return policy_of(copy.deepcopy(learner))
         predict = getattr(learner, "predict", None)
         if callable(predict) and "deterministic" in inspect.signature(predict).parameters:
             return ModelPolicy(learner, *training_of(learner))
