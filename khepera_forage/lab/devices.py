@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.robots.drivers import open_robot
-from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import PULSE
+from khepera_forage.robots.real_robot import Fleet
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.image_quality import is_well_exposed, why_unusable
 from khepera_forage.vision.tracker import TrackedCamera, Tracker

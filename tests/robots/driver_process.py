@@ -11,7 +11,7 @@ _PATIENCE = 20.0
 
 DRIVE = """
 import os, signal, sys, time
-from khepera_forage.robots.fleet import Fleet
+from khepera_forage.robots.real_robot import Fleet
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 robots = [SerialKhepera(port, {options}) for port in sys.argv[1:]]

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.real_robot import Fleet
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.virtual_khepera import Faults
 from tests.robots.rig import FORWARD, Rig, make_rig
@@ -68,7 +68,7 @@ def test_slow_robot_holds_the_others() -> None:
         rig.ports[0].faults = Faults(delay=1.0, lateness=(0.3, 0.3))
         for robot in fleet.robots:
             robot.drive(FORWARD)
-        late = fleet.robots[0].begin_receive()
+        late = fleet.robots[0].begin(fleet.robots[0]._receive)
         while not rig.ports[0].fault_counts["delay"]:
             time.sleep(0.001)
         rig.ports[0].faults = Faults()

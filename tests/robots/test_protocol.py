@@ -21,13 +21,6 @@ from khepera_forage.robots.serial.protocol import (
 )
 
 
-def test_restart_has_no_reply_but_the_banner() -> None:
-    assert KHEPERA.encode_request(Request(RESTART)) == b"restart\n"
-    assert KHEPERA.decode_request(b"restart") == Request(RESTART)
-    with pytest.raises(ProtocolError, match="banner"):
-        KHEPERA.encode_reply(Reply(RESTART))
-
-
 @st.composite
 def requests(draw: st.DrawFn) -> Request:
     name = draw(st.sampled_from(sorted(COMMANDS)))

@@ -102,7 +102,7 @@ def test_stop_interrupts_a_pending_request() -> None:
         robot.drive(FORWARD)
         robot.transmit()
         sent = len(scripted.requests)
-        task = robot.begin_receive()
+        task = robot.begin(robot._receive)
         while b"N" not in scripted.requests[sent:]:
             time.sleep(0.001)
         robot.stop()
@@ -124,7 +124,7 @@ def test_stop_during_transmit_is_not_undone_by_it() -> None:
         SerialKhepera(scripted.url, baud=115200, timeout=1.0) as robot,
     ):
         robot.drive(FORWARD)
-        task = robot.begin_transmit()
+        task = robot.begin(robot._transmit)
         while b"D,5,5" not in scripted.requests:
             time.sleep(0.001)
         robot.stop()
@@ -186,7 +186,7 @@ def test_restart_restores_the_command_and_continues_the_counters() -> None:
         rig.firmwares[0].handle(b"T,1,E,215")
         rig.firmwares[0].handle(b"T,1,D,0")
         rig.ports[0].faults = Faults(reset=1.0)
-        robot.begin_receive()
+        robot.begin(robot._receive)
         while not rig.ports[0].fault_counts["reset"]:
             time.sleep(0.001)
         rig.ports[0].faults = Faults()

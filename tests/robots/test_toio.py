@@ -4,8 +4,8 @@ import pytest
 
 pytest.importorskip("toio")
 
-from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.real_robot import Fleet
 from khepera_forage.robots.toio.driver import CubePose, ToioRobot
 from khepera_forage.robots.toio.virtual import RADIUS, Table, use_table
 

@@ -12,13 +12,15 @@ from khepera_forage.robots.khepera import (
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.robots.serial.protocol import KHEPERA as PROTOCOL
 from khepera_forage.robots.serial.protocol import Request
-from khepera_forage.robots.serial.serial_robot import SerialRobot
+from khepera_forage.robots.serial.serial_robot import HOLD_AFTER, SerialRobot
 
 BARRIER_THRESHOLD = 100
 """The optical barrier reads more than this with an object in it (PYRO)."""
 
 _PROXIMITY, _BARRIER, _COUNTERS = Request("N"), Request("T,1,G"), Request("H")
 _JAW, _ARM = Request("T,1,H", (0,)), Request("T,1,H", (1,))
+_SHORT_EXCHANGE = 20
+"""Bytes of a request and its reply with one number."""
 _REFRESH_ROUNDS = 10
 """Rounds after which a position is requested although nothing moves."""
 _AT_TARGET = 3
@@ -43,10 +45,11 @@ class SerialKhepera(SerialRobot):
         """See `RealRobot`."""
         self.request("D", left, right)
 
-    def _prepare(self) -> None:
+    def _begin_session(self) -> None:
         self._arm = Reading(_ARM, max_change=8, can_stall=False, phase=0)
         self._jaw = Reading(_JAW, max_change=45, can_stall=True, phase=5)
         self._barrier = Reading(_BARRIER, max_change=0, can_stall=False, phase=0)
+        super()._begin_session()
 
     def _requests(self, command: Motors) -> list[Request]:
         requests = [Request("D", (int(command.left), int(command.right)))]
@@ -69,7 +72,11 @@ class SerialKhepera(SerialRobot):
         if unconfirmed:
             between = [_BARRIER] if unconfirmed == [_ARM, _JAW] else []
             again = [*unconfirmed[:1], *between, *unconfirmed[1:]]
-            if self._has_time(begin, again):
+            now, period = self._line.now(), self._period
+            # That must not make a round late; one that is late already has until its wheels are held.
+            is_late = period is None or now > begin + period + self.timing.latency
+            end = begin + (HOLD_AFTER if period is None or is_late else period)
+            if now + self.timing.duration(len(again), len(again) * _SHORT_EXCHANGE) <= end:
                 unconfirmed = self._unconfirmed(self._read(again))
             self.statistics.unknown += len(unconfirmed)
         left, right = values[_COUNTERS]

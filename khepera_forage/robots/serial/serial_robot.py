@@ -1,18 +1,13 @@
 """A robot at a serial port: what the drivers of Khepera and e-puck share."""
 
 import time
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import ClassVar, TypeVar
 
 from khepera_forage.robots.khepera import CONTROL_PERIOD, Motors, RobotLost, Senses
 from khepera_forage.robots.real_robot import RealRobot
-from khepera_forage.robots.serial.line import (
-    DEFAULT_TIMEOUT,
-    FAST,
-    Line,
-    LineTiming,
-    RobotRestarted,
-)
+from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, FAST, Line, LineTiming, RobotRestarted
 from khepera_forage.robots.serial.protocol import Protocol, Reply, Request, wrap_counter
 from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
 
@@ -32,8 +27,6 @@ _MAX_RESTARTS = 5
 """Restarts tolerated within one call; after more, the robot counts as lost: its power supply is unusable."""
 _FLASH = 0.3
 """Seconds."""
-_SHORT_EXCHANGE = 20
-"""Bytes of a request and its reply with one number."""
 _RESTART_JUMP = 1000
 """Counts by which a counter does not change in a round: it was reset, or the reading is wrong."""
 
@@ -96,7 +89,6 @@ class SerialRobot(RealRobot):
         )
         self.statistics = self._line.statistics
         self._counters = Counters(self.protocol.counters[1])
-        self._prepare()
         self._open(self._begin_session)
         if watchdog:
             self._watchdog = start_watchdog(port, self._line.descriptor, self.protocol.encode_request(STOP))
@@ -123,12 +115,7 @@ class SerialRobot(RealRobot):
             ValueError: An unknown command, values out of range; or G or restart, which may not be repeated.
             RobotLost: No reply; `RequestRejected` if the robot sends only error replies.
         """
-        return self._begin(lambda: self._request(Request(command, values))).result().values
-
-    def end_watchdog(self) -> None:
-        """See `RealRobot`."""
-        if self._watchdog is not None:
-            self._watchdog.end()
+        return self.begin(lambda: self._request(Request(command, values))).result().values
 
     def _turns(self, request: Request) -> bool:
         """Whether a request sets the wheels in motion."""
@@ -141,11 +128,9 @@ class SerialRobot(RealRobot):
         try:
             self._line.measure(STOP)
         except RobotLost as lost:
-            if not self.protocol.hint:
-                raise
-            raise RobotLost(
-                self.port, lost.command, lost.tries, f"{lost.reason}; {self.protocol.hint}"
-            ) from lost
+            if self.protocol.hint:
+                lost.args = (f"{lost}; {self.protocol.hint}",)
+            raise
         self.stop_confirmed = True
         if self._period is not None:
             self.timing.check(self.port, self._period)
@@ -252,31 +237,19 @@ class SerialRobot(RealRobot):
             time.sleep(_FLASH)
 
     def _disconnect(self) -> None:
+        if self._watchdog is not None:
+            self._watchdog.end()
         self._line.close()
-
-    def _has_time(self, begin: float, requests: Sequence[Request]) -> bool:
-        """Whether a `receive` that began then has time to send requests with short replies again.
-
-        That must not make a round late; one that is late already has until its wheels are held.
-        """
-        now, period = self._line.now(), self._period
-        is_late = period is None or now > begin + period + self.timing.latency
-        limit = HOLD_AFTER if period is None or is_late else period
-        needed = self.timing.duration(len(requests), len(requests) * _SHORT_EXCHANGE)
-        return now + needed <= begin + limit
 
     # What differs between the robots.
 
-    def _prepare(self) -> None:
-        """Create what the methods below need."""
-
+    @abstractmethod
     def _requests(self, command: Motors) -> list[Request]:
         """The requests that transmit a command, the wheel speeds first."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _read_senses(self) -> Senses:
         """Request all readings."""
-        raise NotImplementedError
 
     def _note_sent(self, command: Motors | None) -> None:
         """Record that a command was sent; None if what was sent is lost, and must be sent again completely."""

@@ -146,7 +146,7 @@ class ToioRobot(RealRobot):
 
     def turn_for(self, left: float, right: float, milliseconds: int) -> None:
         """Turn the wheels at speeds in speed units for a short time."""
-        self._begin(lambda: self._write_motors(left, right, milliseconds)).result()
+        self.begin(lambda: self._write_motors(left, right, milliseconds)).result()
 
     # The methods below run in the cube's thread.
 
