@@ -11,7 +11,6 @@ import pytest
 from numpy.typing import NDArray
 
 from khepera_forage.envs.laboratories import load_settings
-from khepera_forage.lab.devices import open_robots
 from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
@@ -128,11 +127,10 @@ def test_slow_line_is_rejected_before_anything_moves(lab: VirtualLaboratory) -> 
     lab.virtual_kheperas[1].faults = Faults(delay=1.0, lateness=(0.2, 0.2))
     lab.stop()
     lab.robots[1].close()
-    settings = replace(lab.settings, robots=lab.settings.robots[1:])
     with pytest.raises(LineTooSlow, match=r"too slow for rounds of 0\.1 s"):
-        open_robots(settings)
-    with open_robots(replace(settings, period=0.3)) as fleet:
-        assert isinstance(fleet.robots[0], SerialKhepera)
+        lab.settings.robots[1].open(0.1)
+    with lab.settings.robots[1].open(0.3) as robot:
+        assert isinstance(robot, SerialKhepera)
 
 
 def test_interrupt_stops_all(lab: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -192,7 +190,7 @@ def test_missing_port_closes_the_other_devices(tmp_path: Path) -> None:
         )
         for _ in range(2):
             with pytest.raises(ConnectionError, match="none"):
-                Laboratory(settings, source=virtual.frame_source)
+                Laboratory(settings, source=lambda: virtual.frame_source)
 
 
 def test_camera_with_other_frames_counts_as_lost_until_it_is_exchanged() -> None:

@@ -163,8 +163,11 @@ class SerialRobot(RealRobot):
         restarts = 0
         while True:
             try:
-                if restore:
-                    self._restore()
+                if restore and self._must_restore:
+                    self._note_sent(None)
+                    if self._command is not None:
+                        self._send_command(self._command, self._held)
+                    self._must_restore = False
                 return work()
             except RobotRestarted:
                 self._must_restore = True
@@ -172,14 +175,6 @@ class SerialRobot(RealRobot):
                 restarts += 1
                 if restarts > _MAX_RESTARTS:
                     raise RobotLost(self.port, "restart", restarts, "it restarts again and again") from None
-
-    def _restore(self) -> None:
-        if self._must_restore:
-            held = self._held
-            self._note_sent(None)
-            if self._command is not None:
-                self._send_command(self._command, held)
-            self._must_restore = False
 
     def _transmit(self) -> None:
         if self._command is not None:

@@ -21,6 +21,7 @@ from khepera_forage.robots.khepera import (
     Robot,
 )
 from khepera_forage.robots.model import E_PUCK
+from khepera_forage.robots.model import KHEPERA as KHEPERA_MODEL
 from khepera_forage.robots.serial.protocol import (
     KHEPERA,
     NOT_FOUND_TEXT,
@@ -295,3 +296,7 @@ class EPuckFirmware(Firmware):
             4 * reading for reading in self._robot.sense().proximity
         )
         return right10, right45, right90, back_right, back_left, left90, left45, left10
+
+
+FIRMWARES = {KHEPERA_MODEL.name: Firmware, E_PUCK.name: EPuckFirmware}
+"""By the kind of robot."""
