@@ -151,9 +151,9 @@ class RealRobot(ABC):
         self._command = Motors(max(-limit, min(limit, left)), max(-limit, min(limit, right)), arm, jaw)
         return self._command
 
+    @abstractmethod
     def flash(self) -> None:
         """Switch its lamps on for a moment, so that a person sees which robot this is."""
-        self.begin(self._flash).result()
 
     def turn_wheels(self, left: int, right: int) -> None:
         """Turn the wheels at speeds in speed units, and move nothing else."""
@@ -214,14 +214,13 @@ class RealRobot(ABC):
         self._tasks.put(task)
         return task
 
-    def begin_stop(self) -> Task[None]:
-        """Begin `stop`; never blocks, so signal handlers may call it."""
-        if self._command is not None:
-            self._command = self._command._replace(left=0, right=0)
-        return self.begin_hold()
+    def begin_stop(self, keep_command: bool = False) -> Task[None]:
+        """Begin `stop`, or a hold, after which `transmit` sends the same command again.
 
-    def begin_hold(self) -> Task[None]:
-        """Begin to stop the wheels until the next `transmit`, which sends the same command again."""
+        Never blocks, so signal handlers may call it.
+        """
+        if self._command is not None and not keep_command:
+            self._command = self._command._replace(left=0, right=0)
         task: Task[None] = Task((lambda: None) if self._closed else self._stop_wheels)
         if self._closed:
             task.run()
@@ -264,11 +263,9 @@ class RealRobot(ABC):
 
     def _run_urgent(self) -> None:
         self._in_urgent = True
-        try:
-            while self._urgent:
-                self._urgent.popleft().run()
-        finally:
-            self._in_urgent = False
+        while self._urgent:
+            self._urgent.popleft().run()
+        self._in_urgent = False
 
     def _check_interruption(self) -> None:
         """Raise `Interrupted` during a wait if ordinary work must pause for a stop, or the robot is closed."""
@@ -303,10 +300,6 @@ class RealRobot(ABC):
     @abstractmethod
     def _stop_wheels(self) -> None:
         """Stop the wheels until the next `_transmit`, and confirm it."""
-
-    @abstractmethod
-    def _flash(self) -> None:
-        """See `flash`."""
 
     @abstractmethod
     def _disconnect(self) -> None:
@@ -396,12 +389,12 @@ class Fleet:
                 except Empty:
                     held = True
                     for robot in set(self.robots) - set(pending.values()):
-                        robot.begin_hold()
+                        robot.begin_stop(keep_command=True)
                     continue
                 robot = pending.pop(task)
                 if task.error is None:
                     if held and pending:  # it is done after the others were held
-                        robot.begin_hold()
+                        robot.begin_stop(keep_command=True)
                     continue
                 if not errors:
                     # At once: a stop is urgent and interrupts the requests of this round. The lost robot may still
@@ -443,12 +436,18 @@ def _add(robot: RealRobot) -> None:
     global _open_robots
     with _lock:
         _open_robots = (*_open_robots, robot)
-        # Python allows handlers only in the main thread; `atexit` and the watchdogs remain.
-        if threading.current_thread() is threading.main_thread():
-            # Ctrl-Z, and the terminal access of a process in the background.
-            for name in ("SIGTSTP", "SIGTTIN", "SIGTTOU", "SIGCONT"):
-                if name in signal.Signals.__members__:
-                    _install(signal.Signals[name])
+        if threading.current_thread() is not threading.main_thread():
+            return  # Python allows handlers only in the main thread; `atexit` and the watchdogs remain.
+        # Ctrl-Z, and the terminal access of a process in the background.
+        for name in {"SIGTSTP", "SIGTTIN", "SIGTTOU", "SIGCONT"} & signal.Signals.__members__.keys():
+            number = signal.Signals[name]
+            current = signal.getsignal(number)
+            # Leave ignored signals, and handlers not installed by Python, which cannot be called from here. A handler
+            # that was installed after ours may call ours.
+            is_new = number not in _replaced or current == signal.SIG_DFL
+            if is_new and current not in (None, signal.SIG_IGN):
+                _replaced[number] = current
+                signal.signal(number, _on_signal)
 
 
 def _remove(robot: RealRobot) -> None:
@@ -456,16 +455,6 @@ def _remove(robot: RealRobot) -> None:
     global _open_robots
     with _lock:
         _open_robots = tuple(other for other in _open_robots if other is not robot)
-
-
-def _install(number: signal.Signals) -> None:
-    current = signal.getsignal(number)
-    # Leave ignored signals, and handlers not installed by Python, which cannot be called from here. A handler that was
-    # installed after ours may call ours.
-    if current in (None, signal.SIG_IGN) or (number in _replaced and current != signal.SIG_DFL):
-        return
-    _replaced[number] = current
-    signal.signal(number, _on_signal)
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:

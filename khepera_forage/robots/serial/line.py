@@ -98,11 +98,7 @@ class LineTiming(NamedTuple):
     def duration(self, requests: int, length: int) -> float:
         """Seconds that requests take whose bytes, with those of the replies, have this length."""
         waits = requests if not self.pipelined else 1 if self.latency > FAST else min(requests, 2)
-        return waits * self.latency + self.on_wire(length)
-
-    def on_wire(self, count: int) -> float:
-        """Transmission time of a number of bytes."""
-        return seconds_on_wire(count, self.baud, self.stop_bits)
+        return waits * self.latency + seconds_on_wire(length, self.baud, self.stop_bits)
 
     def check(self, port: str, period: float) -> None:
         """Raise `LineTooSlow` if a round does not fit into its period."""
@@ -229,27 +225,27 @@ class Line:
         # the transmission of its two requests overlaps.
         self.timeout = max(patience, min(2 * statistics.median_low(latencies), _MAX_ADAPTED_TIMEOUT))
         self.timing = self.timing._replace(latency=min(latencies[1:] or latencies))
-        # Again: a stall of the computer looks like a robot that replies to one request after the other.
-        together = any(self._answers_together(begin) for _ in range(3))
-        self.timing = self.timing._replace(pipelined=together)
-
-    def _answers_together(self, opened: float) -> bool:
-        """Whether all replies to pipelined requests arrive together, after one latency."""
-        if self.now() + self.timing.latency > opened + _OPENING_TIMEOUT:
-            return True  # no time to test it
-        requests = [query for query in self.protocol.queries if query.command in ("N", "E", "O")]
-        self.deadline = self.now() + self.timeout + self.timing.on_wire(len(requests) * _MAX_REPLY_LENGTH)
-        try:
-            return self._excess_time(requests) <= 1.5 * self.timing.latency + 0.01
-        except RobotLost:
-            return False
+        # Do all replies to pipelined requests arrive together? Three tries: a stall of the computer looks like a robot
+        # that replies to one request after the other.
+        pipelined = [query for query in self.protocol.queries if query.command in ("N", "E", "O")]
+        for _ in range(3):
+            if self.now() + self.timing.latency > begin + _OPENING_TIMEOUT:
+                return  # no time to test it
+            self.deadline = self.now() + self.timeout + self._on_wire(len(pipelined) * _MAX_REPLY_LENGTH)
+            with contextlib.suppress(RobotLost):
+                if self._excess_time(pipelined) <= 1.5 * self.timing.latency + 0.01:
+                    return
+        self.timing = self.timing._replace(pipelined=False)
 
     def _excess_time(self, requests: Sequence[Request]) -> float:
         """Seconds that requests take in addition to the transmission of all bytes."""
         begin, replies = self.now(), self.exchange(requests)
         took = self.now() - begin
         data = [*map(self.protocol.encode_request, requests), *map(self.protocol.encode_reply, replies)]
-        return max(0.0, took - self.timing.on_wire(len(b"".join(data))))
+        return max(0.0, took - self._on_wire(len(b"".join(data))))
+
+    def _on_wire(self, count: int) -> float:
+        return seconds_on_wire(count, self.timing.baud, self.timing.stop_bits)
 
     def send_ahead(self, requests: Sequence[Request]) -> None:
         """Send requests for whose replies the next exchange waits."""
@@ -303,12 +299,10 @@ class Line:
                 left = [slot for slot in missing if slot.reply is None]
                 if not left:
                     break
-                failed = (
-                    0.0
-                    if len(left) < len(missing)
-                    else failed + (_COST_OF_GARBAGE if garbled and not rejected else 1.0)
-                )
-                rejections = rejections + rejected if failed else 0.0
+                failed += _COST_OF_GARBAGE if garbled and not rejected else 1.0
+                rejections += rejected
+                if len(left) < len(missing):
+                    failed = rejections = 0.0
                 missing = left
                 if failed >= _TRIES or self.now() > self.deadline:
                     self._check()
@@ -368,7 +362,7 @@ class Line:
                 rejected = True
                 self.statistics.rejected += 1
             rest = max(1, len(to_send) - garbled + 1)
-            wait = self.timing.on_wire(rest * _MAX_REPLY_LENGTH) + self.timing.latency + _WAIT_AFTER_GARBAGE
+            wait = self._on_wire(rest * _MAX_REPLY_LENGTH) + self.timing.latency + _WAIT_AFTER_GARBAGE
             deadline = min(deadline, now + wait)
         return garbled, rejected, reason
 
@@ -415,7 +409,7 @@ class Line:
             self._serial.write(data)
         self.statistics.sent += len(requests)
         replies = len(slots) + len(self._ahead)
-        return self.now() + self.timing.on_wire(len(data) + replies * _MAX_REPLY_LENGTH)
+        return self.now() + self._on_wire(len(data) + replies * _MAX_REPLY_LENGTH)
 
     def _discard_input(self) -> None:
         """Discard all received bytes: none of them can belong to the next reply."""

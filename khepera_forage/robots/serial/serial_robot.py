@@ -99,14 +99,9 @@ class SerialRobot(RealRobot):
         return self._line.timing
 
     @property
-    def timeout(self) -> float:
-        """Seconds that a reply may take in addition to the transmission time; on a slow line more than the argument."""
-        return self._line.timeout
-
-    @property
     def longest_exchange(self) -> float:
         """See `RealRobot`."""
-        return self.timeout + self.timing.duration(*_LONGEST_ROUND)
+        return self._line.timeout + self.timing.duration(*_LONGEST_ROUND)
 
     def request(self, command: str, *values: int) -> tuple[int | str, ...]:
         """Send any other request of the protocol; returns the values of the reply.
@@ -116,6 +111,13 @@ class SerialRobot(RealRobot):
             RobotLost: No reply; `RequestRejected` if the robot sends only error replies.
         """
         return self.begin(lambda: self._request(Request(command, values))).result().values
+
+    def flash(self) -> None:
+        """See `RealRobot`."""
+        for action in (1, 0, 1, 0):
+            for lamp in self.protocol.lamps:
+                self.request("L", lamp, action)
+            time.sleep(_FLASH)
 
     def _turns(self, request: Request) -> bool:
         """Whether a request sets the wheels in motion."""
@@ -224,12 +226,6 @@ class SerialRobot(RealRobot):
             self._note_sent(None)  # Their replies can no longer be told from others: send them again.
         self._attempt(lambda: self._line.exchange([STOP]), restore=False)
         self._moves, self.stop_confirmed = False, True
-
-    def _flash(self) -> None:
-        for action in (1, 0, 1, 0):
-            for lamp in self.protocol.lamps:
-                self._request(Request("L", (lamp, action)))
-            time.sleep(_FLASH)
 
     def _disconnect(self) -> None:
         if self._watchdog is not None:

@@ -148,6 +148,10 @@ class ToioRobot(RealRobot):
         """Turn the wheels at speeds in speed units for a short time."""
         self.begin(lambda: self._write_motors(left, right, milliseconds)).result()
 
+    def flash(self) -> None:
+        """See `RealRobot`."""
+        self.begin(lambda: self._send("light", lambda: self._cube.api.indicator._write(_FLASH))).result()
+
     # The methods below run in the cube's thread.
 
     def _connect(self) -> None:
@@ -258,9 +262,6 @@ class ToioRobot(RealRobot):
         )
         if not any(units):
             self.stop_confirmed = True
-
-    def _flash(self) -> None:
-        self._send("light", lambda: self._cube.api.indicator._write(_FLASH))
 
     def _send(self, command: str, work: Callable[[], Coroutine[Any, Any, Any]]) -> None:
         """Let toio-py write something."""
