@@ -380,8 +380,12 @@ class Line:
         backwards = _first_places(commands[::-1], received[::-1])
         last = [len(commands) - 1 - place for place in reversed(backwards)]
         for i, (low, high) in enumerate(zip(first, last, strict=True)):
-            slot = self._pending[low]
-            if low >= self._stale and slot is self._pending[high] and slot.reply is None:
+            slot, command = self._pending[low], received[i].command
+            if low < self._stale or slot is not self._pending[high] or slot.reply is not None:
+                continue
+            # Positions of arm and jaw look alike.
+            possible = {s.request for s in self._pending[low:high] if s.command == command}
+            if len(possible) <= 1 or not received[i].values:
                 slot.reply = received[i]
                 self.statistics.answered += 1
         return first[-1]
