@@ -13,7 +13,7 @@ from khepera_forage.robots.serial.protocol import Reply, Request
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.firmware import EPuckFirmware
 from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
-from tests.robots.driver_process import DRIVE, start_driver, wait_for, wait_for_exit
+from tests.robots.driver_process import start_driver, wait_for, wait_for_exit
 from tests.robots.rig import Rig, make_rig
 from tests.robots.scripted_robot import Action
 from tests.robots.simulated_line import SimulatedLine
@@ -127,11 +127,8 @@ def test_port_of_another_robot_is_refused_before_anything_moves() -> None:
 
 def test_end_of_the_process_stops_the_robot() -> None:
     with virtual_e_puck() as (rig, port):
-        definitions = DRIVE.replace("serial.serial_khepera", "epuck.driver").replace(
-            "SerialKhepera", "SerialEPuck"
-        )
-        child = start_driver([port.url], "drive(); time.sleep(60)", definitions=definitions)
-        assert rig.wheel_pulses() == (50, 50)
+        child = start_driver([port.url], "drive_until_told()", module="epuck.driver", driver="SerialEPuck")
+        wait_for(lambda: rig.wheel_pulses() == (50, 50))
         child.kill()
         wait_for(rig.is_stopped)
         wait_for_exit(child)

@@ -64,7 +64,6 @@ class Watchdog:
             start_new_session=True,
             bufsize=0,
         )
-        self.pid = self._process.pid
         assert self._process.stdin is not None
         self._pipe = self._process.stdin
         os.set_blocking(self._pipe.fileno(), False)
