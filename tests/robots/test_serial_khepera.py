@@ -76,21 +76,6 @@ def test_opening_stops_wheels_that_another_program_left_turning() -> None:
             assert rig.is_stopped()
 
 
-def test_stop_stops_the_wheels_but_not_the_gripper() -> None:
-    with make_rig() as rig, SerialKhepera(rig.url) as robot:
-        run_rounds(rig, robot, Motors(5, 5, 255, 0), 3)
-        robot.stop()
-        assert rig.is_stopped()
-        for _ in range(20):
-            robot.transmit()
-            rig.advance()
-            robot.receive()
-        assert rig.is_stopped()
-        assert (robot.sense().arm, robot.sense().jaw) == (255, 0)
-        run_rounds(rig, robot, FORWARD)
-        assert rig.wheel_pulses() == (50, 50)
-
-
 def test_stop_interrupts_a_pending_request() -> None:
     """The robot ignores N: `stop` does not wait until it counts as lost."""
 
@@ -147,27 +132,10 @@ def test_close_stops_the_robot_and_releases_the_port() -> None:
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("port ")]
 
 
-def test_opening_without_a_robot_raises_and_ends_the_thread() -> None:
-    with (
-        ScriptedRobot(lambda request, number: []) as scripted,
-        pytest.raises(RobotLost, match="no answer to 'B' after"),
-    ):
-        SerialKhepera(scripted.url, timeout=0.01)
-    assert not [thread for thread in threading.enumerate() if thread.name.startswith("port ")]
-
-
 @pytest.mark.parametrize("speed", [0, 21, -3])
 def test_max_speed_out_of_range_is_rejected(speed: int) -> None:
     with pytest.raises(ValueError, match=f"max_speed {speed}; allowed: 1..20"):
         SerialKhepera("/dev/null", max_speed=speed)
-
-
-def test_request_sends_any_other_command() -> None:
-    with make_rig() as rig, SerialKhepera(rig.url) as robot:
-        assert robot.request("B") == ("5.02", "5.01")
-        assert robot.request("L", 0, 1) == ()
-        with pytest.raises(ValueError, match="allowed"):
-            robot.request("G", 0, 0)
 
 
 @pytest.mark.filterwarnings("ignore:set(Daemon|Name):DeprecationWarning")  # raised inside pyserial
@@ -220,16 +188,22 @@ def test_robot_that_restarts_repeatedly_is_lost() -> None:
         robot.close()
 
 
-def test_unplugged_robot_is_lost_at_once(caplog: pytest.LogCaptureFixture) -> None:
+@pytest.mark.parametrize("stopped", [False, True])
+def test_unplugged_robot_is_lost_at_once_and_named_unless_it_had_stopped(
+    stopped: bool, caplog: pytest.LogCaptureFixture
+) -> None:
     with make_rig() as rig:
         robot = SerialKhepera(rig.url)
         run_rounds(rig, robot, FORWARD)
+        if stopped:
+            robot.stop()
         rig.ports[0].faults = Faults(unplug=1.0)
         with pytest.raises(RobotLost, match="the port failed") as lost:
             robot.receive()
         assert lost.value.port == rig.url
         robot.close()
-    assert "may still be moving" in caplog.text
+    assert (caplog.text == "") == stopped
+    assert ("may still be moving" in caplog.text) != stopped
 
 
 ROUNDS = 150
@@ -279,17 +253,3 @@ def test_senses_are_correct_under_faults(name: str) -> None:
         if "reset" not in name and name != "all":
             assert robot.sense() == rig.robots[0].sense()
     assert rig.is_stopped()
-
-
-def test_unplugged_robot_that_had_confirmed_its_stop_is_not_reported_as_moving(
-    caplog: pytest.LogCaptureFixture,
-) -> None:
-    with make_rig() as rig:
-        robot = SerialKhepera(rig.url)
-        run_rounds(rig, robot, FORWARD)
-        robot.stop()
-        rig.ports[0].faults = Faults(unplug=1.0)
-        with pytest.raises(RobotLost, match="the port failed"):
-            robot.receive()
-        robot.close()
-    assert caplog.text == ""

@@ -2,6 +2,7 @@
 
 import math
 import re
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
@@ -126,6 +127,7 @@ def test_absent_robot_is_reported_within_two_seconds(monkeypatch: pytest.MonkeyP
     with pytest.raises(RobotLost, match="no answer to 'B'"):
         SerialKhepera("simulated", watchdog=False)
     assert max(at for at, request in line.requests if request == b"B") < 2.0
+    assert not [thread for thread in threading.enumerate() if thread.name.startswith("port ")]
 
 
 def test_robot_that_answers_one_request_at_a_time_gets_one_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
