@@ -1,8 +1,6 @@
 """The driver of an e-puck2, connected to a virtual one."""
 
-import contextlib
 import itertools
-from collections.abc import Iterator
 
 import pytest
 
@@ -12,12 +10,10 @@ from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.protocol import Reply, Request
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.firmware import EPuckFirmware
-from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from tests.robots.driver_process import start_driver, wait_for, wait_for_exit
-from tests.robots.rig import Rig, make_rig
+from tests.robots.rig import make_rig, make_stage
 from tests.robots.scripted_robot import Action
 from tests.robots.simulated_line import SimulatedLine
-from tests.robots.stage import make_stage
 
 EXAMPLES = [
     (Request("D", (395, -79)), b"D,395,-79\r", Reply("D"), b"d\r\n"),
@@ -32,15 +28,6 @@ EXAMPLES = [
 ]
 
 
-@contextlib.contextmanager
-def virtual_e_puck() -> Iterator[tuple[Rig, VirtualKhepera]]:
-    with make_rig() as rig:
-        rig.ports[0].close()
-        firmware = EPuckFirmware(rig.robots[0], rig.lock)
-        with VirtualKhepera(firmware, baud=None) as port:
-            yield rig, port
-
-
 @pytest.mark.parametrize(("request_", "sent", "reply", "received"), EXAMPLES)
 def test_bytes_of_commands(request_: Request, sent: bytes, reply: Reply, received: bytes) -> None:
     assert E_PUCK.encode_request(request_) == sent
@@ -50,7 +37,7 @@ def test_bytes_of_commands(request_: Request, sent: bytes, reply: Reply, receive
 
 
 def test_motion_and_counters_are_those_of_the_simulated_robot() -> None:
-    with virtual_e_puck() as (rig, port), SerialEPuck(port.url, timeout=5.0) as robot:
+    with make_rig(kind=EPuckFirmware) as rig, SerialEPuck(rig.url, timeout=5.0) as robot:
         for motors in (Motors(5, 4, 215, 200), Motors(-3, 6, 255, 0)):
             for _ in range(20):
                 assert robot.drive(motors)[:2] == motors[:2]
@@ -100,7 +87,7 @@ def test_counters_continue_across_16_bits() -> None:
             return [b"q,%d,0\r\n" % (count - 2**16 if count >= 2**15 else count)]
         return [stage_firmware.handle(request)]
 
-    stage_firmware = EPuckFirmware(make_stage().robot)
+    stage_firmware = EPuckFirmware(make_stage().robots[0])
     with pytest.MonkeyPatch.context() as patch:
         SimulatedLine(script, baud=115200).install(patch)
         with SerialEPuck("simulated", watchdog=False) as robot:
@@ -119,15 +106,15 @@ def test_port_of_another_robot_is_refused_before_anything_moves() -> None:
     ):
         SerialEPuck(rig.url, baud=115200)
     assert "'V'" in str(lost.value)
-    with virtual_e_puck() as (rig, port):
+    with make_rig(kind=EPuckFirmware) as rig:
         with pytest.raises(RobotLost, match="'B'"):
-            SerialKhepera(port.url, timeout=0.02)
+            SerialKhepera(rig.url, timeout=0.02)
         assert rig.is_stopped()
 
 
 def test_end_of_the_process_stops_the_robot() -> None:
-    with virtual_e_puck() as (rig, port):
-        child = start_driver([port.url], "drive_until_told()", module="epuck.driver", driver="SerialEPuck")
+    with make_rig(kind=EPuckFirmware) as rig:
+        child = start_driver([rig.url], "drive_until_told()", module="epuck.driver", driver="SerialEPuck")
         wait_for(lambda: rig.wheel_pulses() == (50, 50))
         child.kill()
         wait_for(rig.is_stopped)

@@ -14,10 +14,9 @@ from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.line import LineTiming, LineTooSlow
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.serial.serial_robot import HOLD_AFTER, MAX_DURATION, MAX_UNATTENDED
-from tests.robots.rig import FORWARD
+from tests.robots.rig import FORWARD, make_stage
 from tests.robots.scripted_robot import Action, NumberedReplies, reply_with
 from tests.robots.simulated_line import SimulatedLine
-from tests.robots.stage import make_stage
 
 PERIOD = 0.1
 VARIATION = 84
@@ -73,7 +72,7 @@ def test_rounds_keep_the_period_and_one_latency(
         for round_ in range(60):
             clock.wait()
             begin = clock.beginning
-            stage.rounds(1)
+            stage.advance(1)
             robot.receive()
             assert line.now - end <= PERIOD + max(latency, VARIATION * 11 / baud) + POLLS
             end = line.now
@@ -81,7 +80,7 @@ def test_rounds_keep_the_period_and_one_latency(
             robot.drive(Motors(5, round_ % 9, 255 if down else 215, 0 if down else 200))
             robot.transmit()
             assert line.now - begin <= PERIOD + latency + POLLS
-            assert robot.sense().left_pulses == stage.robot.sense().left_pulses
+            assert robot.sense().left_pulses == stage.robots[0].sense().left_pulses
         assert robot.statistics.timeouts == 0
 
 

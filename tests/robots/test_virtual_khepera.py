@@ -24,7 +24,7 @@ from khepera_forage.robots.virtual.virtual_khepera import (
     is_undetectable,
 )
 from tests.robots.driver_process import wait_for
-from tests.robots.stage import Stage
+from tests.robots.rig import Rig
 
 pytestmark = pytest.mark.usefixtures("no_leaks")
 
@@ -58,7 +58,7 @@ def send_until_disconnected(host: serial.Serial) -> None:
 
 @contextmanager
 def connected(
-    stage: Stage, *, timeout: float = WAIT, **options: Any
+    stage: Rig, *, timeout: float = WAIT, **options: Any
 ) -> Iterator[tuple[VirtualKhepera, serial.Serial]]:
     """A virtual robot, as fast as possible by default, and its host."""
     with (
@@ -75,12 +75,12 @@ def asked(host: serial.Serial, line: bytes) -> bytes:
     return reply
 
 
-def test_requests_are_executed_and_answered(stage: Stage, tcp: int | None) -> None:
+def test_requests_are_executed_and_answered(stage: Rig, tcp: int | None) -> None:
     with connected(stage, tcp=tcp) as (khepera, host):
         assert khepera.url.startswith("/dev/pts/" if tcp is None else "socket://127.0.0.1:")
         for line, reply in ((b"D,5,5\n", b"d\r\n"), (b"T,1,E,255\r", b"t,1,e\r\n"), (b"H\r\n", b"h,0,0\r\n")):
             assert asked(host, line) == reply
-        stage.rounds(12)
+        stage.advance(12)
         host.write(b"H\nT,1,H,1\nfoo\n")
         assert [host.readline() for _ in range(3)] == [
             b"h,600,600\r\n",
@@ -92,7 +92,7 @@ def test_requests_are_executed_and_answered(stage: Stage, tcp: int | None) -> No
         assert khepera.fault_counts == {"replies": 7}
 
 
-def test_pseudo_terminal_works_without_any_configuration(stage: Stage) -> None:
+def test_pseudo_terminal_works_without_any_configuration(stage: Rig) -> None:
     """The terminal itself neither echoes nor translates, so programs can open it as a file."""
     with VirtualKhepera(stage.firmware, baud=None) as khepera:
         terminal = os.open(khepera.url, os.O_RDWR | os.O_NOCTTY)
@@ -107,7 +107,7 @@ def test_pseudo_terminal_works_without_any_configuration(stage: Stage) -> None:
     assert read == b"b,5.02,5.01\r\n"
 
 
-def test_hosts_can_reconnect(stage: Stage, tcp: int | None) -> None:
+def test_hosts_can_reconnect(stage: Rig, tcp: int | None) -> None:
     with VirtualKhepera(stage.firmware, tcp=tcp, baud=None) as khepera:
         for turn in range(3):
             with connected_host(khepera) as host:
@@ -116,7 +116,7 @@ def test_hosts_can_reconnect(stage: Stage, tcp: int | None) -> None:
         assert khepera.connected
 
 
-def test_second_tcp_host_is_disconnected(stage: Stage) -> None:
+def test_second_tcp_host_is_disconnected(stage: Rig) -> None:
     with connected(stage, tcp=0) as (khepera, host):
         assert asked(host, b"B\n") == b"b,5.02,5.01\r\n"
         with socket.create_connection(("127.0.0.1", int(khepera.url.rpartition(":")[2])), WAIT) as second:
@@ -124,7 +124,7 @@ def test_second_tcp_host_is_disconnected(stage: Stage) -> None:
         assert asked(host, b"E\n") == b"e,0,0\r\n"
 
 
-def test_host_that_does_not_read_loses_replies(stage: Stage) -> None:
+def test_host_that_does_not_read_loses_replies(stage: Rig) -> None:
     with connected(stage) as (khepera, host):
         for _ in range(40):
             host.write(b"O\n" * 20)
@@ -137,7 +137,7 @@ def test_host_that_does_not_read_loses_replies(stage: Stage) -> None:
 
 
 @pytest.mark.parametrize("baud", [9600, 115200])
-def test_round_trip_takes_the_transmission_time(stage: Stage, tcp: int | None, baud: int) -> None:
+def test_round_trip_takes_the_transmission_time(stage: Rig, tcp: int | None, baud: int) -> None:
     with connected(stage, tcp=tcp, baud=baud) as (_, host):
         begin, count = time.monotonic(), 0
         for _ in range(400 * baud // 115200):
@@ -145,12 +145,12 @@ def test_round_trip_takes_the_transmission_time(stage: Stage, tcp: int | None, b
         assert time.monotonic() - begin >= count * 11 / baud, "no faster than the line"
 
 
-def test_unsupported_baud_rate_is_rejected(stage: Stage) -> None:
+def test_unsupported_baud_rate_is_rejected(stage: Rig) -> None:
     with pytest.raises(ValueError, match=r"12345.*38400"):
         VirtualKhepera(stage.firmware, baud=12345)
 
 
-def test_close_disconnects_even_during_a_reply(stage: Stage, tcp: int | None) -> None:
+def test_close_disconnects_even_during_a_reply(stage: Rig, tcp: int | None) -> None:
     khepera = VirtualKhepera(stage.firmware, tcp=tcp, baud=9600)
     with connected_host(khepera) as host:
         host.write(b"O\n" * 50)
@@ -163,7 +163,7 @@ def test_close_disconnects_even_during_a_reply(stage: Stage, tcp: int | None) ->
         assert not Path(khepera.url).exists()
 
 
-def test_drop_loses_requests_and_replies_equally(stage: Stage) -> None:
+def test_drop_loses_requests_and_replies_equally(stage: Rig) -> None:
     with connected(stage, faults=Faults(drop=1.0), timeout=SILENCE) as (khepera, host):
         for address in range(64):
             host.write(f"W,1,{address}\n".encode())
@@ -175,7 +175,7 @@ def test_drop_loses_requests_and_replies_equally(stage: Stage) -> None:
     assert 16 < done < 48
 
 
-def test_delayed_reply_arrives_after_the_next_request(stage: Stage) -> None:
+def test_delayed_reply_arrives_after_the_next_request(stage: Rig) -> None:
     faults = Faults(delay=1.0, lateness=(0.15, 0.2))
     with connected(stage, faults=faults, timeout=0.05) as (khepera, host):
         assert asked(host, b"B\n") == b""
@@ -185,7 +185,7 @@ def test_delayed_reply_arrives_after_the_next_request(stage: Stage) -> None:
         assert khepera.fault_counts["delay"] == 1
 
 
-def test_garble_changes_the_reply_but_not_the_execution(stage: Stage) -> None:
+def test_garble_changes_the_reply_but_not_the_execution(stage: Rig) -> None:
     with connected(stage, faults=Faults(garble=1.0), timeout=SILENCE) as (khepera, host):
         for value in range(40):
             host.write(f"W,{value},7\n".encode())
@@ -194,12 +194,12 @@ def test_garble_changes_the_reply_but_not_the_execution(stage: Stage) -> None:
         assert b"w\r\n" * 4 not in host.read(1000)
 
 
-def test_reset_stops_the_robot_and_sends_the_banner(stage: Stage, tcp: int | None) -> None:
+def test_reset_stops_the_robot_and_sends_the_banner(stage: Rig, tcp: int | None) -> None:
     with connected(stage, tcp=tcp) as (khepera, host):
         beginnings = set()
         for _ in range(12):
             assert asked(host, b"D,5,5\n") == b"d\r\n"
-            stage.rounds(1)
+            stage.advance(1)
             khepera.faults = Faults(reset=1.0)
             host.write(b"H\n")
             first, *rest = (host.readline().rstrip() for _ in KHEPERA.banner)
@@ -209,14 +209,14 @@ def test_reset_stops_the_robot_and_sends_the_banner(stage: Stage, tcp: int | Non
             assert read.text.endswith(KHEPERA.banner[0])
             beginnings.add(read.text.removesuffix(KHEPERA.banner[0]))
             assert rest == [line.encode() for line in KHEPERA.banner[1:]]
-            stage.rounds(2)
+            stage.advance(2)
             assert asked(host, b"H\n") == b"h,0,0\r\n", "stopped, counters at 0"
     assert "" in beginnings
     assert len(beginnings) > 2
     assert all("h,50,50\r\n".startswith(beginning.replace("\r", "")) for beginning in beginnings)
 
 
-def test_unplug_is_permanent_and_stops_the_robot(stage: Stage, tcp: int | None) -> None:
+def test_unplug_is_permanent_and_stops_the_robot(stage: Rig, tcp: int | None) -> None:
     with connected(stage, tcp=tcp) as (khepera, host):
         assert asked(host, b"D,5,5\n") == b"d\r\n"
         khepera.faults = Faults(unplug=1.0)
@@ -224,14 +224,14 @@ def test_unplug_is_permanent_and_stops_the_robot(stage: Stage, tcp: int | None) 
             send_until_disconnected(host)
         wait_for(lambda: not khepera.connected)
         assert khepera.fault_counts["unplug"] == 1
-        before = stage.robot.sense()
-        stage.rounds(3)
-        assert stage.robot.sense().left_pulses == before.left_pulses
+        before = stage.robots[0].sense()
+        stage.advance(3)
+        assert stage.robots[0].sense().left_pulses == before.left_pulses
         with pytest.raises(serial.SerialException), connected_host(khepera):
             pass
 
 
-def test_same_seed_sends_the_same_bytes(stage: Stage) -> None:
+def test_same_seed_sends_the_same_bytes(stage: Rig) -> None:
     faults = Faults(drop=0.1, garble=0.3, duplicate=0.2, reset=0.1)
     runs: list[tuple[bytes, Counter[str]]] = []
     for _ in range(2):
