@@ -222,10 +222,8 @@ class VirtualKhepera:
         if not ready or self._closing:
             return
         self._received_until = max(self._received_until, time.monotonic())
-        received = self._end.read()
-        if self.interrupted:
-            return
-        for byte in received:
+        received = self._end.read(ready)
+        for byte in b"" if self.interrupted else received:
             self._received_until += self._byte_time
             lines = self._splitter.feed(bytes((byte,)))
             self._requests += ((self._received_until, line) for line in lines)
@@ -287,32 +285,28 @@ class _End:
         self.url = os.ttyname(self._terminal)
 
     def filenos(self) -> list[int]:
-        """Descriptors that become readable when `read` has bytes to return."""
+        """Descriptors to wait for."""
         listener = [] if self._listener is None else [self._listener.fileno()]
         return listener if self._host is None else [self._host, *listener]
 
-    def read(self) -> bytes:
-        """The bytes that have arrived; also accepts a new host after the last one has disconnected."""
-        data = None
-        if self._host is not None:
-            try:
+    def read(self, ready: list[int]) -> bytes:
+        """The bytes that have arrived at descriptors; also accepts a new host after the last one has disconnected."""
+        data = b""
+        if self._host is not None and self._host in ready:
+            with contextlib.suppress(OSError):
                 data = os.read(self._host, _CHUNK)
-            except BlockingIOError:
-                data = None
-            except OSError:
-                data = b""
-            if data == b"":
+            if not data:
                 self._disconnect()
-        if self._listener is not None:
-            with contextlib.suppress(BlockingIOError):
+        if self._listener is not None and self._listener.fileno() in ready:
+            with contextlib.suppress(OSError):  # it has gone
                 host, _ = self._listener.accept()
-                if self._host is not None:
-                    host.close()
-                else:
+                if self._host is None:
                     host.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
                     host.setblocking(False)
                     self._host = host.detach()
-        return data or b""
+                else:
+                    host.close()
+        return data
 
     def write(self, data: bytes) -> None:
         """Send bytes; those that exceed the buffer are lost."""
