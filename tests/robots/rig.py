@@ -3,7 +3,7 @@
 import contextlib
 import math
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -50,6 +50,18 @@ class Rig:
     @property
     def robots(self) -> tuple[SimulatedKhepera, ...]:
         return self.world.robots
+
+    def intercept(self, replace: Callable[[bytes], bytes | None] = lambda line: None) -> list[bytes]:
+        """Record the requests that the first robot receives; what `replace` returns is the reply, if not None."""
+        handle, requests = self.firmware.handle, list[bytes]()
+
+        def recorded(line: bytes) -> bytes:
+            requests.append(line)
+            reply = replace(line)
+            return handle(line) if reply is None else reply
+
+        self.firmware.handle = recorded  # type: ignore[method-assign]
+        return requests
 
     def request(self, line: str) -> str:
         """Let the first robot execute a request; returns the reply without its line ending."""

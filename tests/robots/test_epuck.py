@@ -12,8 +12,7 @@ from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.firmware import EPuckFirmware
 from tests.robots.driver_process import start_driver, wait_for, wait_for_exit
 from tests.robots.rig import make_rig, make_stage
-from tests.robots.scripted_robot import Action
-from tests.robots.simulated_line import SimulatedLine
+from tests.robots.simulated_line import Action, SimulatedLine
 
 EXAMPLES = [
     (Request("D", (395, -79)), b"D,395,-79\r", Reply("D"), b"d\r\n"),

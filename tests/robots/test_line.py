@@ -14,8 +14,8 @@ from khepera_forage.extras import MissingExtraError
 from khepera_forage.robots.khepera import RobotLost
 from khepera_forage.robots.serial.line import Line, RequestRejected, RobotRestarted
 from khepera_forage.robots.serial.protocol import KHEPERA, Reply, Request
-from tests.robots.scripted_robot import Action, NumberedReplies, ScriptedRobot, reply_with
-from tests.robots.simulated_line import SimulatedLine
+from tests.robots.rig import Rig, make_rig
+from tests.robots.simulated_line import Action, NumberedReplies, Script, SimulatedLine, reply_with
 
 N, H, BARRIER = Request("N"), Request("H"), Request("T,1,G")
 ARM, JAW, D5 = Request("T,1,H", (1,)), Request("T,1,H", (0,)), Request("D", (5, 5))
@@ -25,9 +25,7 @@ LATE = 0.3
 
 
 @contextmanager
-def connected(
-    script: Callable[[bytes, int], list[Action]], *, timeout: float = 0.08
-) -> Iterator[tuple[Line, SimulatedLine]]:
+def connected(script: Script, *, timeout: float = 0.08) -> Iterator[tuple[Line, SimulatedLine]]:
     """A line with a clock of its own."""
     with pytest.MonkeyPatch.context() as patch:
         simulated = SimulatedLine(script, baud=115200).install(patch)
@@ -35,12 +33,12 @@ def connected(
 
 
 @contextmanager
-def opened() -> Iterator[tuple[Line, ScriptedRobot]]:
+def opened() -> Iterator[tuple[Line, Rig]]:
     """A line on a pseudo-terminal."""
-    with ScriptedRobot(NumberedReplies({})) as scripted:
-        line = Line(scripted.url, KHEPERA, baud=115200)
+    with make_rig() as rig:
+        line = Line(rig.url, KHEPERA, baud=115200)
         try:
-            yield line, scripted
+            yield line, rig
         finally:
             line.close()
 
@@ -154,9 +152,9 @@ def test_repeated_error_replies_raise_request_rejected() -> None:
 
 
 def test_disconnected_robot_is_lost_without_more_tries() -> None:
-    with opened() as (line, scripted):
+    with opened() as (line, rig):
         line.exchange([N])
-        scripted.close()
+        rig.ports[0].close()
         with pytest.raises(RobotLost, match="'H' was not sent: the port failed") as lost:
             line.exchange([H])
         assert lost.value.tries == 0
@@ -238,8 +236,8 @@ def test_write_timeout_is_a_lost_request(monkeypatch: pytest.MonkeyPatch) -> Non
         return write(port, data)
 
     monkeypatch.setattr(serial.Serial, "write", slow)
-    with opened() as (line, scripted):
-        assert first(line, N) == len(scripted.requests)
+    with opened() as (line, _):
+        assert line.exchange([H]) == [Reply("H", (0, 0))]
 
 
 def test_garbled_reply_is_requested_again_at_once() -> None:

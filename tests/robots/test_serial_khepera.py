@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -9,9 +10,9 @@ import pytest
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.virtual_khepera import Faults
+from tests.robots.driver_process import wait_for
 from tests.robots.rfc2217_server import rfc2217_server
-from tests.robots.rig import FORWARD, Rig, make_rig, run_rounds
-from tests.robots.scripted_robot import NumberedReplies, ScriptedRobot
+from tests.robots.rig import FORWARD, make_rig, run_rounds
 
 STILL = Motors(0, 0, 215, 200)
 
@@ -37,35 +38,27 @@ def test_drive_sends_nothing_and_returns_the_applied_command() -> None:
         assert rig.wheel_pulses() == (80, -30)
 
 
-def requests_per_round(robot: SerialKhepera, rig: Rig, motors: Motors, rounds: int) -> list[list[str]]:
-    """The requests that the robot receives, round by round."""
-    handle, received, sent = rig.firmwares[0].handle, list[str](), []
-
-    def recorded(line: bytes) -> bytes:
-        received.append(line.decode())
-        return handle(line)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rig.firmwares[0], "handle", recorded)
-        for _ in range(rounds):
-            run_rounds(rig, robot, motors)
-            sent.append(list(received))
-            received.clear()
-    return sent
-
-
 def test_round_sends_only_necessary_requests() -> None:
     with make_rig() as rig, SerialKhepera(rig.url, timeout=5.0) as robot:
+        received = rig.intercept()
+
+        def requests_per_round(motors: Motors, rounds: int) -> Iterator[list[bytes]]:
+            for _ in range(rounds):
+                received.clear()
+                run_rounds(rig, robot, motors)
+                yield list(received)
+
         run_rounds(rig, robot, STILL, 12)
-        for sent in requests_per_round(robot, rig, FORWARD, 9):
-            assert sent[:1] == ["D,5,5"]
-            assert [request for request in sent if request[:5] != "T,1,H"] == ["D,5,5", "N", "T,1,G", "H"]
-        first, *others = requests_per_round(robot, rig, FORWARD._replace(arm=255), 4)
-        assert "T,1,E,255" in first
-        assert all(sent == ["D,5,5", "N", "T,1,H,1", "T,1,G", "H"] or "T,1,H,0" in sent for sent in others)
-        first, second, *_ = requests_per_round(robot, rig, Motors(5, 5, 255, 0), 2)
-        assert "T,1,D,1" in first
-        assert "T,1,H,0" in second
+        for sent in requests_per_round(FORWARD, 9):
+            assert sent[:1] == [b"D,5,5"]
+            assert [line for line in sent if line[:5] != b"T,1,H"] == [b"D,5,5", b"N", b"T,1,G", b"H"]
+        first, *others = requests_per_round(FORWARD._replace(arm=255), 4)
+        assert b"T,1,E,255" in first
+        for sent in others:
+            assert sent == [b"D,5,5", b"N", b"T,1,H,1", b"T,1,G", b"H"] or b"T,1,H,0" in sent
+        first, second = requests_per_round(Motors(5, 5, 255, 0), 2)
+        assert b"T,1,D,1" in first
+        assert b"T,1,H,0" in second
 
 
 def test_opening_stops_wheels_that_another_program_left_turning() -> None:
@@ -78,20 +71,14 @@ def test_opening_stops_wheels_that_another_program_left_turning() -> None:
 
 def test_stop_interrupts_a_pending_request() -> None:
     """The robot ignores N: `stop` does not wait until it counts as lost."""
-
-    def ignores_n(request: bytes, number: int) -> list[bytes | float]:
-        return [] if request == b"N" else NumberedReplies({})(request, number)
-
-    with ScriptedRobot(ignores_n) as scripted:
-        robot = SerialKhepera(scripted.url, baud=115200, timeout=1.0)
-        robot.drive(FORWARD)
-        robot.transmit()
-        sent = len(scripted.requests)
+    with make_rig() as rig:
+        robot = SerialKhepera(rig.url, timeout=1.0)
+        run_rounds(rig, robot, FORWARD)
+        requests = rig.intercept(lambda line: b"" if line == b"N" else None)
         task = robot.begin(robot._receive)
-        while b"N" not in scripted.requests[sent:]:
-            time.sleep(0.001)
+        wait_for(lambda: b"N" in requests)
         robot.stop()
-        assert b"D,0,0" in scripted.requests[sent:]
+        assert b"D,0,0" in requests
         assert not task.done
         robot.close()
         with pytest.raises(ConnectionError, match="is closed"):
@@ -99,23 +86,16 @@ def test_stop_interrupts_a_pending_request() -> None:
 
 
 def test_stop_during_transmit_is_not_undone_by_it() -> None:
-    """The robot ignores the first D, which would be repeated; `stop` is called before that."""
-
-    def ignores_forward(request: bytes, number: int) -> list[bytes | float]:
-        return [] if request == b"D,5,5" else NumberedReplies({})(request, number)
-
-    with (
-        ScriptedRobot(ignores_forward) as scripted,
-        SerialKhepera(scripted.url, baud=115200, timeout=1.0) as robot,
-    ):
+    """The robot does not confirm the speeds, which would be sent again; `stop` is called before that."""
+    with make_rig() as rig, SerialKhepera(rig.url, timeout=1.0) as robot:
+        requests = rig.intercept(lambda line: b"" if line == b"D,5,5" else None)
         robot.drive(FORWARD)
         task = robot.begin(robot._transmit)
-        while b"D,5,5" not in scripted.requests:
-            time.sleep(0.001)
+        wait_for(lambda: b"D,5,5" in requests)
         robot.stop()
         task.result(5.0)
-        assert b"D,5,5" not in scripted.requests[scripted.requests.index(b"D,0,0", 2) :]
-        assert scripted.requests[-1].startswith((b"D,0,0", b"T,1,"))
+        assert b"D,5,5" not in requests[requests.index(b"D,0,0") :]
+        assert not rig.firmware.turning
 
 
 def test_close_stops_the_robot_and_releases_the_port() -> None:

@@ -3,7 +3,7 @@
 import math
 import re
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import pairwise
 
@@ -15,15 +15,13 @@ from khepera_forage.robots.serial.line import LineTiming, LineTooSlow
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.serial.serial_robot import HOLD_AFTER, MAX_DURATION, MAX_UNATTENDED
 from tests.robots.rig import FORWARD, make_stage
-from tests.robots.scripted_robot import Action, NumberedReplies, reply_with
-from tests.robots.simulated_line import SimulatedLine
+from tests.robots.simulated_line import Action, NumberedReplies, Script, SimulatedLine, reply_with
 
 PERIOD = 0.1
 VARIATION = 84
 """Bytes by which the replies to a `receive` differ, with and without positions of the gripper."""
 POLLS = 0.011
 """Seconds: the driver notices a reply, or the end of a wait, up to two polls later."""
-Script = Callable[[bytes, int], list[Action]]
 
 
 @contextmanager
