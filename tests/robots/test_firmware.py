@@ -43,7 +43,7 @@ AT_POWER_ON = {
 
 
 @pytest.mark.parametrize("line", AT_POWER_ON)
-def test_every_reply_matches_byte_for_byte(stage: Rig, line: str) -> None:
+def test_every_reply_matches_byte_for_byte(line: str) -> None:
     for ending in ("", "\n", "\r", "\r\n"):
         fresh = make_stage()
         assert fresh.firmware.handle((line + ending).encode()) == AT_POWER_ON[line].encode() + b"\r\n"
@@ -124,32 +124,16 @@ def test_speed_command_ends_position_control(stage: Rig) -> None:
     assert stage.numbers("K")[1] == 0
 
 
-def test_resistivity_of_wooden_food_is_that_of_open_fingers() -> None:
-    stage = make_stage(food_ahead=57.0)
-    stage.request("T,1,E,255")
-    stage.advance(12)
-    stage.request("T,1,D,1")
-    stage.advance(20)
-    assert stage.numbers("T,1,H,0")[0] > 100
-    assert stage.numbers("T,1,F")[0] <= 20
-
-
-def test_food_is_detected_gripped_and_carried() -> None:
+def test_gripper_closes_on_food_which_does_not_conduct() -> None:
     stage = make_stage(food_ahead=57.0)
     assert stage.numbers("T,1,G") == [0], "the raised arm is above it"
     stage.request("T,1,E,255")
     stage.advance(12)
     assert stage.numbers("T,1,G")[0] > 100
     stage.request("T,1,D,1")
-    stage.advance(8)
+    stage.advance(20)
     assert 100 < stage.numbers("T,1,H,0")[0] < 150, "closed on 35 mm"
-    stage.request("T,1,E,215")
-    stage.advance(12)
-    stage.request("D,5,5")
-    stage.advance(10)
-    food = stage.world.food_places()[0]
-    assert food.lifted
-    assert math.dist((food.x, food.y), (297.0, 300.0)) < 3.0
+    assert stage.numbers("T,1,F")[0] <= 20
 
 
 def test_restart_sends_the_banner_and_resets_everything(stage: Rig) -> None:

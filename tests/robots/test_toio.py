@@ -5,7 +5,6 @@ import pytest
 pytest.importorskip("toio")
 
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.real_robot import Fleet
 from khepera_forage.robots.toio.driver import CubePose, ToioRobot
 from khepera_forage.robots.toio.virtual import RADIUS, Table, use_table
 
@@ -26,14 +25,6 @@ class SteppedTable:
 @pytest.fixture
 def stepped() -> SteppedTable:
     return SteppedTable()
-
-
-def test_positions_are_those_of_the_plan(stepped: SteppedTable) -> None:
-    stepped.table.cube("a", CubePose(300.0, 200.0, 1.0))
-    with ToioRobot("virtual:a") as robot:
-        robot.receive()
-        assert robot.on_mat
-        assert robot.pose == pytest.approx((300.0, 200.0, 1.0), abs=2.0)
 
 
 def test_wheels_turn_at_the_commanded_speed_and_counters_follow(stepped: SteppedTable) -> None:
@@ -105,19 +96,6 @@ def test_cube_does_not_leave_its_walls(stepped: SteppedTable) -> None:
             stepped.advance(0.1)
             robot.receive()
         assert 300.0 - 2 * RADIUS < robot.pose.x < 300.0 - RADIUS + 10
-
-
-def test_lost_connection_loses_the_robot_and_stops_the_others(stepped: SteppedTable) -> None:
-    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
-    stepped.table.cube("b", CubePose(200.0, 400.0, 0.0))
-    with Fleet([ToioRobot("virtual:a"), ToioRobot("virtual:b")]) as fleet:
-        for robot in fleet.robots:
-            robot.drive(Motors(8, 8, 215, 200))
-        fleet.transmit()
-        stepped.table.unplugged.add("b")
-        with pytest.raises(RobotLost, match=r"virtual:b: .*connection"):
-            fleet.receive()
-        assert not stepped.table.cube("a").turning
 
 
 def test_cube_off_the_mat_keeps_its_last_place(stepped: SteppedTable) -> None:
