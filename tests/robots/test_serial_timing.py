@@ -169,42 +169,23 @@ def test_wheels_are_held_while_replies_are_missing(monkeypatch: pytest.MonkeyPat
         mute = False
 
 
-def test_repeated_speeds_do_not_start_held_wheels(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The replies to speeds are garbled: the speeds arrive, but are not confirmed, and are sent again and again."""
-    garbled = False
-
-    def script(request: bytes, number: int) -> list[Action]:
-        return (
-            [0.08, b"?\r\n"]
-            if garbled and request.startswith(b"D,")
-            else NumberedReplies({})(request, number)
-        )
-
-    with opened(monkeypatch, script) as (robot, line):
-        garbled, begin = True, line.now
-        robot.drive(FORWARD)
-        with pytest.raises(RobotLost, match="received only"):
-            robot.transmit()
-        garbled = False
-        turning = [at - begin for at, request in line.requests if request == b"D,5,5" and at > begin]
-        assert 0 < max(turning) <= HOLD_AFTER + POLLS
-        assert line.sent_since(begin, b"D,")[-1] == b"D,0,0"
-
-
-@pytest.mark.parametrize("confirmed_after", [0.1, 0.39, 0.47, math.inf])
+@pytest.mark.parametrize(
+    ("garbled", "confirmed_after"), [(b"", 0.1), (b"", 0.39), (b"", 0.47), (b"", math.inf), (b"D,", math.inf)]
+)
 @pytest.mark.parametrize("timeout", [0.1, 3.0])
 @pytest.mark.parametrize("period", [0.1, 0.5])
-def test_wheels_stop_within_the_limit_when_all_replies_are_garbled(
-    period: float, timeout: float, confirmed_after: float, monkeypatch: pytest.MonkeyPatch
+def test_wheels_stop_within_the_limit_when_replies_are_garbled(
+    garbled: bytes, period: float, timeout: float, confirmed_after: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The speeds may be confirmed by chance, so that `transmit` ends, and `receive` waits again."""
+    """All replies, or those to speeds, which are sent again; if they are confirmed by chance, `receive` waits again."""
     fault = math.inf
 
     def script(request: bytes, number: int) -> list[Action]:
         reply = reply_with(request, number + 1)
         since = line.now - fault
         chance = request == b"D,5,5" and since >= confirmed_after
-        return [reply if since < 0 or chance else reply.replace(reply[:1], b"?")]
+        is_garbled = since >= 0 and not chance and request.startswith(garbled)
+        return [reply.replace(reply[:1], b"?") if is_garbled else reply]
 
     line = SimulatedLine(script).install(monkeypatch)
     with SerialKhepera("simulated", watchdog=False, timeout=timeout, period=period) as robot:
