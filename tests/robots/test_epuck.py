@@ -11,8 +11,7 @@ from khepera_forage.robots.serial.protocol import Reply, Request
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.firmware import EPuckFirmware
 from tests.robots.driver_process import start_driver, wait_for, wait_for_exit
-from tests.robots.rig import make_rig, make_stage
-from tests.robots.simulated_line import Action, SimulatedLine
+from tests.robots.rig import make_rig
 
 EXAMPLES = [
     (Request("D", (395, -79)), b"D,395,-79\r", Reply("D"), b"d\r\n"),
@@ -54,48 +53,25 @@ def test_motion_and_counters_are_those_of_the_simulated_robot() -> None:
 
 
 def test_infra_reds_are_in_the_order_of_the_khepera() -> None:
-    def script(request: bytes, number: int) -> list[Action]:
-        replies = {
-            b"N": b"n,400,800,1200,1600,2000,2400,2800,3200\r\n",
-            b"Q": b"q,0,0\r\n",
-            b"E": b"e,0,0\r\n",
-        }
-        replies |= {
-            b"V": b"v,Version 2.0\r\nHW version: E\r\n",
-            b"O": b"o,0,0,0,0,0,0,0,0\r\n",
-            b"D,0,0": b"d\r\n",
-        }
-        return [replies[request.strip()]]
-
-    line = SimulatedLine(script, baud=115200)
-    with pytest.MonkeyPatch.context() as patch:
-        line.install(patch)
-        with SerialEPuck("simulated", watchdog=False) as robot:
-            assert robot.sense().proximity == (600, 700, 800, 100, 200, 300, 400, 500)
-            assert robot.sense().object_presence == 0
-            robot.note_surroundings(True, None)
-            assert robot.sense().object_presence == 255, "its front sensors and the camera show an object"
+    with make_rig(kind=EPuckFirmware) as rig, SerialEPuck(rig.url, watchdog=False) as robot:
+        rig.intercept(lambda line: b"n,400,800,1200,1600,2000,2400,2800,3200\r\n" if line == b"N" else None)
+        assert robot.sense().proximity == (600, 700, 800, 100, 200, 300, 400, 500)
+        assert robot.sense().object_presence == 0
+        robot.note_surroundings(True, None)
+        assert robot.sense().object_presence == 255, "its front sensors and the camera show an object"
 
 
-def test_counters_continue_across_16_bits() -> None:
-    steps = iter(range(0, 10**6, 30000))
-
-    def script(request: bytes, number: int) -> list[Action]:
-        if request.strip() == b"Q":
-            count = next(steps) % 2**16
-            return [b"q,%d,0\r\n" % (count - 2**16 if count >= 2**15 else count)]
-        return [stage_firmware.handle(request)]
-
-    stage_firmware = EPuckFirmware(make_stage().robots[0])
-    with pytest.MonkeyPatch.context() as patch:
-        SimulatedLine(script, baud=115200).install(patch)
-        with SerialEPuck("simulated", watchdog=False) as robot:
-            travelled = []
-            for _ in range(10):
-                robot.receive()
-                travelled.append(robot.sense().left_pulses)
-    steps_of = [later - earlier for earlier, later in itertools.pairwise(travelled)]
-    assert max(steps_of) - min(steps_of) <= 1
+@pytest.mark.parametrize(("begin", "wrap"), [(30000, 2**15), (60000, 2**16)], ids=["signed", "unsigned"])
+def test_counters_continue_across_16_bits(begin: int, wrap: int) -> None:
+    counts = (n - 2**16 if n >= wrap else n for n in itertools.count(begin, 900))
+    with make_rig(kind=EPuckFirmware) as rig, SerialEPuck(rig.url, watchdog=False) as robot:
+        rig.intercept(lambda line: b"q,%d,0\r\n" % next(counts) if line == b"Q" else None)
+        travelled = []
+        for _ in range(12):
+            robot.receive()
+            travelled.append(robot.sense().left_pulses)
+    steps = [later - earlier for earlier, later in itertools.pairwise(travelled)]
+    assert steps == pytest.approx([900 * 0.1288 / (35 / 27.5) / 0.08] * 11, abs=1), "pulses of 0.08 mm"
 
 
 def test_port_of_another_robot_is_refused_before_anything_moves() -> None:
