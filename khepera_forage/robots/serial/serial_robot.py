@@ -137,11 +137,11 @@ class SerialRobot(RealRobot):
         if self._period is not None:
             self.timing.check(self.port, self._period)
 
-    def _begin_call(self, duration: float = MAX_DURATION) -> None:
-        """Begin a call, whose time is limited."""
+    def _begin_call(self, duration: float = MAX_DURATION, hold_after: float | None = None) -> None:
+        """Begin a call, which may last so many seconds until the robot counts as lost, and until its wheels are held."""
         now = self._line.now()
         self._line.deadline = now + duration * max(1.0, self._base_timeout / DEFAULT_TIMEOUT)
-        self._hold_at = now + self._hold_after
+        self._hold_at = now + (self._hold_after if hold_after is None else hold_after)
 
     @property
     def _hold_after(self) -> float:
@@ -198,9 +198,7 @@ class SerialRobot(RealRobot):
         self._time_left = self._hold_at - self._line.now()
 
     def _receive(self) -> None:
-        self._begin_call()
-        if self._time_left is not None:
-            self._hold_at = self._line.now() + self._time_left
+        self._begin_call(hold_after=self._time_left)
         self._senses = self._read_senses()
         self._time_left = None
 
