@@ -138,7 +138,7 @@ class SerialRobot(RealRobot):
             self.timing.check(self.port, self._period)
 
     def _begin_call(self, duration: float = MAX_DURATION, hold_after: float | None = None) -> None:
-        """Begin a call, which may last so many seconds until the robot counts as lost, and until its wheels are held."""
+        """Begin a call, with the seconds until the robot counts as lost, and until its wheels are held."""
         now = self._line.now()
         self._line.deadline = now + duration * max(1.0, self._base_timeout / DEFAULT_TIMEOUT)
         self._hold_at = now + (self._hold_after if hold_after is None else hold_after)
