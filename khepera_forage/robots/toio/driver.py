@@ -29,9 +29,8 @@ from khepera_forage.robots.real_robot import RealRobot
 if TYPE_CHECKING:
     from toio.device_interface import CubeInterface
 
-MM_PER_UNIT = 560 / 411
-"""Millimetres of the mat for one unit of its positions (toio-sdk-for-unity)."""
-_PLAN = MM_PER_UNIT / TOIO.scale
+_PLAN = 560 / 411 / TOIO.scale
+"""Millimetres on the plan for one unit of the mat's positions (toio-sdk-for-unity)."""
 
 
 class CubePose(NamedTuple):
@@ -121,13 +120,7 @@ class ToioRobot(RealRobot):
 
     model = TOIO
 
-    def __init__(
-        self,
-        port: str,
-        *,
-        max_speed: int | None = None,
-        period: float = CONTROL_PERIOD,
-    ) -> None:
+    def __init__(self, port: str, *, max_speed: int | None = None, period: float = CONTROL_PERIOD) -> None:
         super().__init__(port, self.model.max_speed if max_speed is None else max_speed)
         require("a toio cube", "toio")
         self.pose = CubePose(0.0, 0.0, 0.0)
@@ -160,12 +153,10 @@ class ToioRobot(RealRobot):
         try:
             self._cube = ToioCoreCube(interface=self._interface())
             _wait(self._cube.connect(), _SCAN_TIMEOUT)
-            _wait(
-                self._cube.api.id_information.register_notification_handler(self._note_position),
-                _WRITE_TIMEOUT,
-            )
+            api = self._cube.api
+            _wait(api.id_information.register_notification_handler(self._note_position), _WRITE_TIMEOUT)
             # A position every 10 ms, also while the cube stands still; the default pauses.
-            _wait(self._cube.api.configuration._write(b"\x18\x00\x01\x00"), _WRITE_TIMEOUT)
+            _wait(api.configuration._write(b"\x18\x00\x01\x00"), _WRITE_TIMEOUT)
         except RobotLost:
             raise
         except Exception as error:
@@ -256,12 +247,9 @@ class ToioRobot(RealRobot):
         units = [_motor_unit(speed * self.model.unit) for speed in (left, right)]
         if any(units):
             self.stop_confirmed = False
-        motor = self._cube.api.motor
-        self._send(
-            f"motors {units[0]}, {units[1]}", lambda: motor.motor_control(*units, milliseconds or None)
-        )
-        if not any(units):
-            self.stop_confirmed = True
+        control = self._cube.api.motor.motor_control
+        self._send(f"motors {units[0]}, {units[1]}", lambda: control(*units, milliseconds or None))
+        self.stop_confirmed = not any(units)
 
     def _send(self, command: str, work: Callable[[], Coroutine[Any, Any, Any]]) -> None:
         """Let toio-py write something."""

@@ -95,7 +95,6 @@ class VirtualCube(CubeInterface):
         self._until = math.inf
         self._connected = False
         self._handlers: dict[UUID, Callable[..., Any]] = {}
-        self._answer = bytearray(_VERSION)
         self._task: asyncio.Task[None] | None = None
 
     @property
@@ -136,7 +135,7 @@ class VirtualCube(CubeInterface):
 
     async def read(self, char_uuid: UUID) -> bytearray:
         """The answer to the last configuration request."""
-        return self._answer
+        return bytearray(_VERSION)
 
     async def write(
         self, char_uuid: UUID, data: "bytes | bytearray | memoryview[int]", response: bool = False
