@@ -265,9 +265,8 @@ class Laboratory:
                     self.camera.reset()
                 else:
                     self.camera.expose()
-                errors = placement_errors(
-                    self.camera.look(), self.arenas, request.robots, request.foods, self.settings.tolerance
-                )
+                scene, tolerance = self.camera.look(), self.settings.tolerance
+                errors = placement_errors(scene, self.arenas, request.robots, request.foods, tolerance)
                 if new_episode:
                     errors += gripper_errors(request.robots, self.robots)
                 if not errors:
@@ -283,10 +282,7 @@ class Laboratory:
         for robot in self.robots:
             robot.sense()  # reads those that have not been read yet
         self._foods.update(scene, list(zip(self._poses, self.robots, strict=True)))
-        self._note_surroundings()
-
-    def _note_surroundings(self) -> None:
-        """Tell robots with fewer sensors than a Khepera what the map shows."""
+        # Tell robots with fewer sensors than a Khepera what the map shows.
         foods = [FoodState(food.x, food.y) for food in self.food_places()]
         states = [
             RobotState(*pose, math.cos(pose.heading), math.sin(pose.heading), has_gripper=False)
@@ -298,6 +294,5 @@ class Laboratory:
                 constants = constants_of(Noise.none(), timing, model=robot.model)
                 sense(states, number, foods, arena.wall_records, constants)
                 shown = SimulatedKhepera(states, number).sense()
-                robot.note_surroundings(
-                    shown.object_presence != 0, None if robot.model.infra_reds else shown.proximity
-                )
+                proximity = None if robot.model.infra_reds else shown.proximity
+                robot.note_surroundings(shown.object_presence != 0, proximity)

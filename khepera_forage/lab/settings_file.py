@@ -230,14 +230,12 @@ def _check(settings: LabSettings) -> None:
     for i, robot in enumerate(settings.robots):
         offset = f"robots[{i}].offset is {list(robot.offset)}"
         for j, other in enumerate(settings.robots[:i]):
-            if robot.port == other.port:
-                raise ValueError(
-                    f"robots[{i}].port is {robot.port!r}, as robots[{j}].port; allowed: one port a robot"
-                )
-            if robot.name == other.name:
-                raise ValueError(
-                    f"robots[{i}].name is {robot.name!r}, as robots[{j}].name; allowed: one name each"
-                )
+            for key, allowed in (("port", "one port a robot"), ("name", "one name each")):
+                value = getattr(robot, key)
+                if value == getattr(other, key):
+                    raise ValueError(
+                        f"robots[{i}].{key} is {value!r}, as robots[{j}].{key}; allowed: {allowed}"
+                    )
             (x1, y1, x2, y2), (left, low, right, high) = arenas[i].bounds, arenas[j].bounds
             if x1 < right and left < x2 and y1 < high and low < y2:
                 raise ValueError(

@@ -117,18 +117,12 @@ class Firmware:
     def tick(self) -> None:
         """End a control period, after each `World.advance`: measure the speeds, control wheels with a target."""
         with self._lock:
-            senses = self._robot.sense()
-            pulses = senses.left_pulses, senses.right_pulses
-            left, right = self._last_pulses
-            self._measured_speeds = self._speed(pulses[0] - left), self._speed(pulses[1] - right)
+            pulses = self._pulses()
+            limits = SPEED.high, SPEED.high
+            self._measured_speeds = self._speeds_to(pulses, self._last_pulses, limits)
             self._last_pulses = pulses
             if self._targets is not None:
-                left, right = (
-                    self._towards(target - count, limit)
-                    for target, count, limit in zip(
-                        self._targets, self._counters(), self._max_speeds, strict=True
-                    )
-                )
+                left, right = self._speeds_to(self._targets, self._counters(), self._max_speeds)
                 self._drive(left=left, right=right)
 
     def power_on(self) -> bytes:
@@ -231,16 +225,18 @@ class Firmware:
             wrap_counter(target - count)
             for target, count in zip(self._targets, self._counters(), strict=True)
         ]
-        reached = [int(self._towards(error, 1) == 0) for error in errors]
-        return reached[0], _POSITION_MODE, errors[0], reached[1], _POSITION_MODE, errors[1]
+        left, right = self._speeds_to(self._targets, self._counters(), (1, 1))
+        return int(left == 0), _POSITION_MODE, errors[0], int(right == 0), _POSITION_MODE, errors[1]
 
-    def _towards(self, error: int, max_speed: int) -> int:
-        """The speed at which a wheel reaches its target, as exactly as whole speed units allow."""
-        return max(-max_speed, min(max_speed, round(error / self._pulses_per_unit)))
-
-    def _speed(self, pulses: int) -> int:
-        """The speed, in speed units, of a wheel that turned by `pulses` in one control period."""
-        return max(SPEED.low, min(SPEED.high, round(pulses / self._pulses_per_unit)))
+    def _speeds_to(
+        self, targets: tuple[int, int], counts: tuple[int, int], limits: tuple[int, int]
+    ) -> tuple[int, int]:
+        """The speeds at which wheels reach targets in one control period, as exactly as whole units allow."""
+        left, right = (
+            max(-limit, min(limit, round((target - count) / self._pulses_per_unit)))
+            for target, count, limit in zip(targets, counts, limits, strict=True)
+        )
+        return left, right
 
 
 _E_PUCK_VERSIONS = "Version 2.0 January 2018 GCtronic", "HW version: E"
