@@ -2,12 +2,13 @@
 
 import math
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from khepera_forage.lab.clock import SimulatedClock
+from khepera_forage.lab.clock import WallClock
 from khepera_forage.lab.cubes import CubeOperator
 from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import Operator, OperatorGaveUp, OperatorRequest
@@ -112,7 +113,7 @@ class VirtualLaboratory(Laboratory):
             gripper=gripper,
         )
         self.virtual_operator = VirtualOperator(self, noise)
-        self._paced, self._faults = paced, faults
+        self._paced, self._faults, self._real_time, self._now = paced, faults, real_time, 0.0
         self._rngs = np.random.default_rng(fault_seed).spawn(len(markers))
         self.virtual_kheperas: list[VirtualKhepera] = []
         middle = PICTURE_WIDTH / 2 * MM_PER_PIXEL, PICTURE_HEIGHT / 2 * MM_PER_PIXEL
@@ -125,7 +126,9 @@ class VirtualLaboratory(Laboratory):
                 self.virtual_operator if operator is None else operator,
                 source=lambda: self.frame_source if camera is None else camera(self.frame_source),
                 calibration=Calibration.identity(above, size),
-                clock=SimulatedClock(settings.period, self._advance_simulation, real_time),
+                clock=WallClock(
+                    settings.period, time.monotonic if real_time else lambda: self._now, self._sleep
+                ),
             )
         except BaseException:
             self._close_lines()
@@ -151,7 +154,11 @@ class VirtualLaboratory(Laboratory):
         finally:
             self._close_lines()
 
-    def _advance_simulation(self) -> None:
+    def _sleep(self, seconds: float) -> None:
+        """Advance the simulation by a round."""
+        if self._real_time:
+            time.sleep(seconds)
+        self._now += self.round_duration
         with self._lock:
             for _ in range(self._rounds_per_period):
                 self.simulation.advance()
@@ -189,7 +196,7 @@ class VirtualCubeLaboratory(Laboratory):
         self.table = Table(lambda: self._now, _INTERVAL)
         use_table(self.table)
         operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes, settings.arenas, self._sleep)
-        clock = SimulatedClock(settings.period, lambda: self._sleep(settings.period))
+        clock = WallClock(settings.period, lambda: self._now, lambda _: self._sleep(settings.period))
         super().__init__(settings, operator, clock=clock)
 
     @property
