@@ -221,7 +221,7 @@ class VirtualOperator:
 
     def __init__(self, lab: VirtualLaboratory, noise: Noise) -> None:
         self.requests: list[OperatorRequest] = []
-        self._lab, self._noise = lab, noise
+        self._lab, self._noise, self._repeats = lab, noise, 0
         self._rng = self._world_rng = np.random.default_rng(0)
 
     def begin_episode(self, rng: np.random.Generator, world_rng: np.random.Generator) -> None:
@@ -232,8 +232,8 @@ class VirtualOperator:
     def __call__(self, request: OperatorRequest) -> None:
         """Carry out a request."""
         self.requests.append(request)
-        recent = self.requests[-_MAX_REPEATS:]
-        if len(recent) == _MAX_REPEATS and all(r.errors and r[:3] == request[:3] for r in recent):
+        self._repeats = self._repeats + 1 if request.errors else 0
+        if self._repeats >= _MAX_REPEATS:
             raise OperatorGaveUp(
                 f"the virtual operator has placed everything {_MAX_REPEATS} times: {'; '.join(request.errors)}"
             )

@@ -20,6 +20,20 @@ LAYOUT = Layout(
 )
 
 
+class Time:
+    """Time that passes only in `sleep`, or when a test changes `now`."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        assert seconds >= 0
+        self.now += seconds
+
+
 class ClumsyOperator:
     """An operator that makes mistakes in the first requests.
 

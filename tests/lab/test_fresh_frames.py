@@ -7,6 +7,7 @@ from khepera_forage.lab.devices import FreshFrames
 from khepera_forage.lab.settings_file import CameraSettings, LabSettings
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import CameraLost
+from tests.lab.laboratories import Time
 from tests.version_0_1 import CORRIDOR
 from tests.vision.scene_renderer import PAIR, Frame, render_frame, render_frames
 
@@ -16,19 +17,6 @@ BLACK = np.zeros((480, 640), np.uint8)
 SCENES = render_frames(PAIR, frames=3)
 for number, frame in enumerate(SCENES):
     frame[0, 0] = number  # each differs from the others
-
-
-class Time:
-    """Time that passes only in `sleep`, whatever the load of the machine."""
-
-    def __init__(self) -> None:
-        self.now = 100.0
-
-    def monotonic(self) -> float:
-        return self.now
-
-    def sleep(self, seconds: float) -> None:
-        self.now += seconds
 
 
 @pytest.fixture(autouse=True)
