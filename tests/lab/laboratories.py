@@ -52,7 +52,7 @@ class ClumsyOperator:
 
 
 def quiet_laboratory(operator: ClumsyOperator | None = None, **options: Any) -> VirtualLaboratory:
-    quiet = {"noise": Noise.none(), "appearance": CameraAppearance.none()}
+    quiet: dict[str, Any] = {"noise": Noise.none(), "appearance": CameraAppearance.none()}
     lab = virtual_laboratory(CORRIDOR, 2, V0_1, operator=operator, **quiet, **options)
     if operator is not None:
         operator.lab = lab

@@ -48,18 +48,20 @@ def test_each_robot_receives_its_own_command(count: int) -> None:
     assert rig.is_stopped()
 
 
-def test_lost_robot_stops_all_and_is_reported() -> None:
+@pytest.mark.parametrize("lost", [[1], [0, 1]])
+def test_lost_robots_stop_all_and_are_named(lost: list[int]) -> None:
     with make_fleet(3) as (rig, fleet):
         run_rounds(rig, fleet, FORWARD, 2)
-        rig.ports[1].faults = Faults(unplug=1.0)
-        with pytest.raises(RobotLost, match="the port failed") as lost:
+        for number in lost:
+            rig.ports[number].faults = Faults(unplug=1.0)
+        with pytest.raises(RobotLost, match="the port failed") as loss:
             run_rounds(rig, fleet, FORWARD)
-        assert lost.value.port == rig.ports[1].url
-        assert "also lost" not in str(lost.value)
+        assert loss.value.port in [rig.ports[number].url for number in lost]
+        assert [port.url in str(loss.value) for port in rig.ports] == [i in lost for i in range(3)]
+        assert str(loss.value).count("also lost") == len(lost) - 1
         assert rig.wheel_pulses(0) == rig.wheel_pulses(2) == (0, 0)
-        for robot in (fleet.robots[0], fleet.robots[2]):
-            robot.transmit()
-        assert rig.wheel_pulses(0) == rig.wheel_pulses(2) == (0, 0), "the old command was discarded"
+        fleet.robots[2].transmit()
+        assert rig.wheel_pulses(2) == (0, 0), "the old command was discarded"
 
 
 def test_slow_robot_holds_the_others() -> None:
@@ -91,15 +93,18 @@ def test_stop_and_close_stop_all_robots() -> None:
 
 
 @pytest.mark.parametrize("report", [True, False])
-def test_close_reports_robots_that_do_not_confirm_once_or_not_at_all(
+def test_robot_that_does_not_confirm_is_named_when_all_stop_and_logged_once_or_not_at_all(
     report: bool, caplog: pytest.LogCaptureFixture
 ) -> None:
     with make_fleet(2) as (rig, fleet):
         run_rounds(rig, fleet, FORWARD)
         rig.ports[0].faults = Faults(unplug=1.0)
+        with pytest.raises(RobotLost, match="D,0,0") as lost:
+            fleet.stop()
+        assert lost.value.port == rig.ports[0].url
+        assert rig.wheel_pulses(1) == (0, 0)
         fleet.close(report=report)
         assert [rig.ports[0].url in message for message in caplog.messages] == [True] * report
-        assert rig.wheel_pulses(1) == (0, 0)
 
 
 def test_invalid_fleets_are_rejected() -> None:
@@ -111,18 +116,6 @@ def test_invalid_fleets_are_rejected() -> None:
         pytest.raises(ValueError, match="on its own port"),
     ):
         Fleet([robot, robot])
-
-
-def test_all_lost_robots_are_named() -> None:
-    with make_fleet(3) as (rig, fleet):
-        run_rounds(rig, fleet, FORWARD)
-        for port in rig.ports[:2]:
-            port.faults = Faults(unplug=1.0)
-        with pytest.raises(RobotLost, match="also lost") as lost:
-            run_rounds(rig, fleet, FORWARD)
-        assert all(port.url in str(lost.value) for port in rig.ports[:2])
-        assert rig.ports[2].url not in str(lost.value)
-        assert rig.wheel_pulses(2) == (0, 0)
 
 
 @pytest.mark.parametrize("is_late", [False, True], ids=["in time", "a little late"])
@@ -152,13 +145,3 @@ def test_silent_robot_stops_the_others_before_it_counts_as_lost(is_late: bool) -
         assert [lost.port for lost in losses] == [rig.url] * (not is_late)
         assert not rig.firmwares[1].turning
         rig.ports[0].interrupted = False
-
-
-def test_stop_names_robots_that_do_not_confirm() -> None:
-    with make_fleet(2) as (rig, fleet):
-        run_rounds(rig, fleet, FORWARD)
-        rig.ports[0].faults = Faults(unplug=1.0)
-        with pytest.raises(RobotLost, match="D,0,0") as lost:
-            fleet.stop()
-        assert lost.value.port == rig.ports[0].url
-        assert rig.wheel_pulses(1) == (0, 0)
