@@ -291,7 +291,7 @@ class RealRobot(ABC):
 
     @abstractmethod
     def _transmit(self) -> None:
-        """Send `_command`, which `begin_stop` may have changed since `begin_transmit`."""
+        """Send `_command`, which `begin_stop` may have changed meanwhile."""
 
     @abstractmethod
     def _receive(self) -> None:

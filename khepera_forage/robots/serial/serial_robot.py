@@ -167,8 +167,7 @@ class SerialRobot(RealRobot):
             try:
                 if restore and self._must_restore:
                     self._note_sent(None)
-                    if self._command is not None:
-                        self._send_command(self._command, self._held)
+                    self._transmit(self._held)
                     self._must_restore = False
                 return work()
             except RobotRestarted:
@@ -178,12 +177,11 @@ class SerialRobot(RealRobot):
                 if restarts > _MAX_RESTARTS:
                     raise RobotLost(self.port, "restart", restarts, "it restarts again and again") from None
 
-    def _transmit(self) -> None:
-        if self._command is not None:
-            self._send_command(self._command, False)
-
-    def _send_command(self, command: Motors, held: bool) -> None:
-        """Send a command; as a stop if the wheels are held."""
+    def _transmit(self, held: bool = False) -> None:
+        """Send the command; as a stop if the wheels are held."""
+        command = self._command
+        if command is None:
+            return
         self._begin_call()
         self._held, self._moves = held, not held and any(command[:2])
         if self._moves:
