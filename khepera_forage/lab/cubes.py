@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH, RADIUS, SPEED_UNIT
-from khepera_forage.robots.toio.driver import COMMAND_DURATION, SIMPLE_MAT, ToioRobot
+from khepera_forage.robots.toio.driver import COMMAND_DURATION, MAT_SIZE, ToioRobot
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 
@@ -73,7 +73,7 @@ class CubeOperator:
 
     def _place_outside(self, cube: ToioRobot) -> Point:
         """The nearest place outside all arenas with room for a cube."""
-        width, height = (int(size - RADIUS) for size in SIMPLE_MAT.size)
+        width, height = (int(size - RADIUS) for size in MAT_SIZE)
         others = [other.pose[:2] for other in self._cubes() if other is not cube]
         places = [
             Point(x, y)

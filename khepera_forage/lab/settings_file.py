@@ -13,7 +13,7 @@ from khepera_forage.robots.khepera import MAX_SPEED
 from khepera_forage.robots.model import KHEPERA, MODELS, TOIO
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT
-from khepera_forage.robots.toio.driver import SIMPLE_MAT
+from khepera_forage.robots.toio.driver import MAT_SIZE
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.arena_file import ArenaPlan, plan_of
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
@@ -254,7 +254,7 @@ def _check(settings: LabSettings) -> None:
         raise ValueError(
             f"robots are of types {', '.join(sorted(kinds))}; allowed: toio cubes alone, or other robots"
         )
-    width, height = SIMPLE_MAT.size
+    width, height = MAT_SIZE
     for i, arena in enumerate(arenas):
         x1, y1, x2, y2 = arena.bounds
         if not (x1 >= 0 and x2 <= width and y1 >= 0 and y2 <= height):

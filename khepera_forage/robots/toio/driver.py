@@ -41,32 +41,24 @@ class CubePose(NamedTuple):
     heading: float
 
 
-class Mat(NamedTuple):
-    """A mat, by its smallest and largest positions; y points down. The plan's origin is its lower left corner."""
-
-    left: int
-    right: int
-    top: int
-    bottom: int
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height on the plan, in mm."""
-        return (self.right - self.left) * _PLAN, (self.bottom - self.top) * _PLAN
-
-    def to_plan(self, x: float, y: float, angle: float) -> CubePose:
-        """Convert a position of the mat, whose angle is in degrees clockwise from x."""
-        heading = math.remainder(-math.radians(angle), math.tau)
-        return CubePose((x - self.left) * _PLAN, (self.bottom - y) * _PLAN, heading)
-
-    def to_mat(self, pose: CubePose) -> tuple[int, int, int]:
-        """Convert a place on the plan."""
-        angle = round(math.degrees(-pose.heading)) % 360
-        return round(self.left + pose.x / _PLAN), round(self.bottom - pose.y / _PLAN), angle
+_LEFT, _RIGHT, _TOP, _BOTTOM = 98, 402, 142, 358
+"""Positions on the simple mat, the A3 sheet of 414 x 294 mm that comes with each cube; y points down."""
+MAT_SIZE = (_RIGHT - _LEFT) * _PLAN, (_BOTTOM - _TOP) * _PLAN
+"""Width and height on the plan, 712 x 506 mm, whose origin is the lower left corner. Both corridors fit."""
 
 
-SIMPLE_MAT = Mat(98, 402, 142, 358)
-"""The A3 sheet that comes with each cube: 414 x 294 mm, on the plan 712 x 506 mm. Both corridors fit."""
+def to_plan(x: float, y: float, angle: float) -> CubePose:
+    """Convert a position of the mat, whose angle is in degrees clockwise from x."""
+    heading = math.remainder(-math.radians(angle), math.tau)
+    return CubePose((x - _LEFT) * _PLAN, (_BOTTOM - y) * _PLAN, heading)
+
+
+def to_mat(pose: CubePose) -> tuple[int, int, int] | None:
+    """Convert a place on the plan; None off the mat."""
+    x, y = round(_LEFT + pose.x / _PLAN), round(_BOTTOM - pose.y / _PLAN)
+    is_on_mat = _LEFT <= x <= _RIGHT and _TOP <= y <= _BOTTOM
+    return (x, y, round(math.degrees(-pose.heading)) % 360) if is_on_mat else None
+
 
 T = TypeVar("T")
 
@@ -187,7 +179,7 @@ class ToioRobot(RealRobot):
         """Take a notification, in the thread of the Bluetooth connection."""
         if payload[0] == _POSITION:
             x, y, angle = (int.from_bytes(payload[i : i + 2], "little") for i in (1, 3, 5))
-            pose, last = SIMPLE_MAT.to_plan(x, y, angle), self.pose
+            pose, last = to_plan(x, y, angle), self.pose
             if self.on_mat:
                 turn = math.remainder(pose.heading - last.heading, math.tau)
                 middle = last.heading + turn / 2
