@@ -12,7 +12,6 @@ from khepera_forage.cli.options import Group, command, option
 from khepera_forage.envs.laboratories import TAG_SIZE, load_settings
 from khepera_forage.extras import require
 from khepera_forage.lab.settings_file import LabSettings, RobotSettings
-from khepera_forage.robots.drivers import open_robot
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.model import MODELS, TOIO
 from khepera_forage.robots.toio.driver import ToioRobot, find_cubes
@@ -186,9 +185,7 @@ def _passes(name: str, check: Callable[..., str], *about: Any) -> bool:
 
 def _check_robot(entry: RobotSettings, period: float = CONTROL_PERIOD) -> str:
     """Open a robot and flash its lamps."""
-    with open_robot(
-        entry.type, entry.port, timeout=entry.timeout, watchdog=entry.watchdog, period=period, baud=entry.baud
-    ) as robot:
+    with entry.open(period) as robot:
         robot.receive()
         robot.flash()
         if isinstance(robot, ToioRobot):

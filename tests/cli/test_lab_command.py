@@ -13,7 +13,6 @@ from khepera_forage.cli.main import main
 from khepera_forage.cli.options import Group
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.robots.virtual.firmware import EPuckFirmware
-from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
 from khepera_forage.vision.calibration import Calibration
 from tests.robots.rig import make_rig
 
@@ -60,8 +59,8 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
     monkeypatch.setattr("khepera_forage.cli.camera.camera_command", Group("", {"calibrate": clicked}))
     monkeypatch.setattr("builtins.input", lambda question: "y")
     monkeypatch.chdir(tmp_path)
-    with make_rig() as rig, VirtualKhepera(EPuckFirmware(rig.robots[0], rig.lock), baud=None) as port:
-        assert main(["lab", "new", "--robot", "e-puck2", "--port", port.url, "--camera", str(film)]) == 1
+    with make_rig(kind=EPuckFirmware) as rig:
+        assert main(["lab", "new", "--robot", "e-puck2", "--port", rig.url, "--camera", str(film)]) == 1
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[2 if line.startswith("robot") else 1] for line in lines[:3]] == [
         "pass",
@@ -78,8 +77,8 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
 
 def test_check_says_what_is_wrong_in_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "lab.toml"
-    with make_rig() as rig, VirtualKhepera(EPuckFirmware(rig.robots[0], rig.lock), baud=None) as port:
-        ports = ["/dev/nowhere", port.url]
+    with make_rig(kind=EPuckFirmware) as rig:
+        ports = ["/dev/nowhere", rig.url]
         file.write_text(lab_text("e-puck2", ports, (), str(tmp_path / "none.avi"), None, "corridor"))
         assert main(["lab", "check", str(file)]) == 1
     lines = capsys.readouterr().out.splitlines()[1:]
