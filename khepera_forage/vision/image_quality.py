@@ -13,18 +13,11 @@ from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.segmentation import (
-    Frame,
-    ImagePatch,
-    as_grey,
-    cut_patch,
-    filled_area,
-    outer_contours,
-    segment,
-)
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.video import Frame, as_grey
 
 if TYPE_CHECKING:
+    from khepera_forage.vision.segmentation import ImagePatch
     from khepera_forage.vision.tracker import Tracker
 
 BLUR_LIMIT = 1.3
@@ -131,6 +124,8 @@ def measure_quality(frame: Frame) -> ImageQuality:
         ImportError: OpenCV is not installed.
         ValueError: A frame of another type.
     """
+    from khepera_forage.vision.segmentation import cut_patch, filled_area, outer_contours, segment
+
     frame = as_grey(frame)
     segmentation = segment(frame, _FAINT)
     shapes: list[tuple[float, float]] = []
@@ -157,7 +152,7 @@ def measure_quality(frame: Frame) -> ImageQuality:
     )
 
 
-def _prints(patch: ImagePatch) -> list[float]:
+def _prints(patch: "ImagePatch") -> list[float]:
     """Brightness of the holes in a white shape as a share of its white: one number, or none without holes."""
     import cv2
 

@@ -19,9 +19,10 @@ from scipy.special import erf
 from khepera_forage.robots.khepera import MARKER_LENGTH
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.segmentation import Frame, ImagePatch, ShapeMoments, shape_moments
+from khepera_forage.vision.segmentation import ImagePatch, ShapeMoments, shape_moments
 from khepera_forage.vision.shapes import GRID_HOLES, GRID_SIDE, HOLE_SIDE, MARKER_HOLES
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.video import Frame
 
 Floats = NDArray[np.float64]
 Darkness = NDArray[np.float32]

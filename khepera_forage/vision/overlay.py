@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from khepera_forage.extras import require
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
-from khepera_forage.vision.segmentation import as_grey
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.video import Frame, as_grey
 
 Colour = tuple[int, int, int]
 MARKER: Colour = (255, 90, 60)
@@ -26,7 +26,7 @@ pixel of the enlargement. Captions grow less than the picture."""
 
 
 def draw_scene(
-    frame: NDArray[np.uint8],
+    frame: Frame,
     scene: Scene,
     calibration: Calibration | None = None,
     settings: TrackerSettings | None = None,

@@ -30,7 +30,7 @@ from khepera_forage.vision.shapes import (
     PICTURE_HEIGHT,
     PICTURE_WIDTH,
 )
-from khepera_forage.vision.tags import CELLS, DICTIONARY
+from khepera_forage.vision.tags import CELLS, white_cells
 
 _GREYS = ("white", "black", "floor", "wall", "body", "gripper", "cable")
 _SUPERSAMPLING = 16
@@ -422,7 +422,6 @@ def marker_shapes(appearance: CameraAppearance, holes: Iterable[tuple[float, flo
 def _tag_shapes(appearance: CameraAppearance, number: int, side: float) -> tuple[Box, ...]:
     """White sheet, black square and white cells of an ArUco tag whose top is the front, lowest first."""
     half, cell = side / 2, side / CELLS
-    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
     sheet = half + _TAG_MARGIN * cell
     return (
         Box(-sheet, -sheet, sheet, sheet, appearance.white),
@@ -430,7 +429,7 @@ def _tag_shapes(appearance: CameraAppearance, number: int, side: float) -> tuple
         *(
             Box(half - (row + 1) * cell, half - (column + 1) * cell, half - row * cell, half - column * cell,
                 appearance.white)
-            for row, column in np.argwhere(cv2.aruco.generateImageMarker(dictionary, number, CELLS)).tolist()
+            for row, column in white_cells(number)
         ),
     )  # fmt: skip
 

@@ -41,7 +41,7 @@ class TrackerSettings:
     dropped."""
     markers: str = "holes"
     """What robots carry: "holes" (markers 1 and 2, with one and two holes), "grid" (markers 1 to 12, with 16 mm holes),
-    or "tags" (ArUco tags, `tags.DICTIONARY`)."""
+    or "tags" (ArUco tags, 4 x 4 cells)."""
     numbers: tuple[int, ...] = (1, 2)
     """The markers, or ids of tags, in use; a region's `holes` is this number. Any other is ignored."""
     food_tags: tuple[int, ...] = ()
