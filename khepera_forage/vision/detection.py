@@ -245,8 +245,8 @@ class Detector:
     ) -> tuple[list[Detection], list[Contour]]:
         """Detections of the markers among some pieces, and the other pieces.
 
-        All markers are added to `markers`, even those whose number is uncertain. Unless the pieces result from joining,
-        food whose contour has merged with a marker's is detected, too; joined pieces of food are detected on their own.
+        All markers are added to `markers`, even those whose number is uncertain. Food whose contour has merged with a
+        marker's is detected, too, unless the pieces result from joining: pieces of food are joined on their own.
         """
         found: list[Detection] = []
         rest = []
@@ -263,7 +263,7 @@ class Detector:
                 self._measure_white(patch)
                 found.append(self._detection(piece, patch.edge, marker.moments, marker.reading))
             else:
-                self._report(marker.reading.trouble, marker.moments.x, marker.moments.y)
+                self._report(marker.reading.trouble, *marker.moments[:2], self._settings.marker_height)
             if not joined and area > self._marker_area + 0.5 * self._food_area:
                 # Food whose contour has merged with the marker's.
                 mask = np.zeros_like(patch.filled)
@@ -299,7 +299,7 @@ class Detector:
         for contour, food in discs:
             trouble = self._trouble(cut_patch(self._picture, contour), food)
             if trouble:
-                self._report(trouble, food.x, food.y)
+                self._report(trouble, food.u, food.v, self._settings.food_height)
             else:
                 yield self._detection(contour, patch.edge, food)
 
@@ -323,8 +323,7 @@ class Detector:
         """Report a shape that may be a part of a marker."""
         (u, v), size, _ = cv2.minAreaRect(piece)
         if filled_area(piece) >= _PART * self._marker_area and math.hypot(*size) <= 1.2 * self._diagonal:
-            place = self._calibration.to_region(u + 0.5, v + 0.5, self._settings.marker_height)
-            self._report("cover", *place)
+            self._report("cover", u + 0.5, v + 0.5, self._settings.marker_height)
 
     def _report_bright_area(self) -> None:
         """Report a bright wall or sheet that is wide enough to be taken for floor."""
@@ -332,10 +331,11 @@ class Detector:
         contrast = floor / np.maximum(cv2.erode(floor, _NEAR_FLOOR), 1)
         row, column = np.unravel_index(contrast.argmax(), floor.shape)
         if contrast[row, column] > _BRIGHT_AREA * self._settings.contrast:
-            self._report("bright area", *self._calibration.to_region(8.0 * column + 4, 8.0 * row + 4))
+            self._report("bright area", 8.0 * column + 4, 8.0 * row + 4)
 
-    def _report(self, trouble: str, x: float, y: float) -> None:
-        self.warnings[trouble] = TROUBLES[trouble].format(place=place_text(x, y))
+    def _report(self, trouble: str, u: float, v: float, height: float = 0.0) -> None:
+        place = place_text(*self._calibration.to_region(u, v, height))
+        self.warnings[trouble] = TROUBLES[trouble].format(place=place)
 
     def _detection(
         self, contour: Contour, edge: bool, moments: ShapeMoments, marker: Reading | None = None
@@ -352,8 +352,9 @@ class Detector:
         perimeter = (cv2.arcLength(contour, True) + math.pi) * scale
         column, row = min(contour[:, 0].tolist(), key=lambda pixel: pixel[::-1])
         first = self._calibration.to_region(column + 0.5, row + 0.5, height)
+        x, y = self._calibration.to_region(moments.u, moments.v, height)
         compactness = perimeter * perimeter / area
-        return Detection(moments.x, moments.y, holes, orientation, edge, *first, area, perimeter, compactness)
+        return Detection(x, y, holes, orientation, edge, *first, area, perimeter, compactness)
 
     # ------------------------------------------------------------------ discs
 
@@ -372,28 +373,20 @@ class Detector:
             # What hides a part, such as the black frame of a marker, shifts the centre of the rest.
             rim = self._rim(moments.u, moments.v, moments.level)
             if rim is not None:
-                u, v, *_ = rim
-                x, y = self._calibration.to_region(u, v, self._settings.food_height)
-                return moments._replace(u=u, v=v, x=x, y=y)
+                return moments._replace(u=rim[0], v=rim[1])
         return moments
 
     def _touching_discs(self, patch: ImagePatch, piece: Contour) -> Iterator[tuple[Contour, ShapeMoments]]:
         """The discs in a shape: places as deep in it as the middle of a disc, with mostly floor around."""
         _, labels = cv2.connectedComponents(patch.filled & patch.white)
         column, row = (piece[0, 0] - (patch.column, patch.row)).tolist()
-        mask = (
-            np.where(labels == labels[row, column], np.uint8(255), np.uint8(0))
-            if labels[row, column]
-            else patch.filled
-        )
+        mask = patch.filled
+        if label := labels[row, column]:
+            mask = np.where(labels == label, np.uint8(255), np.uint8(0))
         depth = cv2.distanceTransform(mask, cv2.DIST_L2, 5)
         radius = self._radius * MM_PER_PIXEL / self._calibration.mm_per_pixel()
-        peaks = (
-            (depth >= cv2.dilate(depth, _SQUARE))
-            & (depth > _DEPTH[0] * radius)
-            & (depth < _DEPTH[1] * radius)
-        )
-        places = np.argwhere(peaks)
+        at_depth = (depth > _DEPTH[0] * radius) & (depth < _DEPTH[1] * radius)
+        places = np.argwhere(at_depth & (depth >= cv2.dilate(depth, _SQUARE)))
         if not len(places):
             return
         ring = np.rint(places[:, None] + _RING * radius * _DIRECTIONS).astype(int)
@@ -413,18 +406,12 @@ class Detector:
                 continue
             u, v, growth, _ = rim
             taken.append((u, v))
-            x, y = self._calibration.to_region(u, v, self._settings.food_height)
             deviation = (self._radius + growth) / 2
-            moments = ShapeMoments(u, v, x, y, deviation, deviation, 0.0, 4 * math.pi * deviation**2, level)
             contour = np.rint((u, v) + radius * _DIRECTIONS - 0.5).astype(np.int32)[:, None]
-            yield contour, moments
+            yield contour, ShapeMoments(u, v, deviation, deviation, 0.0, 4 * math.pi * deviation**2, level)
 
     def _trouble(self, patch: ImagePatch, food: ShapeMoments) -> str:
-        """Why a disc may be a reflection on the floor: a key of `TROUBLES`; empty if it is none.
-
-        A reflection that is as large as food has a softer border than the lens's blur makes, or it is brighter than
-        white.
-        """
+        """Why a disc may be a reflection on the floor, with a soft border or brighter than white: a key of `TROUBLES`."""
         if 0 < self._white * patch.floor < _NOT_SATURATED:
             scale = self._calibration.scale(food.u, food.v, self._settings.food_height)
             saturated = np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) * scale**2
@@ -446,11 +433,9 @@ class Detector:
         along = np.arange(max(0.0, self._radius - _REACH), self._radius + _REACH, _STEP)
         places = np.array((u, v)) - 0.5 + (_DIRECTIONS @ to_picture.T)[:, None] * along[:, None]
         columns, rows = np.moveaxis(places.astype(np.float32), 2, 0)
-        grey = cv2.remap(
-            self._picture.frame, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        ).astype(np.float64)
-        floor = self._picture.floor_at(int(u), int(v))
-        edges = white_ends(grey, along, (level + floor) / 2)[:_RAYS] - self._radius
+        frame, floor = self._picture.frame, self._picture.floor_at(int(u), int(v))
+        grey = cv2.remap(frame, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        edges = white_ends(grey.astype(np.float64), along, (level + floor) / 2)[:_RAYS] - self._radius
         visible = np.isfinite(edges)
         for _ in range(_REPEATS):
             if visible.sum() < _LEAST_RAYS:

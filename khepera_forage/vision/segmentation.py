@@ -63,17 +63,15 @@ class ImagePatch(NamedTuple):
 
 
 class ShapeMoments(NamedTuple):
-    """Image moments of a shape up to the second order, on the floor: region coordinates.
+    """Image moments of a shape up to the second order, on the floor (region coordinates).
 
-    (u, v) is the centre in the picture, (x, y) on the floor. `major` and `minor` are the standard deviations along and
-    across the long axis, whose direction is `axis` (radians, -pi/2..pi/2). Border pixels count by their share in the
-    area, and `level` is the mean grey level of the bright pixels inside.
+    (u, v) is the centre in the picture. `major` and `minor` are the standard deviations along and across the long axis,
+    whose direction is `axis` (radians, -pi/2..pi/2). Border pixels count by their share in the area, and `level` is the
+    mean grey level of the bright pixels inside.
     """
 
     u: float
     v: float
-    x: float
-    y: float
     major: float
     minor: float
     axis: float
@@ -153,6 +151,5 @@ def shape_moments(
     mean, spread = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
     if mean <= spread:
         return None
-    x, y = calibration.to_region(u, v, height)
     axis, area = 0.5 * math.atan2(2 * xy, xx - yy), mass / 255 * calibration.scale(u, v, height) ** 2
-    return ShapeMoments(u, v, x, y, math.sqrt(mean + spread), math.sqrt(mean - spread), axis, area, level)
+    return ShapeMoments(u, v, math.sqrt(mean + spread), math.sqrt(mean - spread), axis, area, level)
