@@ -411,7 +411,7 @@ class Detector:
             yield contour, ShapeMoments(u, v, deviation, deviation, 0.0, 4 * math.pi * deviation**2, level)
 
     def _trouble(self, patch: ImagePatch, food: ShapeMoments) -> str:
-        """Why a disc may be a reflection on the floor, with a soft border or brighter than white: a key of `TROUBLES`."""
+        """Why a disc may be a reflection, with a soft border or brighter than white: a key of `TROUBLES`."""
         if 0 < self._white * patch.floor < _NOT_SATURATED:
             scale = self._calibration.scale(food.u, food.v, self._settings.food_height)
             saturated = np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) * scale**2

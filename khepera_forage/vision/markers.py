@@ -305,7 +305,7 @@ class _BorderFit:
     def _solutions(
         self, edges: Floats, trusted: NDArray[np.bool_], cutoffs: tuple[float, ...], spread_cutoff: float
     ) -> tuple[Floats, Floats]:
-        """Shift, turn and growth of the rectangle for each choice of points to trust first; and all points' weights."""
+        """Shift, turn and growth of the rectangle for each choice of points to trust first, and all weights."""
         terms, visible = self._terms[: len(edges)], trusted.any(axis=0)
         weights = trusted.astype(np.float64)
         for cutoff in cutoffs:
