@@ -71,6 +71,8 @@ class Track:
 def match(tracks: Any, detections: Any, count: int, by_place: bool) -> int:
     """Continue tracks with the detections of a frame; tracks that continue with none are lost.
 
+    The cheapest pair of track and detection is matched first, then the next, until no pair is left.
+
     Args:
         tracks: Slots of `Track` records; changed in place.
         detections: `Detection` records.
@@ -80,7 +82,35 @@ def match(tracks: Any, detections: Any, count: int, by_place: bool) -> int:
     Returns:
         How many detections continue no track.
     """
-    _match_by_cost(tracks, detections, count, by_place)
+    for track in tracks:
+        track.detection = -1
+    while True:
+        chosen, which, least, nearest = -1, -1, FORBIDDEN, 0.0
+        for k in range(len(tracks)):
+            track = tracks[k]
+            if track.label < 0 or track.detection >= 0:
+                continue
+            for j in range(count):
+                if _is_shown(tracks, j):
+                    continue
+                detection = detections[j]
+                dx, dy = track.x - detection.x, track.y - detection.y
+                squared = dx * dx + dy * dy
+                cost = association_cost(track, detection, squared <= _GATE_SQUARED, by_place)
+                if cost == FORBIDDEN or cost > least:
+                    continue
+                tie = chosen >= 0 and cost == least and squared == nearest
+                if tie and track.label == tracks[chosen].label:
+                    better = _reads_before(detection, detections[which])
+                elif tie:
+                    better = track.label < tracks[chosen].label
+                else:
+                    better = cost < least or squared < nearest
+                if better:
+                    chosen, which, least, nearest = k, j, cost, squared
+        if chosen < 0:
+            break
+        tracks[chosen].detection = which
     new = count
     for track in tracks:
         shown = track.detection
@@ -151,39 +181,6 @@ def association_cost(track: Any, detection: Any, near: bool, by_place: bool) -> 
     if not track.found:
         return 1
     return 0 if near else 2
-
-
-def _match_by_cost(tracks: Any, detections: Any, count: int, by_place: bool) -> None:
-    """Match the cheapest pair of track and detection first, then the next, until no pair is left."""
-    for track in tracks:
-        track.detection = -1
-    while True:
-        chosen, which, least, nearest = -1, -1, FORBIDDEN, 0.0
-        for k in range(len(tracks)):
-            track = tracks[k]
-            if track.label < 0 or track.detection >= 0:
-                continue
-            for j in range(count):
-                if _is_shown(tracks, j):
-                    continue
-                detection = detections[j]
-                dx, dy = track.x - detection.x, track.y - detection.y
-                squared = dx * dx + dy * dy
-                cost = association_cost(track, detection, squared <= _GATE_SQUARED, by_place)
-                if cost == FORBIDDEN or cost > least:
-                    continue
-                tie = chosen >= 0 and cost == least and squared == nearest
-                if tie and track.label == tracks[chosen].label:
-                    better = _reads_before(detection, detections[which])
-                elif tie:
-                    better = track.label < tracks[chosen].label
-                else:
-                    better = cost < least or squared < nearest
-                if better:
-                    chosen, which, least, nearest = k, j, cost, squared
-        if chosen < 0:
-            return
-        tracks[chosen].detection = which
 
 
 def _is_shown(tracks: Any, detection: int) -> bool:

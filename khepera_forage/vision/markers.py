@@ -272,8 +272,8 @@ class _BorderFit:
     ) -> tuple[float, float, float, bool] | None:
         """The rectangle near an expected pose; with `loose`, far points count, too, if no rectangle fits exactly.
 
-        `affine` is 2 x 3, from places in the expected rectangle's frame (region pixels) to columns and rows. Returns the
-        shift of the centre along and across the long axis (region pixels), the turn of the axis (radians), and
+        `affine` is 2 x 3, from places in the expected rectangle's frame (region pixels) to columns and rows. Returns
+        the shift of the centre along and across the long axis (region pixels), the turn of the axis (radians), and
         whether little of the border is hidden; None if too little of it is visible.
         """
         columns, rows = (self._places @ affine[:, :2].T + affine[:, 2]).astype(np.float32).T

@@ -157,7 +157,6 @@ class VideoSource:
         self._ready, self._closing = threading.Event(), threading.Event()
         self._reader: threading.Thread | None = None
         self._capture = self._opened()
-        self._is_first = True
         try:
             if paced or not self._is_file:
                 self._reader = threading.Thread(
@@ -170,10 +169,8 @@ class VideoSource:
             if self._latest is None:
                 if isinstance(self._end, ValueError):
                     raise ValueError(f"camera {self._name} has {self._end}")
-                reason = (
-                    _reason(self._end) if self._end else f"opened, but no frame within {10 * timeout:g} s"
-                )
-                raise CameraLost(self._name, reason, None) from self._end
+                late = f"opened, but no frame within {10 * timeout:g} s"
+                raise CameraLost(self._name, _reason(self._end) if self._end else late, None) from self._end
         except BaseException:
             self.close()
             raise
@@ -190,15 +187,13 @@ class VideoSource:
         """
         if self._closing.is_set():
             raise ValueError(f"camera {self._name} was closed; allowed: newest() before close()")
-        if self._reader is None and not self._is_first:
-            self._read_one()
-        self._is_first = False
         assert self._latest is not None
         frame, taken = self._latest
         age = time.monotonic() - taken
         if self._end is not None:
             raise CameraLost(self._name, _reason(self._end), age) from self._end
         if self._reader is None:
+            self._read_one()  # the next frame
             return frame, 0.0
         if age > self._timeout:
             raise CameraLost(self._name, f"no new frame within {self._timeout:g} s", age)
