@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
 from khepera_forage.vision.scene import Truth
@@ -19,19 +20,20 @@ from tests.vision.scene_renderer import (
     PAIR,
     ROW,
     Frame,
-    centroid,
-    grey_at,
     render_frame,
     render_frames,
 )
 
-# ---------------------------------------------------------------- truth
+
+def centroid(weight: NDArray[np.float64]) -> tuple[float, float]:
+    """Centroid in pixels, x right and y up."""
+    return float((weight * COLUMN).sum() / weight.sum()), 480 - float((weight * ROW).sum() / weight.sum())
 
 
 @given(x=st.floats(200, 3000), y=st.floats(200, 2200), heading=st.floats(-math.pi, math.pi))
-@settings(max_examples=40, deadline=None)
-def test_marker_is_exact_to_a_twentieth_of_a_pixel(x: float, y: float, heading: float) -> None:
-    # With everything else black, grey levels are the coverage by the marker's white.
+@settings(max_examples=40)
+def test_markers_and_food_are_exact_to_a_twentieth_of_a_pixel(x: float, y: float, heading: float) -> None:
+    # With everything else black, grey levels are the coverage by white.
     appearance = replace(NONE, floor=0, black=0, body=0, gripper=0, white=250)
     for holes in (1, 2):
         white = render_frame(Truth(((x, y, heading, holes),), ()), appearance).astype(float) / 250
@@ -44,14 +46,14 @@ def test_marker_is_exact_to_a_twentieth_of_a_pixel(x: float, y: float, heading: 
         dx, dy = COLUMN - cx, 480 - ROW - cy
         turn = math.atan2(2 * (white * dx * dy).sum(), (white * (dx * dx - dy * dy)).sum()) / 2
         assert math.sin(turn - heading) == pytest.approx(0, abs=math.radians(0.5))
-
-
-@given(x=st.floats(100, 3100), y=st.floats(100, 2300))
-@settings(max_examples=40, deadline=None)
-def test_food_is_exact_to_a_twentieth_of_a_pixel(x: float, y: float) -> None:
-    white = render_frame(Truth((), ((x, y),)), replace(NONE, floor=0, white=250)).astype(float) / 250
+    white = render_frame(Truth((), ((x, y),)), appearance).astype(float) / 250
     assert centroid(white) == pytest.approx((x / 5, y / 5), abs=0.05)
     assert white.sum() == pytest.approx(math.pi * 3.5**2, rel=0.01)
+
+
+def grey_at(frame: Frame, x: float, y: float) -> int:
+    """The grey level at a place in mm."""
+    return int(frame[479 - int(y / 5), int(x / 5)])
 
 
 def test_parts_of_a_robot_are_at_their_places() -> None:
@@ -67,12 +69,11 @@ def test_parts_of_a_robot_are_at_their_places() -> None:
 
 
 def test_food_under_a_marker_is_hidden() -> None:
-    bare = render_frame(Truth(((1000.0, 1000.0, 0.7, 2),), ()))
-    assert np.array_equal(bare, render_frame(Truth(((1000.0, 1000.0, 0.7, 2),), ((1010.0, 995.0),))))
+    marker = ((1000.0, 1000.0, 0.7, 2),)
+    bare = render_frame(Truth(marker, ()))
+    assert np.array_equal(bare, render_frame(Truth(marker, ((1010.0, 995.0),))))
     # Food in the gripper is partly ahead of the marker.
-    assert (
-        bare != render_frame(Truth(((1000.0, 1000.0, 0.7, 2),), ((1000 + 56 * 0.77, 1000 + 56 * 0.64),)))
-    ).any()
+    assert (bare != render_frame(Truth(marker, ((1000 + 56 * 0.77, 1000 + 56 * 0.64),)))).any()
 
 
 def test_objects_at_the_border_are_cut_off() -> None:
@@ -87,15 +88,11 @@ def test_objects_at_the_border_are_cut_off() -> None:
     assert quarter.sum() == pytest.approx(math.pi * 3.5**2 / 2, rel=0.02)
 
 
-# ---------------------------------------------------------------- markers
-
-
-# ---------------------------------------------------------------- source, and bad input
-
-
-def test_frame_before_reset_is_refused() -> None:
+def test_frame_before_reset_and_invalid_period_are_refused() -> None:
     with pytest.raises(RuntimeError, match="before any reset"):
         FrameRenderer(lambda: PAIR).frame()
+    with pytest.raises(ValueError, match=r"period of frames is -1 s; allowed"):
+        FrameRenderer(lambda: PAIR, period=-1)
 
 
 @pytest.mark.parametrize(
@@ -111,11 +108,6 @@ def test_frame_before_reset_is_refused() -> None:
 def test_invalid_appearance_is_refused(change: dict[str, float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         replace(LABORATORY, **change)
-
-
-def test_invalid_period_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"period of frames is -1 s; allowed"):
-        FrameRenderer(lambda: PAIR, period=-1)
 
 
 def test_same_seed_gives_the_same_frames() -> None:
@@ -151,9 +143,6 @@ def test_light_falls_off_to_the_corners_and_drifts() -> None:
     levels = [float(frame.mean()) for frame in render_frames(Truth((), ()), appearance, 600)]
     assert max(levels) - min(levels) > 0.05 * NONE.floor
     assert max(abs(b - a) for a, b in itertools.pairwise(levels)) < 1.0, "slowly"
-
-
-# ---------------------------------------------------------------- cables
 
 
 def change_by_cables(
