@@ -147,7 +147,17 @@ class Calibration:
         camera = None if self.camera is None else _checked_numbers("camera", self.camera, 3, "(x, y, height)")
         if camera is not None and camera[2] <= 0:
             raise ValueError(f"calibration camera is {camera}; allowed: a height above 0 mm")
-        _check_view(picture, floor)
+        # The picture's v grows downwards: seen from above, a left turn on the floor is a right turn.
+        reversed_turns = [
+            _cross(*(floor[i] for i in three)) * _cross(*(picture[i] for i in three)) < 0
+            for three in combinations(range(4), 3)
+        ]
+        if not all(reversed_turns):
+            how = "crossed" if any(reversed_turns) else "mirrored"
+            raise ValueError(
+                f"calibration points are {how}: picture {picture} cannot be a view from above of floor {floor}; "
+                "allowed: both in the same order"
+            )
         size, lens = tuple(self.size), self.lens
         if len(size) != 2 or not all(type(n) is int and n >= 16 for n in size):
             raise ValueError(
@@ -312,21 +322,6 @@ def _transformed(matrix: Matrix, p: float, q: float) -> Point:
     a, b, c, d, e, f, g, h, i = matrix
     w = g * p + h * q + i
     return (a * p + b * q + c) / w, (d * p + e * q + f) / w
-
-
-def _check_view(picture: Sequence[Sequence[float]], floor: Sequence[Sequence[float]]) -> None:
-    """Refuse four points that cannot be a view from above of four points on the floor."""
-    # The picture's v grows downwards: in a picture that is not mirrored, a left turn on the floor is a right turn.
-    reversed_turns = [
-        _cross(*(floor[i] for i in three)) * _cross(*(picture[i] for i in three)) < 0
-        for three in combinations(range(4), 3)
-    ]
-    if not all(reversed_turns):
-        how = "crossed" if any(reversed_turns) else "mirrored"
-        raise ValueError(
-            f"calibration points are {how}: picture {picture} cannot be a view from above of floor {floor}; "
-            "allowed: both in the same order"
-        )
 
 
 def _checked_numbers(name: str, value: object, count: int, form: str) -> tuple[float, ...]:

@@ -58,22 +58,12 @@ _HALF_LENGTH, _HALF_WIDTH = MARKER_LENGTH / 2, MARKER_WIDTH / 2
 _HALF_LENGTH_PX, _HALF_WIDTH_PX = _HALF_LENGTH / MM_PER_PIXEL, _HALF_WIDTH / MM_PER_PIXEL
 
 
-class Features(NamedTuple):
-    """Features of a region that Quek's tracker stores but does not use for tracking (3.5).
-
-    Attributes:
-        area: In square pixels, holes not counted.
-        perimeter: Outer contour in pixels.
-        compactness: perimeter^2 / area.
-    """
-
-    area: float
-    perimeter: float
-    compactness: float
+Features = tuple[float, float, float]
+"""Area, perimeter and compactness of a `Region`, which Quek's tracker stores but does not use for tracking (3.5)."""
 
 
 def _features(area: float, perimeter: float) -> Features:
-    return Features(area, perimeter, perimeter * perimeter / area)
+    return area, perimeter, perimeter * perimeter / area
 
 
 MARKER_FEATURES = {

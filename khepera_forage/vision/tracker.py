@@ -44,25 +44,13 @@ class Tracker:
     """Detects markers and food in frames, and tracks them.
 
     Frames have any size, that of the calibration, and are grey or in colour. Frames that show much more or less than
-    5 mm of the floor in a pixel are resized to that.
+    5 mm of the floor in a pixel are resized to that. Bright shapes of a marker's size, with holes that some marker in
+    use has, are markers, and discs of food's size with a sharp border are food.
 
-    Detection:
-        Pixels clearly brighter than the floor around them are segmented (`segmentation`). A bright shape of a marker's
-        size is a marker. Its centre and axis come from the visible parts of its four sides, and its number and front
-        from the arrangement of its holes, after cables are removed (`markers`). A disc of food's size with a sharp
-        border is food (`detection`). Tags are found by `tags`. All other shapes are ignored: walls, cables, and markers
-        or food of which too little is visible.
-
-    Uncertainty:
-        An uncertain shape is lost; it is never reported with a number that may be wrong, and `warnings` names the
-        cause. A new region, or one that has jumped or is reversed, counts when two (food) or three (markers)
-        consecutive frames agree on it, except in the first frame. `image_quality` tells when blur, exposure, noise
-        or pale print make the whole picture uncertain.
-
-    Lost food:
-        Food is dropped once its last place is visible and empty (`association`). A place is visible when food there
-        would be inside the picture and clear of every marker, found or lost, and when its pixels have looked like
-        floor in `settings.patience` consecutive frames.
+    An uncertain shape is lost; it is never reported with a number that may be wrong, and `warnings` names the cause. A
+    new region, or one that has jumped or is reversed, counts when two (food) or three (markers) consecutive frames
+    agree on it, except in the first frame. Food is dropped once its last place is inside the picture, clear of every
+    marker, and has looked like floor in `settings.patience` consecutive frames.
 
     Not thread-safe.
 

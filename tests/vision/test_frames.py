@@ -41,7 +41,7 @@ def test_markers_and_food_are_exact_to_a_twentieth_of_a_pixel(x: float, y: float
         cx, cy = centroid(white)
         assert cx == pytest.approx(x / 5 + ahead / 5 * math.cos(heading), abs=0.05)
         assert cy == pytest.approx(y / 5 + ahead / 5 * math.sin(heading), abs=0.05)
-        assert white.sum() == pytest.approx(MARKER_FEATURES[holes].area, rel=0.01)
+        assert white.sum() == pytest.approx(MARKER_FEATURES[holes][0], rel=0.01)
         # The long side lies along the heading.
         dx, dy = COLUMN - cx, 480 - ROW - cy
         turn = math.atan2(2 * (white * dx * dy).sum(), (white * (dx * dx - dy * dy)).sum()) / 2
