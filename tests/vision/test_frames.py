@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -24,8 +25,10 @@ from tests.vision.scene_renderer import (
     render_frames,
 )
 
+Floats = NDArray[np.float64]
 
-def centroid(weight: NDArray[np.float64]) -> tuple[float, float]:
+
+def centroid(weight: Floats) -> tuple[float, float]:
     """Centroid in pixels, x right and y up."""
     return float((weight * COLUMN).sum() / weight.sum()), 480 - float((weight * ROW).sum() / weight.sum())
 
@@ -145,27 +148,43 @@ def test_light_falls_off_to_the_corners_and_drifts() -> None:
     assert max(abs(b - a) for a, b in itertools.pairwise(levels)) < 1.0, "slowly"
 
 
-def change_by_cables(
-    truth: Truth, appearance: CameraAppearance, anchor: tuple[float, float], frames: int = 1
-) -> list[Frame]:
-    """Absolute change of every pixel by the cables, frame by frame."""
-    bare = render_frame(truth, NONE).astype(int)
-    return [np.abs(frame - bare) for frame in render_frames(truth, appearance, frames, anchor=anchor)]
+TO_THE_LEFT = Truth(((500.0, 1000.0, 0.3, 2),), ())
+ANCHOR = (2000.0, 1000.0)
+
+
+def with_cables(appearance: CameraAppearance, frames: int = 1) -> Iterator[tuple[Frame, list[Floats]]]:
+    """Frames, and the cables in each, in pixels."""
+    renderer = FrameRenderer(lambda: TO_THE_LEFT, appearance, ANCHOR)
+    assert renderer.cables == []
+    renderer.reset(np.random.default_rng(0))
+    for _ in range(frames):
+        yield renderer.frame(), renderer.cables
 
 
 def test_cable_runs_from_anchor_to_robot_but_not_over_its_marker() -> None:
-    truth, anchor = Truth(((1000.0, 1000.0, 0.3, 2),), ()), (2000.0, 1500.0)
-    (change,) = change_by_cables(truth, replace(NONE, cable_width=4.0), anchor)
-    rows, columns = np.nonzero(change > 10)
-    x, y = columns + 0.5, 480 - (rows + 0.5)
-    assert np.hypot(x - 400, y - 300).min() < 2, "at the anchor"
-    from_robot = np.hypot(x - 200, y - 200)
-    assert from_robot.min() < 16, "at the marker's rim"
-    along, aside = (
-        (x - 200) * math.cos(0.3) + (y - 200) * math.sin(0.3),
-        (y - 200) * math.cos(0.3) - (x - 200) * math.sin(0.3),
-    )
-    assert not ((np.abs(along) < 12) & (np.abs(aside) < 8)).any(), "its own marker is clear"
+    ((frame, (curve,)),) = with_cables(replace(NONE, cable_width=4.0))
+    assert curve[0] == pytest.approx((400, 200)), "at the anchor"
+    assert curve[-1] == pytest.approx((100, 200)), "under the marker"
+    for x, y in curve[:-3]:
+        assert frame[479 - int(y), int(x)] < NONE.floor - 5
+    bare = render_frame(TO_THE_LEFT, NONE)
+    x, y = COLUMN - 100, 480 - ROW - 200
+    ahead, aside = x * math.cos(0.3) + y * math.sin(0.3), y * math.cos(0.3) - x * math.sin(0.3)
+    own = (np.abs(ahead) < 12) & (np.abs(aside) < 8)
+    assert np.array_equal(frame[own], bare[own]), "its own marker is clear"
+    changed = np.argwhere(frame != bare)
+    assert np.hypot(*(changed - (280, 100)).T).min() < 16, "up to the marker's rim"
+    ((frame, cables),) = with_cables(NONE)
+    assert cables == []
+    assert np.array_equal(frame, bare)
+
+
+def test_cables_sway_slowly() -> None:
+    frames = with_cables(replace(NONE, cable_width=4.0), 100)
+    heights = [float(curve[len(curve) // 2, 1]) for _, (curve,) in frames]
+    assert max(heights) - min(heights) > 3
+    assert max(abs(b - a) for a, b in itertools.pairwise(heights)) < 1.5
+    assert abs(np.mean(heights) - 200) > 5, "sag to one side"
 
 
 def test_cable_covers_other_markers_and_food() -> None:
@@ -177,32 +196,3 @@ def test_cable_covers_other_markers_and_food() -> None:
     assert frame[278:282, 235].min() < 200, "over the other robot's marker"
     across = [grey_at(frame, 1200, y) for y in range(970, 1035, 5)]
     assert min(across) < 200 < max(across)
-
-
-def test_cables_property_matches_the_frame() -> None:
-    truth, anchor = Truth(((500.0, 1000.0, 0.0, 1),), ()), (2000.0, 1000.0)
-    renderer = FrameRenderer(lambda: truth, replace(NONE, cable_width=4.0), anchor)
-    assert renderer.cables == []
-    renderer.reset(np.random.default_rng(0))
-    frame = renderer.frame().astype(int)
-    (curve,) = renderer.cables
-    assert curve[0] == pytest.approx((400, 200))
-    assert curve[-1] == pytest.approx((100, 200))
-    for x, y in curve[:-3]:
-        assert frame[479 - int(y), int(x)] < NONE.floor - 5
-    still = FrameRenderer(lambda: truth, NONE, anchor)
-    still.reset(np.random.default_rng(0))
-    still.frame()
-    assert still.cables == []
-
-
-def test_cables_sway_slowly() -> None:
-    truth, anchor = Truth(((500.0, 1000.0, 0.0, 1),), ()), (2000.0, 1000.0)
-    changes = change_by_cables(truth, replace(NONE, cable_width=4.0), anchor, 100)
-    heights = []
-    for change in changes:
-        column = change[:, 250].astype(float)
-        heights.append(float((column * (np.arange(480) + 0.5)).sum() / column.sum()))
-    assert max(heights) - min(heights) > 3
-    assert max(abs(b - a) for a, b in itertools.pairwise(heights)) < 1.5
-    assert abs(np.mean(heights) - 280) > 5, "sag to one side"

@@ -40,20 +40,30 @@ def errors(poses: Mapping[int, Pose], found: Sequence[Detection]) -> list[tuple[
     return [(5 * position_error(d, *poses[d.holes][:2]), heading_error(d, poses[d.holes][2])) for d in found]
 
 
-@pytest.mark.parametrize(("width", "height"), [(848, 480), (1280, 720), (1920, 1080)])
-def test_tags_are_found_exactly(width: int, height: int) -> None:
-    rng, tracker = np.random.default_rng(1), Tracker(TAGS)
+@pytest.mark.parametrize(
+    ("width", "height", "markers"),
+    [
+        *((848, 480, "tags"), (1280, 720, "tags"), (1920, 1080, "tags")),
+        *((640, 480, "grid"), (848, 480, "grid"), (1280, 720, "grid")),
+    ],
+)
+def test_tags_and_twelve_markers_are_found_exactly_and_never_mistaken(
+    width: int, height: int, markers: str
+) -> None:
+    numbers = ROBOTS if markers == "tags" else tuple(GRID_HOLES)
+    rng, tracker = np.random.default_rng(1), Tracker(replace(TAGS, markers=markers, numbers=numbers))
     found = []
     for seed in range(2):
         scene = Scene(width, height, rng=seed)
-        poses = dict(zip(ROBOTS, places(len(ROBOTS), rng, 3200, 3200 * height / width, 300), strict=True))
-        for tag, pose in poses.items():
-            scene.put(tag_sheet(tag, 100.0), pose)
-        scene.put(tag_sheet(30, 100.0), (3050.0, 150.0, 1.0))  # of another laboratory
+        poses = dict(zip(numbers, places(len(numbers), rng, 3200, 3200 * height / width, 300), strict=True))
+        for number, pose in poses.items():
+            scene.put(tag_sheet(number, 100.0) if markers == "tags" else grid_sheet(number), pose)
+        if markers == "tags":
+            scene.put(tag_sheet(30, 100.0), (3050.0, 150.0, 1.0))  # of another laboratory
         found += errors(poses, tracker.detect(scene.frame()))
-    assert len(found) == 2 * len(ROBOTS)
-    assert max(error for error, _ in found) < 1.5
-    assert max(degrees for _, degrees in found) < 3
+    assert len(found) == 2 * len(numbers)
+    assert max(error for error, _ in found) < (1.5 if markers == "tags" else 1)
+    assert max(degrees for _, degrees in found) < (3 if markers == "tags" else 2)
     assert float(np.median([error for error, _ in found])) < 0.4
 
 
@@ -74,21 +84,6 @@ def test_tags_under_a_cable_are_found_at_1280_x_960() -> None:
         found += errors(poses, tracker.detect(scene.frame()))
     assert len(found) >= 0.9 * 4 * len(ROBOTS)
     assert max(error for error, _ in found) < 2.5
-
-
-@pytest.mark.parametrize(("width", "height"), [(640, 480), (848, 480), (1280, 720)])
-def test_twelve_markers_are_found_and_never_mistaken(width: int, height: int) -> None:
-    rng = np.random.default_rng(2)
-    tracker = Tracker(TrackerSettings(markers="grid", numbers=tuple(GRID_HOLES)))
-    for seed in range(2):
-        scene = Scene(width, height, rng=seed)
-        poses = dict(zip(GRID_HOLES, places(12, rng, 3200, 3200 * height / width, 300), strict=True))
-        for number, pose in poses.items():
-            scene.put(grid_sheet(number), pose)
-        found = errors(poses, tracker.detect(scene.frame()))
-        assert len(found) == 12
-        assert max(error for error, _ in found) < 1
-        assert max(degrees for _, degrees in found) < 2
 
 
 def test_one_hidden_hole_never_makes_another_marker() -> None:
