@@ -71,16 +71,9 @@ class Track:
 def match(tracks: Any, detections: Any, count: int, by_place: bool) -> int:
     """Continue tracks with the detections of a frame; tracks that continue with none are lost.
 
-    The cheapest pair of track and detection is matched first, then the next, until no pair is left.
-
-    Args:
-        tracks: Slots of `Track` records; changed in place.
-        detections: `Detection` records.
-        count: How many of them the frame has.
-        by_place: Whether only places count, whatever the number of holes (markers without readable holes, 3.5).
-
-    Returns:
-        How many detections continue no track.
+    The cheapest pair of track and detection is matched first, then the next, until no pair is left. Slots of tracks are
+    changed in place; `count` is the number of detections, and with `by_place` only places count, whatever the number of
+    holes (3.5). Returns how many detections continue no track.
     """
     for track in tracks:
         track.detection = -1
@@ -132,19 +125,10 @@ def may_vanish(track: Any, by_place: bool) -> bool:
 
 
 def start_tracks(tracks: Any, detections: Any, count: int, next_label: int) -> int:
-    """Start a track for each detection that continues none, in reading order.
+    """Start a track for each detection that continues none, in reading order; returns the next label then.
 
     Without a free slot the oldest lost track makes way. That cannot happen with twice as many slots as regions, unless
     several last places of one food object are hidden at once.
-
-    Args:
-        tracks: Slots of `Track` records; changed in place.
-        detections: `Detection` records.
-        count: How many of them the frame has.
-        next_label: Label of the next new track.
-
-    Returns:
-        The label of the next new track then.
     """
     while True:
         first = -1
@@ -167,10 +151,8 @@ def start_tracks(tracks: Any, detections: Any, count: int, next_label: int) -> i
 def association_cost(track: Any, detection: Any, near: bool, by_place: bool) -> int:
     """Cost of continuing a track with a detection: 0 is best, `FORBIDDEN` is never done.
 
-    A track that was found until now is near its last place, and one that has been lost for a while may be anywhere. So
-    a lost track never takes the detection of a tracked region that passes its last place.
-
-    `near` tells whether the two are within `GATE`; `by_place` is that of `match`.
+    A track that was found until now is near its last place, within `GATE`, and one that has been lost for a while may
+    be anywhere. So a lost track never takes the detection of a tracked region that passes its last place.
     """
     if by_place:
         if not near:

@@ -202,13 +202,10 @@ def is_well_exposed(frame: Frame) -> bool:
 
 
 def why_unusable(frame: Frame, tracker: "Tracker", strict: bool) -> str:
-    """Why a frame shows no scene, and what to change; empty for a usable frame.
+    """Why a frame (grey levels) shows no scene, and what to change; empty for a usable frame.
 
-    Args:
-        frame: 480 x 640 grey levels.
-        tracker: Finds markers.
-        strict: Whether a frame beyond the limits of exposure is unusable, as it is after a sudden change: food may be
-            invisible. Otherwise it is usable if the tracker finds a marker in it.
+    When `strict`, a frame beyond the limits of exposure is unusable, as it is after a sudden change: food may be
+    invisible. Otherwise it is usable if the tracker finds a marker in it.
     """
     import cv2
 

@@ -321,10 +321,10 @@ class _BorderFit:
 
 
 def white_ends(samples: Floats, offsets: Floats, middle: float) -> Floats:
-    """Where white ends along lines of samples: the first place on each line, then the last places.
+    """Where white ends along lines of samples at some offsets: the first place on each line, then the last places.
 
     A cable may lie within the border. Places are nan on lines where white does not end, and the last ones also where it
-    ends only once. `offsets` are the places of the samples, `middle` is the grey level between white and not.
+    ends only once. `middle` is the grey level between white and not.
     """
     ends = (samples[:, :-1] >= middle) & (samples[:, 1:] < middle)
     first, last = ends.argmax(axis=1), ends.shape[1] - 1 - ends[:, ::-1].argmax(axis=1)
@@ -342,8 +342,7 @@ def white_ends(samples: Floats, offsets: Floats, middle: float) -> Floats:
 def _sides_along_cables(levels: Floats, floor: float) -> NDArray[np.bool_]:
     """For each side, whether a cable lies along it, given grey levels beyond its ends.
 
-    Such a cable covers only a fraction of a pixel of the white, and looks like the black frame. Of two opposite sides
-    one is needed to measure the marker: if something lies along both, neither is given.
+    Such a cable looks like the black frame. One of two opposite sides is needed: none is given if both have a cable.
     """
     means = levels.reshape(4, 2, len(_ASIDE), len(_BEYOND_ENDS)).mean(axis=3)
     seen: NDArray[np.bool_] = (np.abs(means - floor) > _CABLE_DEVIATION * floor).any(axis=2).all(axis=1)

@@ -268,10 +268,7 @@ class FrameRenderer:
         """Do nothing: there is no device to release."""
 
     def picture(self, truth: Truth | None = None) -> Frame:
-        """Floor, food, robots and markers under full, even light: a frame without cables, lens and sensor.
-
-        Args:
-            truth: What to draw; None for what is there.
+        """What is there, or another truth, under full, even light: a frame without cables, lens and sensor.
 
         Raises:
             RuntimeError: The renderer was never reset.
@@ -335,10 +332,10 @@ class SlowNoise:
 
 
 class Light:
-    """Uneven and slowly varying light, blur, noise and quantisation.
+    """Blur, light that is a slowly tilting plane minus a paraboloid (the vignette), noise and quantisation.
 
-    The light is a slowly tilting plane minus a paraboloid (the vignette). The noise is normal and independent from
-    pixel to pixel. For speed it is drawn once, and each frame uses a randomly shifted and mirrored part of it.
+    The noise is normal and independent from pixel to pixel. For speed it is drawn once, and each frame uses a randomly
+    shifted and mirrored part of it.
     """
 
     def __init__(
