@@ -12,7 +12,6 @@ from khepera_forage.extras import require
 from khepera_forage.robots.khepera import MARKER_WIDTH
 from khepera_forage.vision.association import GATE, Detection, Track, match, may_vanish, start_tracks
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.image_quality import measure_quality
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene, place_text
 from khepera_forage.vision.shapes import Plate
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -310,6 +309,8 @@ class TrackedCamera:
                 self._logged.add(name)
         self._until_check -= 1
         if self._until_check < 0:
+            from khepera_forage.vision.image_quality import measure_quality
+
             self._until_check = _CHECK_INTERVAL
             found = measure_quality(self._tracker.reduced(frame)).warnings(self._tracker.settings)
             for name, text in found.items():

@@ -45,7 +45,7 @@ DRAWING = (
     "khepera_forage.rollouts.rendered_training",
     *(
         f"khepera_forage.vision.{name}"
-        for name in ("rendering", "detection", "markers", "segmentation", "tags")
+        for name in ("rendering", "detection", "markers", "segmentation", "tags", "image_quality")
     ),
 )
 """Modules that draw or read frames; those that import them say what to install."""
