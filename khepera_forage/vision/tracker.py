@@ -159,11 +159,8 @@ class Tracker:
             all_shown = len(same) >= sum(r.holes == region.holes for r in regions)
             if not all_shown and all(_distance(d, region) > GATE for d in same):
                 markers.append(region)
-        turns = [math.radians(m.orientation) for m in markers]
-        return [
-            Plate(m.x * MM_PER_PIXEL, m.y * MM_PER_PIXEL, math.cos(turn), math.sin(turn))
-            for m, turn in zip(markers, turns, strict=True)
-        ]
+        poses = ((m.x * MM_PER_PIXEL, m.y * MM_PER_PIXEL, math.radians(m.orientation)) for m in markers)
+        return [Plate(x, y, math.cos(turn), math.sin(turn)) for x, y, turn in poses]
 
 
 class Confirmation:
