@@ -64,9 +64,8 @@ def draw_scene(
         for side in (settings.marker_length, settings.marker_width)
     )
     box = [(length, width), (-length, width), (-length, -width), (length, -width)]
-    disc = [
-        (settings.food_radius / MM_PER_PIXEL * x, settings.food_radius / MM_PER_PIXEL * y) for x, y in _CIRCLE
-    ]
+    radius = settings.food_radius / MM_PER_PIXEL
+    disc = [(radius * x, radius * y) for x, y in _CIRCLE]
     cross = [(-1.5, 0.0), (1.5, 0.0)], [(0.0, -1.5), (0.0, 1.5)]
     arrow = [(0.0, 0.0), (tip, 0.0)], [(tip - 3, 2.5), (tip, 0.0), (tip - 3, -2.5)]
     for region in scene.regions:
@@ -74,11 +73,16 @@ def draw_scene(
         colour = (MARKER if marker else FOOD) if region.found else LOST
         height = settings.marker_height if marker else settings.food_height
         strokes = (box if marker else disc, *cross, *(arrow if marker else ()))
-        outline, *others = (_shown(region, stroke, calibration, height) for stroke in strokes)
-        for corners in (outline, *others):
-            points = np.rint((corners - 0.5) * 2**_FRACTIONAL_BITS).astype(np.int32)
-            closed = corners is outline
+        heading = math.radians(region.orientation)
+        cos, sin = math.cos(heading), math.sin(heading)
+        drawn = []
+        for stroke in strokes:
+            places = [(region.x + x * cos - y * sin, region.y + x * sin + y * cos) for x, y in stroke]
+            drawn.append(np.array([calibration.to_picture(x, y, height) for x, y in places]))
+            points = np.rint((drawn[-1] - 0.5) * 2**_FRACTIONAL_BITS).astype(np.int32)
+            closed = stroke is strokes[0]
             cv2.polylines(picture, [points], closed, colour, thickness, cv2.LINE_AA, _FRACTIONAL_BITS)
+        outline, *_ = drawn
         # The caption of a marker is above its outline, that of food below, so that neighbours stay apart.
         text, gap = caption(region, settings.markers), 3 * enlargement
         (_, letters), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, thickness)
@@ -100,17 +104,3 @@ def caption(region: Region, markers: str = "holes") -> str:
         kind = f"{'tag' if markers == 'tags' else 'marker'} {region.holes}"
     kind = kind if region.holes else "food"
     return f"{region.label}: {kind}{'' if region.found else ', lost'}"
-
-
-def _shown(
-    region: Region, points: list[tuple[float, float]], calibration: Calibration, height: float
-) -> NDArray[np.float64]:
-    """Where the frame shows points of the region's own frame (region pixels) at a height in mm."""
-    heading = math.radians(region.orientation)
-    cos, sin = math.cos(heading), math.sin(heading)
-    return np.array(
-        [
-            calibration.to_picture(region.x + x * cos - y * sin, region.y + x * sin + y * cos, height)
-            for x, y in points
-        ]
-    )
