@@ -284,7 +284,7 @@ def model_table(rows: Sequence[Observation]) -> Table:
         lines.append({"quantity": f"{name}, {kind}" if kind else name, "Noise.laboratory()": told})
         for column, own in by.items():
             each = value(pick(own, kind=kind) if kind else own)
-            lines[-1][column] = each if isinstance(each, Estimate) else Estimate(each, math.nan, math.nan)
+            lines[-1][column] = each if isinstance(each, Estimate) else Estimate(each)
 
     for kind in KINDS:
         add("position_jitter (px)", noise.position_jitter, lambda own: _spread(errors(own).offsets), kind)
