@@ -355,7 +355,7 @@ def errors_figure(rows: Sequence[Observation]) -> "Figure":
                 share = 1 - np.arange(len(values)) / max(1, len(values))
                 panels[name].step(np.sort(values), share, color=colour, ls=_LINES[kind], lw=1.4)
             for cable in (False, True):
-                rate = Estimate(*(1000 * value for value in losses(own, cable).rate))
+                rate = losses(own, cable).rate.times(1000)
                 mark(below, rate.value, 2 * place + cable + shift, rate, colour, level=True, marker=marker)
                 highest = max([highest, *(value for value in rate if np.isfinite(value))])
     for name, goal, unit in (("centre", 1.0, "pixels"), ("heading", 3.0, "degrees")):
