@@ -465,6 +465,8 @@ def _crossings(darkness: Darkness) -> list[Crossing]:
     ring, on_sides = _ring(*darkness.shape)
     values = darkness[ring[:, 0], ring[:, 1]]
     values = values - np.median(values)
+    if not (values > _CROSSING).any():
+        return []
     # Start at a bright sample, so that no crossing is cut in two.
     start = int(np.argmin(values > _CROSSING))
     ring, on_sides, values = np.roll(ring, -start, 0), np.roll(on_sides, -start, 1), np.roll(values, -start)
@@ -479,7 +481,7 @@ def _crossings(darkness: Darkness) -> list[Crossing]:
             part = values[begin:end]
             row, column = part @ ring[begin:end] / part.sum()
             crossings.append((float(row), float(column), float(part.max())))
-    darkest = max((darkness for _, _, darkness in crossings), default=0.0)
+    darkest = max(darkness for _, _, darkness in crossings)
     return [crossing for crossing in crossings if crossing[2] >= _WEAK * darkest]
 
 
