@@ -15,7 +15,6 @@ import warnings
 from collections.abc import Generator, Sequence
 from contextlib import closing, redirect_stdout, suppress
 from dataclasses import dataclass, fields
-from functools import partial
 from io import StringIO
 from itertools import zip_longest
 from pathlib import Path
@@ -24,7 +23,6 @@ from typing import TYPE_CHECKING
 from unittest.mock import patch
 
 import numpy as np
-from laboratory import Work
 from laboratory.failing_devices import (
     CAMERA,
     KINDS,
@@ -49,7 +47,7 @@ from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.option_values import OneLineParser
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import TrainingRow
-from khepera_forage.study import Count, Page, Picture, collect, finish, parse
+from khepera_forage.study import Count, Job, Page, Picture, collect, finish, parse
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -440,8 +438,7 @@ def main() -> int:
     given = parse("lab_faults", __doc__, COUNT)
     kinds, pause = (KINDS[::QUICK], QUICK_PAUSE) if given.quick else (KINDS, PAUSE)
     units = [
-        Work(f"series {number}", partial(series, number, kinds, given.seed, pause))
-        for number in range(given.series)
+        Job(f"series {number}", series, (number, kinds, given.seed, pause)) for number in range(given.series)
     ]
     rows = collect(given, units, {FaultRow: "faults", TrainingResult: "trainings"})
     faults = rows.of(FaultRow)

@@ -15,11 +15,11 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
-from laboratory import Work
 from laboratory.lenses import LAYOUTS, Trial, calibrations, lenses_table
 from laboratory.limits import SWEEPS, Conditions, Point, frames, limit_points, limits_picture, limits_table
 from laboratory.observations import (
@@ -40,12 +40,24 @@ from laboratory.observations import (
 from laboratory.troubles import SETUPS, Trouble, troubled_drive, troubles_table
 from numpy.typing import NDArray
 
-from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, extremes, percent, pick
-from khepera_forage.figures import COLOURS, GREY, OURS, SMALL, THESIS, WIDTH, grid, mark, new_figure
+from khepera_forage.estimates import UNKNOWN, Estimate, Table, Value, extremes, percent, pick, table_of
+from khepera_forage.figures import (
+    COLOURS,
+    GREY,
+    OURS,
+    SMALL,
+    THESIS,
+    WIDTH,
+    entry,
+    grid,
+    legend,
+    mark,
+    new_figure,
+)
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.sim.sensing import OverheadCamera
-from khepera_forage.study import Count, Page, Picture, collect, finish, in_processes, parse
+from khepera_forage.study import Count, Job, Page, Picture, collect, finish, in_processes, parse
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.overlay import FOOD, MARKER, draw_scene
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
@@ -56,9 +68,8 @@ from khepera_forage.vision.tracker import Tracker
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SPEED, LIMITS, LENSES, SCENES, TRAININGS, TROUBLES = PARTS = (
-    *("speed", "limits", "lenses", "scenes", "trainings", "troubles"),
-)
+PARTS = ("speed", "limits", "lenses", "scenes", "trainings", "troubles")
+SPEED, LIMITS, LENSES, SCENES, TRAININGS, TROUBLES = PARTS
 COUNTS = (
     Count("scenes", 1000, 20, "random scenes of each appearance"),
     Count("trainings", 60, 2, "trainings to observe", adds_units=True),
@@ -110,28 +121,19 @@ def speeds(seed: int, count: int, repeats: int) -> list[Rate]:
     cv2.setNumThreads(1)
     training = RenderedTraining(seed)
     images = [training.newest()[0] for _ in range(count)]
-    rng = np.random.default_rng(seed)
-    crossed = [frame for _, frame in frames(Conditions(8.0), count, rng, tiles=2)]
-
-    def track() -> None:
-        tracker = Tracker()
-        for image in images:
-            tracker.update(image)
-
-    def track_crossed() -> None:
-        for image in crossed:
-            Tracker().update(image)
-
-    def render() -> None:
-        for _ in images:
-            training.renderer.frame()
-
-    works: dict[str, Callable[[], None]] = {TRACKER: track, CROSSED: track_crossed, RENDERER: render}
+    crossed = [frame for _, frame in frames(Conditions(8.0), count, np.random.default_rng(seed), tiles=2)]
     rows = []
     for _ in range(repeats):
+        tracker = Tracker()
+        works: dict[str, list[Callable[[], object]]] = {
+            TRACKER: [partial(tracker.update, image) for image in images],
+            CROSSED: [lambda image=image: Tracker().update(image) for image in crossed],  # type: ignore[misc]
+            RENDERER: [training.renderer.frame] * count,
+        }
         for part, work in works.items():
             began = time.process_time()
-            work()
+            for step in work:
+                step()
             rows.append(Rate(part, count / (time.process_time() - began)))
     training.close()
     cv2.setNumThreads(threads)
@@ -211,15 +213,12 @@ def observed_training(number: int, seed: int, rounds: int) -> list[Observation]:
 def speed_table(rows: Sequence[Rate], repeats: int) -> Table:
     """Frames a second."""
     goals = {TRACKER: "at least 300", CROSSED: "at least 300", RENDERER: ""}
-    lines = [
-        (part, extremes([row.rate for row in pick(rows, part=part)]), goal) for part, goal in goals.items()
+    lines: list[dict[str, Value]] = [
+        {"part": part, "frames/s": extremes([row.rate for row in pick(rows, part=part)]), "goal": goal}
+        for part, goal in goals.items()
     ]
-    columns = (Column("part"), Column("frames/s", 0, estimate=True), Column("goal"))
-    note = (
-        "One thread, by its processor time, frames of a training; median [lowest, highest] of "
-        f"{repeats} repeats."
-    )
-    return Table("speed", "Speed", note, columns, lines)
+    note = f"One thread, by its processor time, frames of a training; median [lowest, highest] of {repeats} repeats."
+    return table_of("speed", "Speed", note, lines, {"frames/s": 0})
 
 
 def accuracy_table(rows: Sequence[Observation]) -> Table:
@@ -230,26 +229,31 @@ def accuracy_table(rows: Sequence[Observation]) -> Table:
         "those of found regions: regions within 6 pixels of a thing of their kind. Headings are reported in whole "
         "degrees. Shares with Wilson's 95 % interval."
     )
-    lines: list[tuple[Value, ...]] = []
-    for appearance in APPEARANCES:
-        for kind in KINDS:
-            own = pick(rows, source=appearance, kind=kind)
-            error, marker = errors(own), kind != KINDS[0]
-            distances, turns = error.distances, np.abs(error.turns)
-            heading = percent(int((turns <= 3).sum()), len(turns) + error.reversals) if marker else UNKNOWN
-            found = percent(sum(row.found for row in own), len(own))
-            within = percent(int((distances <= 1).sum()), len(distances))
-            centre, stray = _median_and_99(distances), len(pick(rows, source=appearance, kind=""))
-            what: tuple[Value, ...] = (appearance, kind, len(own), found)
-            how: tuple[Value, ...] = (*centre, within, *_median_and_99(turns), heading)
-            lines.append((*what, *how, error.reversals, "" if marker else stray))
-    columns = (
-        *(Column("appearance"), Column("region"), Column("frames"), Column("found (%)", estimate=True)),
-        *(Column("centre: median (px)", 2), Column("99 % (px)", 2), Column("within 1 px (%)", estimate=True)),
-        *(Column("heading: median (deg)", 2), Column("99 % (deg)", 2)),
-        *(Column("within 3 deg (%)", estimate=True), Column("reversed"), Column("regions of nothing")),
-    )
-    return Table("accuracy", "Single frames", note, columns, lines)
+    lines: list[dict[str, Value]] = []
+    for appearance, kind in product(APPEARANCES, KINDS):
+        own = pick(rows, source=appearance, kind=kind)
+        error, marker = errors(own), kind != KINDS[0]
+        distances, turns = error.distances, np.abs(error.turns)
+        centre, heading = _median_and_99(distances), _median_and_99(turns)
+        within = percent(int((turns <= 3).sum()), len(turns) + error.reversals) if marker else UNKNOWN
+        lines.append(
+            {
+                "appearance": appearance,
+                "region": kind,
+                "frames": len(own),
+                "found (%)": percent(sum(row.found for row in own), len(own)),
+                "centre: median (px)": centre[0],
+                "99 % (px)": centre[1],
+                "within 1 px (%)": percent(int((distances <= 1).sum()), len(distances)),
+                "heading: median (deg)": heading[0],
+                "99 % (deg)": heading[1],
+                "within 3 deg (%)": within,
+                "reversed": error.reversals,
+                "regions of nothing": "" if marker else len(pick(rows, source=appearance, kind="")),
+            }
+        )
+    digits = dict.fromkeys(("centre: median (px)", "99 % (px)", "heading: median (deg)", "99 % (deg)"), 2)
+    return table_of("accuracy", "Single frames", note, lines, digits)
 
 
 def _median_and_99(values: NDArray[np.float64]) -> list[float]:
@@ -267,36 +271,37 @@ def model_table(rows: Sequence[Observation]) -> Table:
         "95 % interval, loss_rounds with 5th and 95th percentile."
     )
     noise = Noise.laboratory()
-    by = {camera: pick(rows, camera=camera) for camera in (MODEL, TRACKER, THRESHOLD)}
-    lines: list[tuple[Value, ...]] = []
+    names = ("model, measured", "tracker on rendered frames", "threshold on rendered frames")
+    by = {
+        name: pick(rows, camera=camera)
+        for name, camera in zip(names, (MODEL, TRACKER, THRESHOLD), strict=True)
+    }
+    lines: list[dict[str, Value]] = []
 
     def add(
-        name: str, told: float | str, value: Callable[[list[Observation]], Estimate | float], kind: str
+        name: str, told: float | str, value: Callable[[list[Observation]], Estimate | float], kind: str = ""
     ) -> None:
-        values = [value(pick(own, kind=kind) if kind else own) for own in by.values()]
-        estimates = (each if isinstance(each, Estimate) else Estimate(each) for each in values)
-        lines.append((f"{name}, {kind}" if kind else name, told, *estimates))
+        lines.append({"quantity": f"{name}, {kind}" if kind else name, "Noise.laboratory()": told})
+        for column, own in by.items():
+            each = value(pick(own, kind=kind) if kind else own)
+            lines[-1][column] = each if isinstance(each, Estimate) else Estimate(each)
 
     for kind in KINDS:
         add("position_jitter (px)", noise.position_jitter, lambda own: _spread(errors(own).offsets), kind)
     for kind in KINDS[1:]:
         add("heading_jitter (deg)", noise.heading_jitter, lambda own: _spread(errors(own).turns), kind)
-    add("reversal_rate", noise.reversal_rate, _reversals, "")
+    add("reversal_rate", noise.reversal_rate, _reversals)
     rates = (noise.loss_rate_food, noise.loss_rate_one_hole, noise.loss_rate_two_holes)
     for kind, rate in zip(KINDS, rates, strict=True):
         add("loss rate", rate, lambda own: losses(own, cable=False).rate, kind)
     for kind in KINDS:
         add("loss rate under a cable", "", lambda own: losses(own, cable=True).rate, kind)
-    add("loss_rounds", noise.loss_rounds, _loss_rounds, "")
-    add("labels that changed things", "", _swaps, "")
-    add("regions of nothing, a round", "", lambda own: len(pick(own, kind="")) / max(1, _rounds(own)), "")
-    add("rounds", "", _rounds, "")
-    columns = (
-        *(Column("quantity"), Column("Noise.laboratory()", 4), Column("model, measured", 4, estimate=True)),
-        Column("tracker on rendered frames", 4, estimate=True),
-        Column("threshold on rendered frames", 4, estimate=True),
-    )
-    return Table("model", "The simulated camera and the tracker", note, columns, lines)
+    add("loss_rounds", noise.loss_rounds, _loss_rounds)
+    add("labels that changed things", "", _swaps)
+    add("regions of nothing, a round", "", lambda own: len(pick(own, kind="")) / max(1, _rounds(own)))
+    add("rounds", "", _rounds)
+    digits = dict.fromkeys(("Noise.laboratory()", *names), 4)
+    return table_of("model", "The simulated camera and the tracker", note, lines, digits)
 
 
 def _spread(values: NDArray[np.float64]) -> float:
@@ -337,8 +342,6 @@ _RARE = 0.01
 
 def errors_figure(rows: Sequence[Observation]) -> "Figure":
     """Errors of all cameras in trainings as curves, and loss rates with and without a cable."""
-    from matplotlib.lines import Line2D
-
     figure = new_figure(WIDTH, 6.6)
     panels = figure.subplot_mosaic([["centre", "heading"], ["losses", "losses"]], height_ratios=(1.1, 1.0))
     below, names, highest = panels["losses"], [], 1.0
@@ -352,16 +355,14 @@ def errors_figure(rows: Sequence[Observation]) -> "Figure":
                 share = 1 - np.arange(len(values)) / max(1, len(values))
                 panels[name].step(np.sort(values), share, color=colour, ls=_LINES[kind], lw=1.4)
             for cable in (False, True):
-                rate = Estimate(*(1000 * value for value in losses(own, cable).rate))
+                rate = losses(own, cable).rate.times(1000)
                 mark(below, rate.value, 2 * place + cable + shift, rate, colour, level=True, marker=marker)
                 highest = max([highest, *(value for value in rate if np.isfinite(value))])
     for name, goal, unit in (("centre", 1.0, "pixels"), ("heading", 3.0, "degrees")):
-        panels[name].set_yscale("log")
-        panels[name].set_ylim(1e-4, 1.2)
+        panels[name].set(yscale="log", ylim=(1e-4, 1.2), xlim=(0, 2.5 * goal))
+        panels[name].set_xlabel(f"error of the {name} above ({unit})")
         panels[name].axvline(goal, color=COLOURS[2], lw=1)
         panels[name].axhline(_RARE, color=COLOURS[2], lw=1)
-        panels[name].set_xlabel(f"error of the {name} above ({unit})")
-        panels[name].set_xlim(0, 2.5 * goal)
     panels["centre"].set_ylabel("share of found regions")
     below.set_yticks(range(len(names)), names)
     below.set_xscale("symlog", linthresh=1)
@@ -373,34 +374,32 @@ def errors_figure(rows: Sequence[Observation]) -> "Figure":
         grid(axes, "both")
         axes.tick_params(labelsize=SMALL)
     figure.suptitle("Errors and losses of the cameras in simulated trainings")
-    handles = [
-        Line2D([], [], color=colour, marker=marker, ms=7, mec="white", label=camera)
-        for colour, marker, camera in _LOOKS.values()
-    ]
-    handles += [Line2D([], [], color="black", ls=line, lw=1.4, label=kind) for kind, line in _LINES.items()]
+    for colour, marker, camera in _LOOKS.values():
+        entry(below, camera, colour, marker, "-")
+    for kind, line in _LINES.items():
+        below.plot([], [], color="black", ls=line, lw=1.4, label=kind)
     goals = f"goals: 1 pixel and 3 degrees, {100 * _RARE:g} % of regions"
-    handles.append(Line2D([], [], color=COLOURS[2], lw=1, label=goals))
-    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize=SMALL)
+    below.plot([], [], color=COLOURS[2], lw=1, label=goals)
+    legend(figure, below, columns=3)
     return figure
 
 
 def frame_figure(seed: int) -> "Figure":
     """Part of a frame of a training: as rendered, and with the tracker's regions drawn on it."""
-    from matplotlib.lines import Line2D
-
     # Beside the corridors, so that a cable passes over the other robot's marker (3.7).
     training, tracker = RenderedTraining(seed, anchor=(1690.0, 1640.0)), Tracker()
     for _ in range(25):  # the robots are on their way to the food
         frame, _ = training.newest()
         scene = tracker.update(frame)
     training.close()
-    crop, enlargement = (slice(165, 305), slice(240, 400)), 4
+    rows, columns, enlargement = slice(165, 305), slice(240, 400), 4
     drawn = draw_scene(frame, scene, enlargement=enlargement)
+    shown = (slice(enlargement * side.start, enlargement * side.stop) for side in (rows, columns))
     figure = new_figure(WIDTH, 4.1)
     left, right = figure.subplots(1, 2)
     # Without smoothing: the frame has no finer detail than its pixels.
-    left.imshow(frame[crop], cmap="gray", vmin=0, vmax=255, interpolation="nearest")
-    right.imshow(drawn[tuple(slice(enlargement * side.start, enlargement * side.stop) for side in crop)])
+    left.imshow(frame[rows, columns], cmap="gray", vmin=0, vmax=255, interpolation="nearest")
+    right.imshow(drawn[tuple(shown)])
     titles = "Rendered frame, 5 mm a pixel", "The tracker's regions"
     for axes, title in zip((left, right), titles, strict=True):
         axes.set_title(title, fontsize=10)
@@ -409,11 +408,9 @@ def frame_figure(seed: int) -> "Figure":
         "robot's marker: number of the region, holes; arrow: heading": MARKER,
         "food: number of the region": FOOD,
     }
-    handles = [
-        Line2D([], [], color=(red / 255, green / 255, blue / 255), lw=2, label=name)
-        for name, (red, green, blue) in names.items()
-    ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False, fontsize=SMALL)
+    for name, (red, green, blue) in names.items():
+        right.plot([], [], color=(red / 255, green / 255, blue / 255), lw=2, label=name)
+    legend(figure, right, columns=2)
     return figure
 
 
@@ -426,6 +423,7 @@ def main() -> int:
     """Run the benchmark."""
     given = parse("tracker", __doc__, *COUNTS, add=_add_arguments)
     seed, quick = given.seed, given.quick
+    repeats = SPEED_REPEATS[quick]
     tables = {
         Observation: "observations",
         Rate: "speeds",
@@ -433,24 +431,24 @@ def main() -> int:
         Trial: "calibrations",
         Trouble: "troubles",
     }
-    repeats = SPEED_REPEATS[quick]
-    units: dict[str, list[Work]] = {
-        SPEED: [Work(SPEED, partial(speeds, seed, SPEED_FRAMES[quick], repeats))],
-        SCENES: [Work(name, partial(single_frames, name, seed, given.scenes)) for name in APPEARANCES],
+    units = {
+        SPEED: [Job(SPEED, speeds, (seed, SPEED_FRAMES[quick], repeats))],
+        SCENES: [Job(name, single_frames, (name, seed, given.scenes)) for name in APPEARANCES],
         TRAININGS: [
-            Work(f"training {number}", partial(observed_training, number, seed, given.rounds))
+            Job(f"training {number}", observed_training, (number, seed, given.rounds))
             for number in range(given.trainings)
         ],
         LIMITS: [
-            Work(f"limit {name}, {curve}", partial(limit_points, name, curve, seed, given.frames, quick))
+            Job(f"limit {name}, {curve}", limit_points, (name, curve, seed, given.frames, quick))
             for name, sweep in SWEEPS.items()
             for curve in sweep.curves
         ],
-        LENSES: [Work(f"lenses {name}", partial(calibrations, name, seed, given.trials)) for name in LAYOUTS],
+        LENSES: [Job(f"lenses {name}", calibrations, (name, seed, given.trials)) for name in LAYOUTS],
         TROUBLES: [
-            Work(
+            Job(
                 f"troubles {width} x {height}, {kind}",
-                partial(troubled_drive, width, height, kind, given.troubled, seed),
+                troubled_drive,
+                (width, height, kind, given.troubled, seed),
             )
             for width, height, kind in SETUPS
         ],

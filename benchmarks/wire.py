@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from unittest.mock import patch
 
 import numpy as np
-from laboratory import Work
 
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.estimates import Table, Value, pick, quantiles, table_of
@@ -45,7 +44,7 @@ from khepera_forage.sim.arena import copies
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from khepera_forage.study import Count, Page, Picture, collect, finish, parse
+from khepera_forage.study import Count, Job, Page, Picture, collect, finish, parse
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 if TYPE_CHECKING:
@@ -376,14 +375,14 @@ def main() -> int:
     rounds, seed, quick = given.rounds, given.seed, given.quick
     latencies, endings = (QUICK_LATENCIES, QUICK_ENDINGS) if quick else (LATENCIES, ENDINGS)
     units = [
-        *(Work(f"{baud} baud", partial(drive, baud, 1, rounds, seed)) for baud in BAUD_RATES),
-        *(Work(f"{n} robots", partial(drive, BAUD, n, rounds, seed)) for n in FLEETS if n > 1),
-        *(Work(f"latency {ms} ms", partial(slow_line, ms, max(10, rounds // 4), seed)) for ms in latencies),
+        *(Job(f"{baud} baud", drive, (baud, 1, rounds, seed)) for baud in BAUD_RATES),
+        *(Job(f"{n} robots", drive, (BAUD, n, rounds, seed)) for n in FLEETS if n > 1),
+        *(Job(f"latency {ms} ms", slow_line, (ms, max(10, rounds // 4), seed)) for ms in latencies),
         *(
-            Work(f"disturbance {name}", partial(disturbed_line, name, rounds, seed))
+            Job(f"disturbance {name}", disturbed_line, (name, rounds, seed))
             for name in list(DISTURBANCES)[:: 1 + quick]
         ),
-        *(Work(f"ending {name}", partial(end_processes, name, max(1, rounds // 40))) for name in endings),
+        *(Job(f"ending {name}", end_processes, (name, max(1, rounds // 40))) for name in endings),
     ]
     rows = collect(given, units, {Measurement: "measurements"}).of(Measurement)
     caption = "milliseconds of a round by baud rate, and by number of robots"

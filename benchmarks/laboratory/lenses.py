@@ -8,7 +8,7 @@ from itertools import product
 import cv2
 import numpy as np
 
-from khepera_forage.estimates import Column, Table, Value, pick
+from khepera_forage.estimates import Table, Value, pick, table_of
 from khepera_forage.vision.calibration import Calibration, Lens, fit_calibration, root_mean_square
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
@@ -48,18 +48,20 @@ _NOTE = (
 )
 
 
+_COLUMNS = {
+    "residual": "residual (mm)",
+    "held_out": "held-out error (mm)",
+    "error": "error (mm)",
+    "worst": "greatest error (mm)",
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """One calibration.
+    """One calibration through a lens of some k1, and whether it has a lens.
 
-    Attributes:
-        layout: One of `LAYOUTS`.
-        k1: Of the lens.
-        lens: Whether the calibration has a lens.
-        residual: Of the points in mm, root mean square.
-        held_out: Of held-out points in mm, root mean square; nan for four points.
-        error: All over the picture in mm, root mean square.
-        worst: Greatest error anywhere in the picture in mm.
+    Errors are root mean squares in mm: of the points, of held-out points (nan for four points), and all over the
+    picture; `worst` is the greatest error anywhere in it.
     """
 
     layout: str
@@ -106,14 +108,11 @@ def _place(calibration: Calibration, u: float, v: float) -> tuple[float, float]:
 
 def lenses_table(rows: Sequence[Trial]) -> Table:
     """The errors by layout and lens."""
-    names = ("residual", "held_out", "error", "worst")
-    lines: list[tuple[Value, ...]] = []
+    lines: list[dict[str, Value]] = []
     for layout, k1 in product(LAYOUTS, DISTORTIONS):
         own = pick(rows, layout=layout, k1=k1)
-        medians = (float(np.median([getattr(row, name) for row in own])) for name in names)
-        lines.append((layout, f"{k1:g}", 100 * sum(row.lens for row in own) / len(own), *medians))
-    columns = (
-        *(Column("points"), Column("k1"), Column("lens calibrated (%)", 0), Column("residual (mm)")),
-        *map(Column, ("held-out error (mm)", "error (mm)", "greatest error (mm)")),
-    )
-    return Table("lenses", "Calibration and lens", _NOTE, columns, lines)
+        lens = 100 * sum(row.lens for row in own) / len(own)
+        lines.append({"points": layout, "k1": f"{k1:g}", "lens calibrated (%)": lens})
+        for name, column in _COLUMNS.items():
+            lines[-1][column] = float(np.median([getattr(row, name) for row in own]))
+    return table_of("lenses", "Calibration and lens", _NOTE, lines, {"lens calibrated (%)": 0})

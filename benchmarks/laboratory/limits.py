@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.estimates import Column, Table, Value, percent, pick
+from khepera_forage.estimates import Table, Value, percent, pick, table_of
 from khepera_forage.figures import COLOURS, GREY, SMALL, WIDTH, grid, new_figure
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.image_quality import measure_quality
@@ -135,33 +135,15 @@ def limit_points(name: str, curve: str, seed: int, images: int, quick: bool) -> 
             for sizes in (error.distances, np.abs(error.turns))
         )
         found = (sum(row.found for row in markers), sum(row.found for row in foods), len(pick(rows, kind="")))
-        points.append(
-            Point(
-                name,
-                curve,
-                value,
-                len(markers),
-                *found,
-                error.reversals,
-                position,
-                heading,
-                100 * warned / images,
-            )
-        )
+        measured = (len(markers), *found, error.reversals, position, heading, 100 * warned / images)
+        points.append(Point(name, curve, value, *measured))
     return points
 
 
 def frames(
     conditions: Conditions, count: int, rng: np.random.Generator, tiles: int = COLUMNS * ROWS
 ) -> Iterator[tuple[Truth, NDArray[np.uint8]]]:
-    """Frames with a marker and food in every tile, and what is in them.
-
-    Args:
-        conditions: The same for all frames.
-        count: Number of frames.
-        rng: Draws poses, cables, floor, light and noise.
-        tiles: Number of tiles with a marker and food; the others are empty.
-    """
+    """Frames with a marker and food in each of some tiles, and what is in them."""
     places, light_rng, floor_rng, noise = rng.spawn(4)
     # An exposure below 1 weakens the light, but not the sensor's noise.
     grain = conditions.appearance.grain * math.sqrt(max(0.0, 1 - conditions.exposure**2))
@@ -218,24 +200,23 @@ def limits_table(points: Sequence[Point]) -> Table:
         "holes or where there is none, and food where there is none, per 1000 markers. Warning: share of the frames "
         "for which `camera preview` names a setting to change. Shares with Wilson's 95 % interval."
     )
-    rows: list[tuple[Value, ...]] = [
-        (
-            *(p.sweep, p.curve, f"{p.value:g}", percent(p.markers, p.things), percent(p.foods, p.things)),
-            *(1000 * p.stray / p.things, p.reversals, p.position, p.heading, p.warned),
-        )
+    rows: list[dict[str, Value]] = [
+        {
+            "disturbance": p.sweep,
+            "curve": p.curve,
+            "value": f"{p.value:g}",
+            "markers found (%)": percent(p.markers, p.things),
+            "food found (%)": percent(p.foods, p.things),
+            "stray (per 1000)": 1000 * p.stray / p.things,
+            "reversed": p.reversals,
+            "centre: 95 % (px)": p.position,
+            "heading: 95 % (deg)": p.heading,
+            "warning (%)": p.warned,
+        }
         for p in points
     ]
-    columns = (
-        *map(Column, ("disturbance", "curve", "value")),
-        Column("markers found (%)", estimate=True),
-        Column("food found (%)", estimate=True),
-        Column("stray (per 1000)"),
-        Column("reversed", 0),
-        Column("centre: 95 % (px)", 2),
-        Column("heading: 95 % (deg)", 2),
-        Column("warning (%)", 0),
-    )
-    return Table("limits", "Up to the point of failure", note, columns, rows)
+    digits = {"reversed": 0, "centre: 95 % (px)": 2, "heading: 95 % (deg)": 2, "warning (%)": 0}
+    return table_of("limits", "Up to the point of failure", note, rows, digits)
 
 
 def limits_picture(points: Sequence[Point]) -> "Figure":

@@ -39,7 +39,7 @@ MAX_DISTANCE = 6.0
 _CLEARANCE = 2.0
 """mm of floor between food and a marker's frame, from which food counts as clear of the marker."""
 _LAB = CameraAppearance.laboratory()
-_MARKER, _FOOD = 0.5 * MARKER_FEATURES[2].area, (0.6 * FOOD_FEATURES.area, 1.6 * FOOD_FEATURES.area)
+_MARKER, _FOOD = 0.5 * MARKER_FEATURES[2][0], (0.6 * FOOD_FEATURES[0], 1.6 * FOOD_FEATURES[0])
 """Smallest marker, smallest and largest food of the plain threshold in square pixels."""
 _HOLE = 2.0
 """Square pixels below which a dark spot is noise."""

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.vision.shapes import GRID_HOLES, GRID_SIDE, HOLE_SIDE, MARKER_HOLES
-from khepera_forage.vision.tags import DICTIONARY
 
 Pose = tuple[float, float, float]
 """x and y in mm, heading in radians."""
@@ -19,7 +18,7 @@ _PER_MM = 4
 def tag_sheet(tag: int, side: float) -> Picture:
     """A tag with a white margin of one cell, its top upwards."""
     cell = round(side * _PER_MM / 6)
-    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
+    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
     sheet = cv2.aruco.generateImageMarker(dictionary, tag, 6 * cell)
     return np.pad(np.where(sheet > 0, 225, 25).astype(np.uint8), cell, constant_values=225)
 

@@ -76,13 +76,13 @@ from khepera_forage.vision.shapes import (
     Plate,
     in_picture,
     marker_outline,
-    shows_beside_lost_food,
     touches_plate,
-    visible_clearance,
 )
 
 _FRONT = 6
 """Sensors that a lowered arm hides."""
+_SURE = 5.0
+"""Standard deviations of jitter by which a place must be clear of a marker to count as visible."""
 _HIDDEN_LOW, _HIDDEN_VALUES = float(HIDDEN_BY_ARM[0]), float(HIDDEN_BY_ARM[1] - HIDDEN_BY_ARM[0] + 1)
 
 
@@ -228,7 +228,7 @@ def look(enclosure: Enclosure, anchor_x: float, anchor_y: float, noise: Any) -> 
         if _look_at_food(robots, foods[k], k, detections[count], anchor_x, anchor_y, first_frame, noise):
             count += 1
     new = match(tracks, detections, count, False)
-    clearance = visible_clearance(noise.position_jitter)
+    clearance = FOOD_RADIUS + _SURE * noise.position_jitter * MM_PER_PIXEL
     for k in range(len(tracks)):
         if may_vanish(tracks[k], False) and _is_visible(robots, foods, tracks[k], clearance):
             tracks[k].label = -1
@@ -335,7 +335,9 @@ def _is_visible(robots: Any, foods: Any, track: Any, clearance: float) -> bool:
     """Whether food at the last place of a track would have shown in this frame."""
     x, y = track.x * MM_PER_PIXEL, track.y * MM_PER_PIXEL
     for k in range(len(foods)):
-        if foods[k].lost and not shows_beside_lost_food(x, y, foods[k].x, foods[k].y):
+        # Whatever hides a food object also hides the floor around it.
+        dx, dy = x - foods[k].x, y - foods[k].y
+        if foods[k].lost and dx * dx + dy * dy <= 4 * FOOD_RADIUS * FOOD_RADIUS:
             return False
     return not _is_hidden(robots, x, y, clearance)
 

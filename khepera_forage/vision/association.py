@@ -71,90 +71,10 @@ class Track:
 def match(tracks: Any, detections: Any, count: int, by_place: bool) -> int:
     """Continue tracks with the detections of a frame; tracks that continue with none are lost.
 
-    Args:
-        tracks: Slots of `Track` records; changed in place.
-        detections: `Detection` records.
-        count: How many of them the frame has.
-        by_place: Whether only places count, whatever the number of holes (markers without readable holes, 3.5).
-
-    Returns:
-        How many detections continue no track.
+    The cheapest pair of track and detection is matched first, then the next, until no pair is left. Slots of tracks are
+    changed in place; `count` is the number of detections, and with `by_place` only places count, whatever the number of
+    holes (3.5). Returns how many detections continue no track.
     """
-    _match_by_cost(tracks, detections, count, by_place)
-    new = count
-    for track in tracks:
-        shown = track.detection
-        if shown >= 0:
-            detection = detections[shown]
-            track.x = detection.x
-            track.y = detection.y
-            track.holes = detection.holes
-            track.found = True
-            new -= 1
-        else:
-            track.found = False
-    return new
-
-
-def may_vanish(track: Any, by_place: bool) -> bool:
-    """Whether a track is dropped if its last place is visible and empty: lost food, and by place a lost marker."""
-    return track.label >= 0 and not track.found and (track.holes == 0 or by_place)
-
-
-def start_tracks(tracks: Any, detections: Any, count: int, next_label: int) -> int:
-    """Start a track for each detection that continues none, in reading order.
-
-    Without a free slot the oldest lost track makes way. That cannot happen with twice as many slots as regions, unless
-    several last places of one food object are hidden at once.
-
-    Args:
-        tracks: Slots of `Track` records; changed in place.
-        detections: `Detection` records.
-        count: How many of them the frame has.
-        next_label: Label of the next new track.
-
-    Returns:
-        The label of the next new track then.
-    """
-    while True:
-        first = -1
-        for j in range(count):
-            new = not _is_shown(tracks, j)
-            if new and (first < 0 or _reads_before(detections[j], detections[first])):
-                first = j
-        if first < 0:
-            return next_label
-        slot = _slot_for_new_track(tracks)
-        if slot < 0:
-            return next_label
-        track = tracks[slot]
-        detection = detections[first]
-        track.label, track.detection = next_label, first
-        track.x, track.y, track.holes, track.found = detection.x, detection.y, detection.holes, True
-        next_label += 1
-
-
-def association_cost(track: Any, detection: Any, near: bool, by_place: bool) -> int:
-    """Cost of continuing a track with a detection: 0 is best, `FORBIDDEN` is never done.
-
-    A track that was found until now is near its last place, and one that has been lost for a while may be anywhere. So
-    a lost track never takes the detection of a tracked region that passes its last place.
-
-    `near` tells whether the two are within `GATE`; `by_place` is that of `match`.
-    """
-    if by_place:
-        if not near:
-            return FORBIDDEN
-        return 0 if track.found else 1
-    if track.holes != detection.holes or (track.holes == 0 and not near):
-        return FORBIDDEN
-    if not track.found:
-        return 1
-    return 0 if near else 2
-
-
-def _match_by_cost(tracks: Any, detections: Any, count: int, by_place: bool) -> None:
-    """Match the cheapest pair of track and detection first, then the next, until no pair is left."""
     for track in tracks:
         track.detection = -1
     while True:
@@ -182,8 +102,67 @@ def _match_by_cost(tracks: Any, detections: Any, count: int, by_place: bool) -> 
                 if better:
                     chosen, which, least, nearest = k, j, cost, squared
         if chosen < 0:
-            return
+            break
         tracks[chosen].detection = which
+    new = count
+    for track in tracks:
+        shown = track.detection
+        if shown >= 0:
+            detection = detections[shown]
+            track.x = detection.x
+            track.y = detection.y
+            track.holes = detection.holes
+            track.found = True
+            new -= 1
+        else:
+            track.found = False
+    return new
+
+
+def may_vanish(track: Any, by_place: bool) -> bool:
+    """Whether a track is dropped if its last place is visible and empty: lost food, and by place a lost marker."""
+    return track.label >= 0 and not track.found and (track.holes == 0 or by_place)
+
+
+def start_tracks(tracks: Any, detections: Any, count: int, next_label: int) -> int:
+    """Start a track for each detection that continues none, in reading order; returns the next label then.
+
+    Without a free slot the oldest lost track makes way. That cannot happen with twice as many slots as regions, unless
+    several last places of one food object are hidden at once.
+    """
+    while True:
+        first = -1
+        for j in range(count):
+            new = not _is_shown(tracks, j)
+            if new and (first < 0 or _reads_before(detections[j], detections[first])):
+                first = j
+        if first < 0:
+            return next_label
+        slot = _slot_for_new_track(tracks)
+        if slot < 0:
+            return next_label
+        track = tracks[slot]
+        detection = detections[first]
+        track.label, track.detection = next_label, first
+        track.x, track.y, track.holes, track.found = detection.x, detection.y, detection.holes, True
+        next_label += 1
+
+
+def association_cost(track: Any, detection: Any, near: bool, by_place: bool) -> int:
+    """Cost of continuing a track with a detection: 0 is best, `FORBIDDEN` is never done.
+
+    A track that was found until now is near its last place, within `GATE`, and one that has been lost for a while may
+    be anywhere. So a lost track never takes the detection of a tracked region that passes its last place.
+    """
+    if by_place:
+        if not near:
+            return FORBIDDEN
+        return 0 if track.found else 1
+    if track.holes != detection.holes or (track.holes == 0 and not near):
+        return FORBIDDEN
+    if not track.found:
+        return 1
+    return 0 if near else 2
 
 
 def _is_shown(tracks: Any, detection: int) -> bool:

@@ -147,7 +147,17 @@ class Calibration:
         camera = None if self.camera is None else _checked_numbers("camera", self.camera, 3, "(x, y, height)")
         if camera is not None and camera[2] <= 0:
             raise ValueError(f"calibration camera is {camera}; allowed: a height above 0 mm")
-        _check_view(picture, floor)
+        # The picture's v grows downwards: seen from above, a left turn on the floor is a right turn.
+        reversed_turns = [
+            _cross(*(floor[i] for i in three)) * _cross(*(picture[i] for i in three)) < 0
+            for three in combinations(range(4), 3)
+        ]
+        if not all(reversed_turns):
+            how = "crossed" if any(reversed_turns) else "mirrored"
+            raise ValueError(
+                f"calibration points are {how}: picture {picture} cannot be a view from above of floor {floor}; "
+                "allowed: both in the same order"
+            )
         size, lens = tuple(self.size), self.lens
         if len(size) != 2 or not all(type(n) is int and n >= 16 for n in size):
             raise ValueError(
@@ -314,21 +324,6 @@ def _transformed(matrix: Matrix, p: float, q: float) -> Point:
     return (a * p + b * q + c) / w, (d * p + e * q + f) / w
 
 
-def _check_view(picture: Sequence[Sequence[float]], floor: Sequence[Sequence[float]]) -> None:
-    """Refuse four points that cannot be a view from above of four points on the floor."""
-    # The picture's v grows downwards: in a picture that is not mirrored, a left turn on the floor is a right turn.
-    reversed_turns = [
-        _cross(*(floor[i] for i in three)) * _cross(*(picture[i] for i in three)) < 0
-        for three in combinations(range(4), 3)
-    ]
-    if not all(reversed_turns):
-        how = "crossed" if any(reversed_turns) else "mirrored"
-        raise ValueError(
-            f"calibration points are {how}: picture {picture} cannot be a view from above of floor {floor}; "
-            "allowed: both in the same order"
-        )
-
-
 def _checked_numbers(name: str, value: object, count: int, form: str) -> tuple[float, ...]:
     """A sequence of finite numbers as floats; anything else is refused."""
     if (
@@ -416,16 +411,17 @@ def fit_calibration(
     if len(picture) == 4:
         calibration = Calibration(tuple(picture), tuple(floor), camera, size=size)
         return CalibrationFit(calibration, distances(calibration, picture, floor), (), (), coverage)
-    calibration = _fitted(picture, floor, 0, camera, size)
+    calibration = _fitted(picture, floor, 0, size)
     plain = best = _held_out(picture, floor, 0, size)
     for coefficients, least in enumerate(LENS_POINTS, start=1):
         if len(picture) < least:
             break
         with suppress(ValueError):  # errors of clicks can make a distortion fit best that no lens has
-            with_lens = _fitted(picture, floor, coefficients, camera, size)
+            with_lens = _fitted(picture, floor, coefficients, size)
             errors = _held_out(picture, floor, coefficients, size)
             if root_mean_square(errors) < _GAIN * root_mean_square(best):
                 calibration, best = with_lens, errors
+    calibration = replace(calibration, camera=camera)
     return CalibrationFit(calibration, distances(calibration, picture, floor), best, plain, coverage)
 
 
@@ -445,13 +441,7 @@ def root_mean_square(errors: Sequence[float]) -> float:
     return math.sqrt(sum(error * error for error in known) / len(known)) if known else math.nan
 
 
-def _fitted(
-    picture: Sequence[Point],
-    floor: Sequence[Point],
-    coefficients: int,
-    camera: tuple[float, float, float] | None,
-    size: Size,
-) -> Calibration:
+def _fitted(picture: Sequence[Point], floor: Sequence[Point], coefficients: int, size: Size) -> Calibration:
     """The calibration that fits points best, with some coefficients of the lens."""
     import cv2
 
@@ -469,15 +459,11 @@ def _fitted(
     # A homography fits better than OpenCV's pose: pixels need not be square, nor measured places exact.
     matrix, _ = cv2.findHomography(points, np.array(floor))
     places = cv2.perspectiveTransform(ends[None], matrix)[0].tolist()
-    return Calibration(corners, tuple(map(tuple, places)), camera, lens, size)
+    return Calibration(corners, tuple(map(tuple, places)), None, lens, size)
 
 
 def _lens(picture: Sequence[Point], floor: Sequence[Point], coefficients: int, size: Size) -> Lens:
-    """The lens that fits points best.
-
-    Raises:
-        ValueError: No lens is like that.
-    """
+    """The lens that fits points best; an error if no lens is like that."""
     import cv2
 
     unit = math.hypot(*size) / 2
@@ -502,7 +488,7 @@ def _held_out(
     for i in range(len(picture)):
         points, places = ([*group[:i], *group[i + 1 :]] for group in (picture, floor))
         try:
-            calibration = _fitted(points, places, coefficients, None, size)
+            calibration = _fitted(points, places, coefficients, size)
             errors += distances(calibration, picture[i : i + 1], floor[i : i + 1])
         except ValueError:
             if coefficients:

@@ -1,4 +1,4 @@
-"""From the bright shapes of a frame to detections: markers, food, food beside a marker, and shapes split by a cable."""
+"""From a frame to detections: tags, markers, food, food beside a marker, and shapes split by a cable."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -14,15 +14,34 @@ from khepera_forage.vision.scene import MM_PER_PIXEL, place_text
 from khepera_forage.vision.segmentation import (
     Contour,
     ImagePatch,
-    Segmentation,
     ShapeMoments,
     cut_patch,
     filled_area,
     outer_contours,
+    segment,
     shape_moments,
 )
+from khepera_forage.vision.shapes import Plate, under_plate
+from khepera_forage.vision.tags import TagDetector
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.video import Frame
 
+_NATIVE = (0.8, 1.25)
+"""Region pixels per pixel of a frame between which the frame is used as it is; others are resized to 5 mm a pixel."""
+_LEAST_SCALE = 0.55
+"""Pixels of a frame per region pixel below which markers with holes cannot be read."""
+_NEAR, _DARK, _MOST_DARK = 1.5, 0.6, 0.5
+"""Radii of food where floor is expected, the share of the floor's brightness below which a place is dark, and the
+least share of dark places around a white part of a tag."""
+_CIRCLE = [(math.cos(k * math.pi / 8), math.sin(k * math.pi / 8)) for k in range(16)]
+_CLEARANCE = 13.0
+"""Least distance in mm between the disc of food and a marker: the marker's black frame (8 mm), and a pixel of error."""
+_FLOOR_TOLERANCE = 0.25
+"""Share of the floor's brightness by which a pixel of floor may differ from it: noise, dirt, shade."""
+_MIN_FLOOR_SHARE = 0.6
+"""Least share of the disc's pixels that look like floor: a cable across the disc hides less, a robot's body more."""
+_MAX_BRIGHT_SHARE = 0.1
+"""Greatest share of bright pixels in the disc: more may be food, or a marker's rim over it."""
 _MIN_FOOD_AREA, _MIN_PIECE_AREA = 0.4, 0.15
 """Shares of food's area below which a bright shape is not taken for food, and not for a piece of anything."""
 _GAP = 20.0
@@ -82,13 +101,28 @@ TROUBLES = {
 
 
 class Detector:
-    """Detects markers and food among the bright shapes of a frame.
+    """Detects tags, markers and food in frames of one calibration.
+
+    Raises:
+        ValueError: As for `Tracker`.
 
     Attributes:
-        warnings: Shapes of the last frame that are not reported, because they would be uncertain: `TROUBLES`, by key.
+        warnings: What the last frame does not show for certain, by the name of the cause.
     """
 
     def __init__(self, settings: TrackerSettings, calibration: Calibration) -> None:
+        width, height = calibration.size
+        for z in (settings.marker_height, settings.food_height):
+            calibration.to_region(width / 2, height / 2, z)  # raises an error for heights above the camera
+        scale = MM_PER_PIXEL / calibration.mm_per_pixel()
+        self._tags = TagDetector(settings, calibration)
+        if settings.markers != "tags" and scale < _LEAST_SCALE:
+            raise ValueError(
+                f"a pixel in the middle of the picture shows {calibration.mm_per_pixel():.1f} mm of the floor; "
+                f"allowed: up to {MM_PER_PIXEL / _LEAST_SCALE:.1f} mm: use a higher resolution, or a lower camera"
+            )
+        if not _NATIVE[0] <= scale <= _NATIVE[1]:
+            calibration = calibration.for_size(max(16, round(width / scale)), max(16, round(height / scale)))
         self.warnings: dict[str, str] = {}
         self._settings, self._calibration = settings, calibration
         self._markers = MarkerDetector(settings, calibration)
@@ -102,65 +136,125 @@ class Detector:
         self._least, self._most = (share * self._marker_area for share in _MARKER_AREA)
         self._white, self._blur, self._until_measured = 0.0, 0.0, 0
 
-    def detect(
-        self,
-        segmentation: Segmentation,
-        tags: Sequence[tuple[float, float]],
-        reach: float,
-    ) -> list[Detection]:
-        """All food in a frame, and all markers with holes unless robots carry tags.
+    def reduced(self, grey: Frame) -> Frame:
+        """A frame of about 5 mm a pixel."""
+        size = self._calibration.size
+        if size == grey.shape[::-1]:
+            return grey
+        way = cv2.INTER_AREA if size[0] < grey.shape[1] else cv2.INTER_CUBIC
+        return cv2.resize(grey, size, interpolation=way)  # type: ignore[return-value] # uint8
 
-        If they do, shapes within `reach` of the places of `tags` (region coordinates) are parts of these.
+    def detect(self, grey: Frame, tracked: Sequence[tuple[float, float]]) -> list[Detection]:
+        """All tags and food in a frame of the calibration's size, and markers with holes unless robots carry tags.
+
+        `tracked` are last places of robots: the white parts of a tag that is not seen look like food, too.
         """
-        markers = self._settings.markers != "tags"
+        self._picture = segment(self.reduced(grey), self._settings.contrast)
+        tags, warnings = self._tags.detect(grey)
+        places = [(tag.x, tag.y) for tag in tags]
         self.warnings = {}
-        self._report_bright_area(segmentation)
+        if self._settings.markers == "tags":
+            places += tracked
+        found = self._shapes(places)
+        if self._settings.tag_ids:
+            found = [
+                d for d in found if d.holes or (self._is_clear(d.x, d.y, places) and self._is_on_floor(d))
+            ]
+        self.warnings |= warnings
+        return tags + found
+
+    def shows_floor(self, plates: list[Plate], x: float, y: float) -> bool:
+        """Whether the disc of food at a place (region coordinates) shows the floor."""
+        radius, food_height = self._settings.food_radius, self._settings.food_height
+        place = x * MM_PER_PIXEL, y * MM_PER_PIXEL
+        if self._settings.markers == "tags":
+            if any(math.dist(place, plate[:2]) <= self._tags.reach * MM_PER_PIXEL for plate in plates):
+                return False
+        elif under_plate(*place, radius + _CLEARANCE, plates):
+            return False
+        u, v = self._calibration.to_picture(x, y, food_height)
+        reach = radius / MM_PER_PIXEL / self._calibration.scale(u, v, food_height)
+        rows, columns = self._picture.frame.shape
+        if not (reach <= u <= columns - reach and reach <= v <= rows - reach):
+            return False
+        left, right = math.floor(u - reach), math.ceil(u + reach)
+        top, bottom = math.floor(v - reach), math.ceil(v + reach)
+        across, down = np.arange(left, right) + 0.5 - u, np.arange(top, bottom)[:, None] + 0.5 - v
+        disc = across**2 + down**2 <= reach * reach
+        grey = self._picture.frame[top:bottom, left:right][disc].astype(np.float64)
+        bright = self._picture.mask[top:bottom, left:right][disc] > 0
+        floor = self._picture.floor_at(math.floor(u), math.floor(v))
+        like_floor = np.abs(grey - floor) <= _FLOOR_TOLERANCE * floor
+        return bool(like_floor.mean() >= _MIN_FLOOR_SHARE and bright.mean() <= _MAX_BRIGHT_SHARE)
+
+    def _shapes(self, tags: Sequence[tuple[float, float]]) -> list[Detection]:
+        """Food, and markers with holes unless robots carry tags; small shapes at these are parts of them."""
+        markers = self._settings.markers != "tags"
+        self._report_bright_area()
         least = _MIN_PIECE_AREA * self._food_area
         # The contour's length bounds the area from above and is cheap: most shapes are specks.
-        contours = [c for c in outer_contours(segmentation.mask) if len(c) ** 2 >= least]
+        contours = [c for c in outer_contours(self._picture.mask) if len(c) ** 2 >= least]
         pieces = [c for c in contours if filled_area(c) >= least]
         if not markers:
-            pieces = [c for c in pieces if filled_area(c) > self._most or not self._is_near(c, tags, reach)]
+            pieces = [
+                c for c in pieces if filled_area(c) > self._most or self._is_clear(*self._middle(c), tags)
+            ]
         seen: list[DetectedMarker] = []
         found: list[Detection] = []
         if markers:
-            found, pieces = self._markers_among(segmentation, pieces, seen, joined=False)
+            found, pieces = self._markers_among(pieces, seen, joined=False)
         small = [piece for piece in pieces if filled_area(piece) <= self._most]
         if markers and sum(map(filled_area, small)) >= self._least:
             # A cable cuts a marker in pieces, or cuts notches into its border.
-            joined = self._joined(segmentation, small)
-            found += self._markers_among(segmentation, joined, seen, joined=True)[0]
+            found += self._markers_among(self._joined(small), seen, joined=True)[0]
         rest = [piece for piece in pieces if not any(_covers(marker, piece) for marker in seen)]
-        foods, rest = self._foods_among(segmentation, rest)
+        foods, rest = self._foods_among(rest)
         found += foods
         rest = [piece for piece in rest if filled_area(piece) <= self._most]
         if len(rest) > 1:
-            foods, rest = self._foods_among(segmentation, self._joined(segmentation, rest))
+            foods, rest = self._foods_among(self._joined(rest))
             found += foods
         for piece in rest if markers else ():
             self._report_cover(piece)
         return found
 
-    def _is_near(self, piece: Contour, places: Sequence[tuple[float, float]], reach: float) -> bool:
+    def _middle(self, piece: Contour) -> tuple[float, float]:
+        """Of a piece of a marker, in region coordinates."""
         u, v = (piece.mean(axis=(0, 1)) + 0.5).tolist()
-        middle = self._calibration.to_region(u, v, self._settings.marker_height)
-        return any(math.dist(middle, place) <= reach for place in places)
+        return self._calibration.to_region(u, v, self._settings.marker_height)
+
+    def _is_clear(self, x: float, y: float, tags: Sequence[tuple[float, float]]) -> bool:
+        """Whether a place is no part of a tag."""
+        return all(math.dist((x, y), tag) > self._tags.reach for tag in tags)
+
+    def _is_on_floor(self, food: Detection) -> bool:
+        """Whether food has floor around it, and not the black of a tag."""
+        reach = _NEAR * self._settings.food_radius / MM_PER_PIXEL
+        rows, columns = self._picture.frame.shape
+        dark = 0
+        for x, y in _CIRCLE:
+            u, v = self._calibration.to_picture(
+                food.x + reach * x, food.y + reach * y, self._settings.food_height
+            )
+            column, row = min(max(int(u), 0), columns - 1), min(max(int(v), 0), rows - 1)
+            dark += self._picture.frame[row, column] < _DARK * self._picture.floor_at(column, row)
+        return dark < _MOST_DARK * len(_CIRCLE)
 
     def _markers_among(
-        self, segmentation: Segmentation, pieces: list[Contour], markers: list[DetectedMarker], joined: bool
+        self, pieces: list[Contour], markers: list[DetectedMarker], joined: bool
     ) -> tuple[list[Detection], list[Contour]]:
         """Detections of the markers among some pieces, and the other pieces.
 
-        All markers are added to `markers`, even those whose number is uncertain. Unless the pieces result from joining,
-        food whose contour has merged with a marker's is detected, too; joined pieces of food are detected on their own.
+        All markers are added to `markers`, even those whose number is uncertain. Food whose contour has merged with a
+        marker's is detected, too, unless the pieces result from joining: pieces of food are joined on their own.
         """
         found: list[Detection] = []
         rest = []
         for piece in pieces:
             area, marker = filled_area(piece), None
             if self._least <= area <= self._most:
-                patch = cut_patch(segmentation, piece)
-                marker = self._markers.detect(segmentation.frame, patch, joined)
+                patch = cut_patch(self._picture, piece)
+                marker = self._markers.detect(self._picture.frame, patch, joined)
             if marker is None:
                 rest.append(piece)
                 continue
@@ -169,7 +263,7 @@ class Detector:
                 self._measure_white(patch)
                 found.append(self._detection(piece, patch.edge, marker.moments, marker.reading))
             else:
-                self._report(marker.reading.trouble, marker.moments.x, marker.moments.y)
+                self._report(marker.reading.trouble, *marker.moments[:2], self._settings.marker_height)
             if not joined and area > self._marker_area + 0.5 * self._food_area:
                 # Food whose contour has merged with the marker's.
                 mask = np.zeros_like(patch.filled)
@@ -178,42 +272,40 @@ class Detector:
                 mask = cv2.dilate(mask, np.ones((3, 3)))  # type: ignore[assignment] # uint8
                 beside = patch.filled & patch.white & ~mask
                 others = outer_contours(beside, (patch.column, patch.row))
-                found += self._foods_among(segmentation, others)[0]
+                found += self._foods_among(others)[0]
         return found, rest
 
-    def _foods_among(
-        self, segmentation: Segmentation, pieces: list[Contour]
-    ) -> tuple[list[Detection], list[Contour]]:
+    def _foods_among(self, pieces: list[Contour]) -> tuple[list[Detection], list[Contour]]:
         """Detections of the food among some pieces, and the other pieces."""
         found: list[Detection] = []
         rest = []
         for piece in pieces:
-            foods = list(self._foods_in(segmentation, piece))
+            foods = list(self._foods_in(piece))
             found += foods
             if not foods:
                 rest.append(piece)
         return found, rest
 
-    def _foods_in(self, segmentation: Segmentation, piece: Contour) -> Iterator[Detection]:
+    def _foods_in(self, piece: Contour) -> Iterator[Detection]:
         """The food objects that one contour encloses: a disc, or several that touch each other or a bright wall."""
         area = filled_area(piece) / self._food_area
         if area < _MIN_FOOD_AREA:
             return
-        patch = cut_patch(segmentation, piece)
-        food = self._disc(segmentation, patch)
+        patch = cut_patch(self._picture, piece)
+        food = self._disc(patch)
         discs: Iterable[tuple[Contour, ShapeMoments]] = () if food is None else [(piece, food)]
         if food is None and area >= _AREA[0]:
-            discs = self._touching_discs(segmentation, patch, piece)
+            discs = self._touching_discs(patch, piece)
         for contour, food in discs:
-            trouble = self._trouble(cut_patch(segmentation, contour), food)
+            trouble = self._trouble(cut_patch(self._picture, contour), food)
             if trouble:
-                self._report(trouble, food.x, food.y)
+                self._report(trouble, food.u, food.v, self._settings.food_height)
             else:
                 yield self._detection(contour, patch.edge, food)
 
-    def _joined(self, segmentation: Segmentation, pieces: list[Contour]) -> list[Contour]:
+    def _joined(self, pieces: list[Contour]) -> list[Contour]:
         """The shapes that result when the gaps between pieces, and their notches, are closed."""
-        mask = np.zeros_like(segmentation.mask)
+        mask = np.zeros_like(self._picture.mask)
         cv2.drawContours(mask, pieces, -1, 255, cv2.FILLED)
         return outer_contours(cv2.morphologyEx(mask, cv2.MORPH_CLOSE, self._gap_kernel))  # type: ignore[arg-type] # uint8
 
@@ -231,19 +323,19 @@ class Detector:
         """Report a shape that may be a part of a marker."""
         (u, v), size, _ = cv2.minAreaRect(piece)
         if filled_area(piece) >= _PART * self._marker_area and math.hypot(*size) <= 1.2 * self._diagonal:
-            place = self._calibration.to_region(u + 0.5, v + 0.5, self._settings.marker_height)
-            self._report("cover", *place)
+            self._report("cover", u + 0.5, v + 0.5, self._settings.marker_height)
 
-    def _report_bright_area(self, segmentation: Segmentation) -> None:
+    def _report_bright_area(self) -> None:
         """Report a bright wall or sheet that is wide enough to be taken for floor."""
-        floor = segmentation.floor
+        floor = self._picture.floor
         contrast = floor / np.maximum(cv2.erode(floor, _NEAR_FLOOR), 1)
         row, column = np.unravel_index(contrast.argmax(), floor.shape)
         if contrast[row, column] > _BRIGHT_AREA * self._settings.contrast:
-            self._report("bright area", *self._calibration.to_region(8.0 * column + 4, 8.0 * row + 4))
+            self._report("bright area", 8.0 * column + 4, 8.0 * row + 4)
 
-    def _report(self, trouble: str, x: float, y: float) -> None:
-        self.warnings[trouble] = TROUBLES[trouble].format(place=place_text(x, y))
+    def _report(self, trouble: str, u: float, v: float, height: float = 0.0) -> None:
+        place = place_text(*self._calibration.to_region(u, v, height))
+        self.warnings[trouble] = TROUBLES[trouble].format(place=place)
 
     def _detection(
         self, contour: Contour, edge: bool, moments: ShapeMoments, marker: Reading | None = None
@@ -260,12 +352,13 @@ class Detector:
         perimeter = (cv2.arcLength(contour, True) + math.pi) * scale
         column, row = min(contour[:, 0].tolist(), key=lambda pixel: pixel[::-1])
         first = self._calibration.to_region(column + 0.5, row + 0.5, height)
+        x, y = self._calibration.to_region(moments.u, moments.v, height)
         compactness = perimeter * perimeter / area
-        return Detection(moments.x, moments.y, holes, orientation, edge, *first, area, perimeter, compactness)
+        return Detection(x, y, holes, orientation, edge, *first, area, perimeter, compactness)
 
     # ------------------------------------------------------------------ discs
 
-    def _disc(self, segmentation: Segmentation, patch: ImagePatch) -> ShapeMoments | None:
+    def _disc(self, patch: ImagePatch) -> ShapeMoments | None:
         """Moments of the one disc in a patch; None for anything else, or for a part of a disc."""
         moments = shape_moments(patch, patch.filled, self._calibration, self._settings.food_height)
         if moments is None or not _AREA[0] <= moments.area / (math.pi * self._radius**2) <= _AREA[1]:
@@ -278,32 +371,22 @@ class Detector:
             return None
         if moments.minor < _ROUND * moments.major:
             # What hides a part, such as the black frame of a marker, shifts the centre of the rest.
-            rim = self._rim(segmentation, moments.u, moments.v, moments.level)
+            rim = self._rim(moments.u, moments.v, moments.level)
             if rim is not None:
-                u, v, *_ = rim
-                x, y = self._calibration.to_region(u, v, self._settings.food_height)
-                return moments._replace(u=u, v=v, x=x, y=y)
+                return moments._replace(u=rim[0], v=rim[1])
         return moments
 
-    def _touching_discs(
-        self, segmentation: Segmentation, patch: ImagePatch, piece: Contour
-    ) -> Iterator[tuple[Contour, ShapeMoments]]:
+    def _touching_discs(self, patch: ImagePatch, piece: Contour) -> Iterator[tuple[Contour, ShapeMoments]]:
         """The discs in a shape: places as deep in it as the middle of a disc, with mostly floor around."""
         _, labels = cv2.connectedComponents(patch.filled & patch.white)
         column, row = (piece[0, 0] - (patch.column, patch.row)).tolist()
-        mask = (
-            np.where(labels == labels[row, column], np.uint8(255), np.uint8(0))
-            if labels[row, column]
-            else patch.filled
-        )
+        mask = patch.filled
+        if label := labels[row, column]:
+            mask = np.where(labels == label, np.uint8(255), np.uint8(0))
         depth = cv2.distanceTransform(mask, cv2.DIST_L2, 5)
         radius = self._radius * MM_PER_PIXEL / self._calibration.mm_per_pixel()
-        peaks = (
-            (depth >= cv2.dilate(depth, _SQUARE))
-            & (depth > _DEPTH[0] * radius)
-            & (depth < _DEPTH[1] * radius)
-        )
-        places = np.argwhere(peaks)
+        at_depth = (depth > _DEPTH[0] * radius) & (depth < _DEPTH[1] * radius)
+        places = np.argwhere(at_depth & (depth >= cv2.dilate(depth, _SQUARE)))
         if not len(places):
             return
         ring = np.rint(places[:, None] + _RING * radius * _DIRECTIONS).astype(int)
@@ -318,23 +401,17 @@ class Detector:
             if any(math.dist((u, v), other) < radius for other in taken):
                 continue
             level = float(patch.grey[max(0, row - 1) : row + 2, max(0, column - 1) : column + 2].mean())
-            rim = self._rim(segmentation, u, v, level)
+            rim = self._rim(u, v, level)
             if rim is None or abs(rim[2]) > _GROWTH or rim[3] < _AROUND * _RAYS:
                 continue
             u, v, growth, _ = rim
             taken.append((u, v))
-            x, y = self._calibration.to_region(u, v, self._settings.food_height)
             deviation = (self._radius + growth) / 2
-            moments = ShapeMoments(u, v, x, y, deviation, deviation, 0.0, 4 * math.pi * deviation**2, level)
             contour = np.rint((u, v) + radius * _DIRECTIONS - 0.5).astype(np.int32)[:, None]
-            yield contour, moments
+            yield contour, ShapeMoments(u, v, deviation, deviation, 0.0, 4 * math.pi * deviation**2, level)
 
     def _trouble(self, patch: ImagePatch, food: ShapeMoments) -> str:
-        """Why a disc may be a reflection on the floor: a key of `TROUBLES`; empty if it is none.
-
-        A reflection that is as large as food has a softer border than the lens's blur makes, or it is brighter than
-        white.
-        """
+        """Why a disc may be a reflection, with a soft border or brighter than white: a key of `TROUBLES`."""
         if 0 < self._white * patch.floor < _NOT_SATURATED:
             scale = self._calibration.scale(food.u, food.v, self._settings.food_height)
             saturated = np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) * scale**2
@@ -345,9 +422,7 @@ class Detector:
         _, softness = white_and_blur(bright, patch.filled > 0, max(patch.floor, 1))
         return "reflection" if softness > _SOFTNESS * (self._blur or BLUR_LIMIT) + _SPREAD else ""
 
-    def _rim(
-        self, segmentation: Segmentation, u: float, v: float, level: float
-    ) -> tuple[float, float, float, int] | None:
+    def _rim(self, u: float, v: float, level: float) -> tuple[float, float, float, int] | None:
         """The centre of the disc around a place in the picture, growth of its radius, and number of rays to its rim.
 
         Rays find the edge of the shape in all directions; the rim is a circle through the edges, without those that do
@@ -358,11 +433,9 @@ class Detector:
         along = np.arange(max(0.0, self._radius - _REACH), self._radius + _REACH, _STEP)
         places = np.array((u, v)) - 0.5 + (_DIRECTIONS @ to_picture.T)[:, None] * along[:, None]
         columns, rows = np.moveaxis(places.astype(np.float32), 2, 0)
-        grey = cv2.remap(
-            segmentation.frame, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        ).astype(np.float64)
-        floor = segmentation.floor_at(int(u), int(v))
-        edges = white_ends(grey, along, (level + floor) / 2)[:_RAYS] - self._radius
+        frame, floor = self._picture.frame, self._picture.floor_at(int(u), int(v))
+        grey = cv2.remap(frame, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        edges = white_ends(grey.astype(np.float64), along, (level + floor) / 2)[:_RAYS] - self._radius
         visible = np.isfinite(edges)
         for _ in range(_REPEATS):
             if visible.sum() < _LEAST_RAYS:

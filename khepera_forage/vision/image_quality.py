@@ -8,21 +8,15 @@ import math
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.segmentation import (
-    Frame,
-    ImagePatch,
-    as_grey,
-    cut_patch,
-    filled_area,
-    outer_contours,
-    segment,
-)
+from khepera_forage.vision.segmentation import ImagePatch, cut_patch, filled_area, outer_contours, segment
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.video import Frame, as_grey
 
 if TYPE_CHECKING:
     from khepera_forage.vision.tracker import Tracker
@@ -128,7 +122,6 @@ def measure_quality(frame: Frame) -> ImageQuality:
         frame: Grey levels, or colours, with about 5 mm a pixel, as `Tracker.reduced` makes them.
 
     Raises:
-        ImportError: OpenCV is not installed.
         ValueError: A frame of another type.
     """
     frame = as_grey(frame)
@@ -159,8 +152,6 @@ def measure_quality(frame: Frame) -> ImageQuality:
 
 def _prints(patch: ImagePatch) -> list[float]:
     """Brightness of the holes in a white shape as a share of its white: one number, or none without holes."""
-    import cv2
-
     white = _percentile(patch.grey[(patch.filled & patch.white) > 0], _WHITE_QUANTILE)
     inner = patch.grey[cv2.erode(patch.filled, np.ones((5, 5), np.uint8)) > 0]
     if not inner.size:
@@ -171,8 +162,6 @@ def _prints(patch: ImagePatch) -> list[float]:
 
 def white_and_blur(grey: Frame, inside: NDArray[np.bool_], floor: float) -> tuple[float, float]:
     """Brightness of a bright shape as a multiple of the floor's, and the blur of its border in pixels."""
-    import cv2
-
     white = _percentile(grey[inside], _WHITE_QUANTILE)
     levels = grey.astype(np.float32)
     steepness = (
@@ -207,16 +196,11 @@ def is_well_exposed(frame: Frame) -> bool:
 
 
 def why_unusable(frame: Frame, tracker: "Tracker", strict: bool) -> str:
-    """Why a frame shows no scene, and what to change; empty for a usable frame.
+    """Why a frame (grey levels) shows no scene, and what to change; empty for a usable frame.
 
-    Args:
-        frame: 480 x 640 grey levels.
-        tracker: Finds markers.
-        strict: Whether a frame beyond the limits of exposure is unusable, as it is after a sudden change: food may be
-            invisible. Otherwise it is usable if the tracker finds a marker in it.
+    When `strict`, a frame beyond the limits of exposure is unusable, as it is after a sudden change: food may be
+    invisible. Otherwise it is usable if the tracker finds a marker in it.
     """
-    import cv2
-
     rows, columns = frame.shape
     squares = cv2.resize(frame, (columns // _REDUCTION, rows // _REDUCTION), interpolation=cv2.INTER_AREA)
     darkest, brightest = int(squares.min()), int(squares.max())

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from khepera_forage.extras import require
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.shapes import GRID_HOLES, GRID_SIDE, HOLE_SIDE, MARKER_FRAME, MARKER_HOLES
-from khepera_forage.vision.tags import CELLS, DICTIONARY, FLOOR_SIZE
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -97,6 +96,9 @@ def tag_pages(
     Raises:
         ValueError: An id twice, or one that no tag has, or a size that does not fit on a page.
     """
+    require("tags", "camera")
+    from khepera_forage.vision.tags import FLOOR_SIZE
+
     ids = [*robots, *food, *floor]
     for i, tag in enumerate(ids):
         if tag in ids[:i]:
@@ -137,14 +139,11 @@ def _ruler(y: float, text: str) -> Iterator[Element]:
 
 def _tag(tag: int, size: float, outer: float, x: float, y: float) -> Iterator[Element]:
     """A tag centred at (x, y) on the page, and the edges of its white margin, to cut along."""
-    require("tags", "camera")
-    import cv2
+    from khepera_forage.vision.tags import CELLS, white_cells
 
-    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
-    cells = cv2.aruco.generateImageMarker(dictionary, tag, CELLS)
     cell, left, top = size / CELLS, x - size / 2, y - size / 2
     yield _rectangle(left, top, size, size, True)
-    for row, column in zip(*cells.nonzero(), strict=True):
+    for row, column in white_cells(tag):
         yield _rectangle(left + column * cell, top + row * cell, cell, cell, False)
     for dx, dy in ((-1, -1), (1, -1), (-1, 1), (1, 1)):
         corner_x, corner_y = x + dx * outer / 2, y + dy * outer / 2

@@ -19,13 +19,16 @@ from scipy.special import erf
 from khepera_forage.robots.khepera import MARKER_LENGTH
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from khepera_forage.vision.segmentation import Frame, ImagePatch, ShapeMoments, shape_moments
+from khepera_forage.vision.segmentation import ImagePatch, ShapeMoments, shape_moments
 from khepera_forage.vision.shapes import GRID_HOLES, GRID_SIDE, HOLE_SIDE, MARKER_HOLES
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.video import Frame
 
 Floats = NDArray[np.float64]
 Darkness = NDArray[np.float32]
 """Upright image of a marker: 0 is its white, 1 is black."""
+Crossing = tuple[float, float, float]
+"""Row and column of a sample, and darkness."""
 
 # ------------------------------------------------------------------ sizes
 
@@ -173,8 +176,7 @@ class MarkerDetector:
     def detect(self, frame: Frame, patch: ImagePatch, joined: bool) -> DetectedMarker | None:
         """The marker in a patch of a frame; None for anything else, or for a marker whose pose is uncertain.
 
-        `joined` tells whether the shape results from joining pieces. The border of a single piece must fit exactly: a
-        part of a marker would fit loosely at a wrong place.
+        The border of a piece that was not `joined` must fit exactly: a part of a marker would fit loosely elsewhere.
         """
         # Closing fills notches; opening removes whatever is narrower than the kernel (food at the rim, a cable).
         closed = cv2.morphologyEx(patch.filled, cv2.MORPH_CLOSE, _SQUARE)
@@ -208,10 +210,7 @@ class MarkerDetector:
     def _fitted(
         self, frame: Frame, patch: ImagePatch, moments: ShapeMoments, size: float, loose: bool
     ) -> tuple[ShapeMoments | None, bool]:
-        """The moments with centre and axis of the marker whose border lies near, and whether little of it is hidden.
-
-        `size` is that of the marker as a multiple of its true size.
-        """
+        """The moments of the marker with a border near; `size` is a share of the true one. Is little of it hidden?"""
         clear = False
         for _ in range(_MAX_REPEATS):
             steps, middle = self._steps(moments)
@@ -221,8 +220,7 @@ class MarkerDetector:
                 return None, False
             a, b, turn, clear = rectangle
             u, v = (middle + size * steps @ (a, b)).tolist()
-            x, y = self._calibration.to_region(u, v, self._height)
-            moments = moments._replace(u=u, v=v, x=x, y=y, axis=moments.axis + turn)
+            moments = moments._replace(u=u, v=v, axis=moments.axis + turn)
             if math.hypot(a, b) + abs(turn) * 2 * self._deviations[0] < _CONVERGED:
                 break
         return moments, clear
@@ -272,18 +270,11 @@ class _BorderFit:
     def fit(
         self, grey: Frame, affine: Floats, white: float, floor: float, loose: bool
     ) -> tuple[float, float, float, bool] | None:
-        """The rectangle near an expected pose.
+        """The rectangle near an expected pose; with `loose`, far points count, too, if no rectangle fits exactly.
 
-        Args:
-            grey: Grey levels of the frame.
-            affine: 2 x 3: from places in the expected rectangle's own frame (region pixels) to columns and rows.
-            white: Grey level of the marker.
-            floor: Grey level of the floor around it.
-            loose: Whether points far from the rectangle count, too, if no rectangle fits exactly.
-
-        Returns:
-            Shift of the centre along and across the expected long axis (region pixels), turn of the axis (radians), and
-            whether little of the border is hidden; None if too little of it is visible.
+        `affine` is 2 x 3, from places in the expected rectangle's frame (region pixels) to columns and rows. Returns
+        the shift of the centre along and across the long axis (region pixels), the turn of the axis (radians), and
+        whether little of the border is hidden; None if too little of it is visible.
         """
         columns, rows = (self._places @ affine[:, :2].T + affine[:, 2]).astype(np.float32).T
         levels = cv2.remap(grey, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
@@ -314,10 +305,7 @@ class _BorderFit:
     def _solutions(
         self, edges: Floats, trusted: NDArray[np.bool_], cutoffs: tuple[float, ...], spread_cutoff: float
     ) -> tuple[Floats, Floats]:
-        """Shift, turn and growth of the rectangle for each choice of trusted points, and the weight of each point.
-
-        In the beginning only the trusted points count; near the end, all visible ones that fit.
-        """
+        """Shift, turn and growth of the rectangle for each choice of points to trust first, and all weights."""
         terms, visible = self._terms[: len(edges)], trusted.any(axis=0)
         weights = trusted.astype(np.float64)
         for cutoff in cutoffs:
@@ -333,10 +321,10 @@ class _BorderFit:
 
 
 def white_ends(samples: Floats, offsets: Floats, middle: float) -> Floats:
-    """Where white ends along lines of samples: the first place on each line, then the last places.
+    """Where white ends along lines of samples at some offsets: the first place on each line, then the last places.
 
     A cable may lie within the border. Places are nan on lines where white does not end, and the last ones also where it
-    ends only once. `offsets` are the places of the samples, `middle` is the grey level between white and not.
+    ends only once. `middle` is the grey level between white and not.
     """
     ends = (samples[:, :-1] >= middle) & (samples[:, 1:] < middle)
     first, last = ends.argmax(axis=1), ends.shape[1] - 1 - ends[:, ::-1].argmax(axis=1)
@@ -354,8 +342,7 @@ def white_ends(samples: Floats, offsets: Floats, middle: float) -> Floats:
 def _sides_along_cables(levels: Floats, floor: float) -> NDArray[np.bool_]:
     """For each side, whether a cable lies along it, given grey levels beyond its ends.
 
-    Such a cable covers only a fraction of a pixel of the white, and looks like the black frame. Of two opposite sides
-    one is needed to measure the marker: if something lies along both, neither is given.
+    Such a cable looks like the black frame. One of two opposite sides is needed: none is given if both have a cable.
     """
     means = levels.reshape(4, 2, len(_ASIDE), len(_BEYOND_ENDS)).mean(axis=3)
     seen: NDArray[np.bool_] = (np.abs(means - floor) > _CABLE_DEVIATION * floor).any(axis=2).all(axis=1)
@@ -398,17 +385,16 @@ class _HolePattern:
         inner = upright[_INSIDE].ravel()
         rank = int(_WHITE * len(inner))
         white = upright / np.float32(max(float(np.partition(inner, rank)[rank]), 0.9 * level))
-        rest = darkness = (1 - white).clip(0, 1)
-        crossed, visibility = bool((_on_ring(darkness) > _CROSSING).any()), None
+        rest, visibility = (1 - white).clip(0, 1), None
+        crossed = _crossings(rest)
         if crossed:
-            rest, visibility = _without_cables(darkness)
+            rest, visibility = _without_cables(rest, crossed)
         best, misfit, pale = self._best(rest, visibility)
         inside = white[_INSIDE]
         if np.count_nonzero(cv2.blur(inside, (5, 5)) > _GLARE) > _LEAST_GLARE * inside.size:
             return Reading(0, trouble="glare")
         dark = (rest > (_UNEXPLAINED_BESIDE_CABLES if crossed else _UNEXPLAINED)) & self._blank[best]
-        thick = cv2.erode(dark.astype(np.uint8), _THICK_BESIDE_CABLES if crossed else _THICK).any()
-        if thick:
+        if cv2.erode(dark.astype(np.uint8), _THICK_BESIDE_CABLES if crossed else _THICK).any():
             return Reading(0, trouble="cover")
         if pale:
             return Reading(0, trouble="pale holes")
@@ -462,21 +448,11 @@ def _ring(rows: int, columns: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]
     return places, np.array([places[:, axis] == place for axis, place in sides])
 
 
-def _on_ring(darkness: Darkness) -> Darkness:
-    """Darkness beyond the median along the ring."""
-    ring, _ = _ring(*darkness.shape)
-    values = darkness[ring[:, 0], ring[:, 1]]
-    return values - np.median(values)
-
-
-def _without_cables(darkness: Darkness) -> tuple[Darkness, Darkness]:
+def _without_cables(darkness: Darkness, crossings: list[Crossing]) -> tuple[Darkness, Darkness]:
     """A marker without the cables that cross it, and the share of each sample that no cable hides."""
     visibility = np.ones_like(darkness)
-    crossings = _crossings(darkness)
     while len(crossings) > 1:
-        pairs = list(combinations(range(len(crossings)), 2))
-        i, j = max(pairs, key=lambda pair: _continuity(darkness, *(crossings[n] for n in pair)))
-        one, other = crossings[i], crossings[j]
+        one, other = max(combinations(crossings, 2), key=lambda pair: _continuity(darkness, *pair))
         band = _band(darkness, one[:2], other[:2])
         darkness = np.maximum(darkness - band, 0)
         visibility = visibility * np.clip(1 - band / max(float(band.max()), 1e-3), 0, 1)
@@ -484,15 +460,16 @@ def _without_cables(darkness: Darkness) -> tuple[Darkness, Darkness]:
     return darkness, visibility
 
 
-def _crossings(darkness: Darkness) -> list[tuple[float, float, float]]:
-    """Row, column and darkness of each place where something dark crosses the ring."""
-    values = _on_ring(darkness)
+def _crossings(darkness: Darkness) -> list[Crossing]:
+    """Each place where something dark crosses the ring."""
+    ring, on_sides = _ring(*darkness.shape)
+    values = darkness[ring[:, 0], ring[:, 1]]
+    values = values - np.median(values)
+    if not (values > _CROSSING).any():
+        return []
     # Start at a bright sample, so that no crossing is cut in two.
     start = int(np.argmin(values > _CROSSING))
-    ring, on_sides = (
-        np.roll(part, -start, axis) for part, axis in zip(_ring(*darkness.shape), (0, 1), strict=True)
-    )
-    values = np.roll(values, -start)
+    ring, on_sides, values = np.roll(ring, -start, 0), np.roll(on_sides, -start, 1), np.roll(values, -start)
     changes = np.flatnonzero(np.diff(np.append(values > _CROSSING, False).astype(np.int8))) + 1
     crossings = []
     for first, last in changes.reshape(-1, 2).tolist():
@@ -504,13 +481,11 @@ def _crossings(darkness: Darkness) -> list[tuple[float, float, float]]:
             part = values[begin:end]
             row, column = part @ ring[begin:end] / part.sum()
             crossings.append((float(row), float(column), float(part.max())))
-    darkest = max((darkness for _, _, darkness in crossings), default=0.0)
+    darkest = max(darkness for _, _, darkness in crossings)
     return [crossing for crossing in crossings if crossing[2] >= _WEAK * darkest]
 
 
-def _continuity(
-    darkness: Darkness, one: tuple[float, float, float], other: tuple[float, float, float]
-) -> float:
+def _continuity(darkness: Darkness, one: Crossing, other: Crossing) -> float:
     """Darkness at nine of ten places between two crossings, as a share of the weaker crossing's."""
     rows, columns = (np.rint(one[i] + _SHARES * (other[i] - one[i])).astype(int) for i in (0, 1))
     return float(np.sort(darkness[rows, columns])[len(_SHARES) // 10]) / min(one[2], other[2])

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from khepera_forage.extras import require
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
-from khepera_forage.vision.segmentation import as_grey
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.video import Frame, as_grey
 
 Colour = tuple[int, int, int]
 MARKER: Colour = (255, 90, 60)
@@ -18,15 +18,14 @@ LOST: Colour = (150, 150, 160)
 """Red, green, blue of found markers, of found food and of lost regions."""
 _FRACTIONAL_BITS = 4
 """Fractional bits of OpenCV's drawing coordinates."""
-_CIRCLE_POINTS = 24
-"""Corners of the polygon that is drawn for a disc."""
+_CIRCLE = [(math.cos(math.tau * i / 24), math.sin(math.tau * i / 24)) for i in range(24)]
 _TEXT_SIZE, _TEXT_GROWTH = 0.4, 0.2
 """Size of captions in OpenCV's unit, about 22 pixels: in a picture of the frame's size, and more for each further
 pixel of the enlargement. Captions grow less than the picture."""
 
 
 def draw_scene(
-    frame: NDArray[np.uint8],
+    frame: Frame,
     scene: Scene,
     calibration: Calibration | None = None,
     settings: TrackerSettings | None = None,
@@ -59,19 +58,31 @@ def draw_scene(
     settings = settings or TrackerSettings()
     calibration = (calibration or Calibration.identity()).for_size(*larger.shape[::-1])
     thickness, size = (enlargement + 1) // 2, _TEXT_SIZE + _TEXT_GROWTH * (enlargement - 1)
+    tags, tip = settings.markers == "tags", settings.marker_length / MM_PER_PIXEL * 0.8
+    length, width = (
+        (settings.tag_size if tags else side) / MM_PER_PIXEL / 2
+        for side in (settings.marker_length, settings.marker_width)
+    )
+    box = [(length, width), (-length, width), (-length, -width), (length, -width)]
+    radius = settings.food_radius / MM_PER_PIXEL
+    disc = [(radius * x, radius * y) for x, y in _CIRCLE]
+    cross = [(-1.5, 0.0), (1.5, 0.0)], [(0.0, -1.5), (0.0, 1.5)]
+    arrow = [(0.0, 0.0), (tip, 0.0)], [(tip - 3, 2.5), (tip, 0.0), (tip - 3, -2.5)]
     for region in scene.regions:
         marker = region.holes > 0
         colour = (MARKER if marker else FOOD) if region.found else LOST
-        strokes = [_outline(region, settings), [(-1.5, 0.0), (1.5, 0.0)], [(0.0, -1.5), (0.0, 1.5)]]
-        if marker:
-            tip = settings.marker_length / MM_PER_PIXEL * 0.8
-            strokes += [[(0.0, 0.0), (tip, 0.0)], [(tip - 3, 2.5), (tip, 0.0), (tip - 3, -2.5)]]
         height = settings.marker_height if marker else settings.food_height
-        outline, *others = (_shown(region, stroke, calibration, height) for stroke in strokes)
-        for corners in (outline, *others):
-            points = np.rint((corners - 0.5) * 2**_FRACTIONAL_BITS).astype(np.int32)
-            closed = corners is outline
+        strokes = (box if marker else disc, *cross, *(arrow if marker else ()))
+        heading = math.radians(region.orientation)
+        cos, sin = math.cos(heading), math.sin(heading)
+        drawn = []
+        for stroke in strokes:
+            places = [(region.x + x * cos - y * sin, region.y + x * sin + y * cos) for x, y in stroke]
+            drawn.append(np.array([calibration.to_picture(x, y, height) for x, y in places]))
+            points = np.rint((drawn[-1] - 0.5) * 2**_FRACTIONAL_BITS).astype(np.int32)
+            closed = stroke is strokes[0]
             cv2.polylines(picture, [points], closed, colour, thickness, cv2.LINE_AA, _FRACTIONAL_BITS)
+        outline, *_ = drawn
         # The caption of a marker is above its outline, that of food below, so that neighbours stay apart.
         text, gap = caption(region, settings.markers), 3 * enlargement
         (_, letters), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, thickness)
@@ -88,36 +99,8 @@ def caption(region: Region, markers: str = "holes") -> str:
         region: The region.
         markers: The kind of markers, as in `TrackerSettings`.
     """
-    kind = "food"
-    if region.holes:
-        kind = f"{region.holes} hole{'s' * (region.holes > 1)}"
-        if markers != "holes":
-            kind = f"{'tag' if markers == 'tags' else 'marker'} {region.holes}"
+    kind = f"{region.holes} hole{'s' * (region.holes > 1)}"
+    if markers != "holes":
+        kind = f"{'tag' if markers == 'tags' else 'marker'} {region.holes}"
+    kind = kind if region.holes else "food"
     return f"{region.label}: {kind}{'' if region.found else ', lost'}"
-
-
-def _outline(region: Region, settings: TrackerSettings) -> list[tuple[float, float]]:
-    """Corners in the region's own frame (region pixels, x forward)."""
-    if region.holes > 0:
-        length, width = settings.marker_length, settings.marker_width
-        if settings.markers == "tags":
-            length = width = settings.tag_size
-        a, b = length / MM_PER_PIXEL / 2, width / MM_PER_PIXEL / 2
-        return [(a, b), (-a, b), (-a, -b), (a, -b)]
-    radius = settings.food_radius / MM_PER_PIXEL
-    angles = (2 * math.pi * i / _CIRCLE_POINTS for i in range(_CIRCLE_POINTS))
-    return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
-
-
-def _shown(
-    region: Region, points: list[tuple[float, float]], calibration: Calibration, height: float
-) -> NDArray[np.float64]:
-    """Where the frame shows points of the region's own frame (region pixels) at a height in mm."""
-    heading = math.radians(region.orientation)
-    cos, sin = math.cos(heading), math.sin(heading)
-    return np.array(
-        [
-            calibration.to_picture(region.x + x * cos - y * sin, region.y + x * sin + y * cos, height)
-            for x, y in points
-        ]
-    )

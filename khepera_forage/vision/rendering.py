@@ -1,7 +1,7 @@
 """Rendered frames: what the overhead camera would show of a simulated world, as input for the real tracker."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
@@ -30,7 +30,8 @@ from khepera_forage.vision.shapes import (
     PICTURE_HEIGHT,
     PICTURE_WIDTH,
 )
-from khepera_forage.vision.tags import CELLS, DICTIONARY
+from khepera_forage.vision.tags import CELLS, white_cells
+from khepera_forage.vision.video import Frame
 
 _GREYS = ("white", "black", "floor", "wall", "body", "gripper", "cable")
 _SUPERSAMPLING = 16
@@ -60,6 +61,7 @@ _POINTS = 24
 
 SIZE = (int(PICTURE_WIDTH), int(PICTURE_HEIGHT))
 
+Floats = NDArray[np.float64]
 Wall = tuple[float, float, float, float]
 
 
@@ -172,15 +174,6 @@ class Disc(NamedTuple):
     grey: float
 
 
-_SHEET = Box(
-    -MARKER_LENGTH / 2 - MARKER_FRAME,
-    -MARKER_WIDTH / 2 - MARKER_FRAME,
-    MARKER_LENGTH / 2 + MARKER_FRAME,
-    MARKER_WIDTH / 2 + MARKER_FRAME,
-    0.0,
-)
-
-
 class FrameRenderer:
     """Renders grey frames of a floor 3200 mm wide, whose lower left corner is (0, 0) mm: 640 x 480 pixels of 5 mm.
 
@@ -232,16 +225,11 @@ class FrameRenderer:
         self._walls = tuple(walls)
         self._period = period
         self._frames = 0
-        self._floor: NDArray[np.uint8] | None = None
+        self._floor: Frame | None = None
         self._sway: SlowNoise | None = None
-        self.cables: list[NDArray[np.float64]] = []
+        self.cables: list[Floats] = []
         self._size, self._mm = size, SIZE[0] * MM_PER_PIXEL / size[0]
-        self._tag_size = tag_size
-        self._robot = _robot_shapes(self._appearance)[: None if gripper else 1]
-        self._markers = {
-            holes: marker_shapes(self._appearance, centres) for holes, centres in MARKER_HOLES.items()
-        }
-        self._food = (Disc(FOOD_RADIUS, self._appearance.white),)
+        self._tag_size, self._gripper = tag_size, gripper
 
     def reset(self, rng: np.random.Generator) -> None:
         """Restart at time zero with another floor, other light and other cables.
@@ -253,59 +241,55 @@ class FrameRenderer:
         self._frames = 0
         self._floor = _draw_floor(self._appearance, self._walls, floor, self._size)
         self._light = Light(self._appearance, light, self._size)
-        if self._tag_size is not None:
-            self._markers = {
-                number: _tag_shapes(self._appearance, number, self._tag_size)
-                for *_, number in self._truth().markers
-            }
         self._sway, self.cables = None, []
         if self._anchor is not None and self._appearance.cable_width > 0:
             robots = len(self._truth().markers)
             self._sway = SlowNoise(cables, robots, _SWAY_PERIOD)
             self._sides = cables.choice((-1.0, 1.0), robots)
 
-    def frame(self) -> NDArray[np.uint8]:
+    def frame(self) -> Frame:
         """The next frame; row 0 is the top (largest y).
 
         Raises:
             RuntimeError: The renderer was never reset.
         """
         truth = self._truth()
-        picture, seconds = self._drawn(truth), self._frames * self._period
+        picture, seconds = self.picture(truth), self._frames * self._period
         self._frames += 1
         if self._sway is not None:
             self._draw_cables(picture, truth, self._sway.at(seconds))
         return self._light.expose(picture, seconds)
 
-    def newest(self) -> tuple[NDArray[np.uint8], float]:
+    def newest(self) -> tuple[Frame, float]:
         """The next frame, and its age: 0 s. With this and `close` the renderer is a `FrameSource`."""
         return self.frame(), 0.0
 
     def close(self) -> None:
         """Do nothing: there is no device to release."""
 
-    def picture(self) -> NDArray[np.uint8]:
-        """Floor, food, robots and markers under full, even light: a frame without cables, lens and sensor.
+    def picture(self, truth: Truth | None = None) -> Frame:
+        """What is there, or another truth, under full, even light: a frame without cables, lens and sensor.
 
         Raises:
             RuntimeError: The renderer was never reset.
         """
-        return self._drawn(self._truth())
-
-    def _drawn(self, truth: Truth) -> NDArray[np.uint8]:
         if self._floor is None:
             raise RuntimeError("frame before any reset(rng); allowed: after one")
-        picture = self._floor.copy()
+        truth, picture = truth or self._truth(), self._floor.copy()
+        food, robot = (
+            Disc(FOOD_RADIUS, self._appearance.white),
+            _robot_shapes(self._appearance, self._gripper),
+        )
         for x, y in truth.foods:
-            draw_shapes(picture, self._image_pose(x, y, 0.0, FOOD_HEIGHT), self._food)
+            draw_shapes(picture, self._image_pose(x, y, 0.0, FOOD_HEIGHT), (food,))
         for x, y, heading, _ in truth.markers:
-            draw_shapes(picture, self._image_pose(x, y, heading, _ROBOT_HEIGHT), self._robot)
-        for x, y, heading, holes in truth.markers:
+            draw_shapes(picture, self._image_pose(x, y, heading, _ROBOT_HEIGHT), robot)
+        for x, y, heading, number in truth.markers:
             pose = self._image_pose(x, y, heading, self._appearance.marker_height)
-            draw_shapes(picture, pose, self._markers[holes])
+            draw_shapes(picture, pose, _marker_shapes(self._appearance, number, self._tag_size))
         return picture
 
-    def _draw_cables(self, picture: NDArray[np.uint8], truth: Truth, sway: NDArray[np.float64]) -> None:
+    def _draw_cables(self, picture: Frame, truth: Truth, sway: Floats) -> None:
         """Draw a cable from the overhead anchor to each robot, seen from above a quadratic curve whose middle sways.
 
         A cable enters its robot under the marker, for the plug is on the robot. It therefore covers other markers and
@@ -317,10 +301,10 @@ class FrameRenderer:
         poses = [
             self._image_pose(x, y, heading, appearance.marker_height) for x, y, heading, _ in truth.markers
         ]
-        full = _FULL_SAG_LENGTH / self._mm
+        full, width = _FULL_SAG_LENGTH / self._mm, appearance.cable_width / self._mm
         self.cables = [_cable(start, pose, float(sag), full) for pose, sag in zip(poses, sags, strict=True)]
         for pose, curve, (*_, number) in zip(poses, self.cables, truth.markers, strict=True):
-            width, sheet = appearance.cable_width / self._mm, self._markers[number][0]
+            sheet, *_ = _marker_shapes(appearance, number, self._tag_size)
             draw_cable(picture, curve, width, appearance.cable, (sheet, pose))
 
     def _image_pose(self, x: float, y: float, heading: float, height: float) -> ImagePose:
@@ -342,16 +326,16 @@ class SlowNoise:
         self._rates = 2 * np.pi / (period * rng.uniform(*_PERIODS, (count, _WAVES)))
         self._phases = rng.uniform(0, 2 * np.pi, (count, _WAVES))
 
-    def at(self, seconds: float) -> NDArray[np.float64]:
+    def at(self, seconds: float) -> Floats:
         """The signals at a time: mean 0, within -1..1, with a standard deviation of 0.41."""
         return np.sin(self._rates * seconds + self._phases).mean(axis=1)  # type: ignore[no-any-return]
 
 
 class Light:
-    """Uneven and slowly varying light, blur, noise and quantisation.
+    """Blur, light that is a slowly tilting plane minus a paraboloid (the vignette), noise and quantisation.
 
-    The light is a slowly tilting plane minus a paraboloid (the vignette). The noise is normal and independent from
-    pixel to pixel. For speed it is drawn once, and each frame uses a randomly shifted and mirrored part of it.
+    The noise is normal and independent from pixel to pixel. For speed it is drawn once, and each frame uses a randomly
+    shifted and mirrored part of it.
     """
 
     def __init__(
@@ -368,7 +352,7 @@ class Light:
         noise = self._rng.standard_normal((height + _SPARE, width + _SPARE), dtype=np.float32)
         self._noise = np.float32(appearance.grain) * noise
 
-    def expose(self, picture: NDArray[np.uint8], seconds: float) -> NDArray[np.uint8]:
+    def expose(self, picture: Frame, seconds: float) -> Frame:
         """The frame that the camera takes of a picture under full, even light, some time after the reset."""
         appearance = self._appearance
         if appearance.blur > 0:
@@ -386,7 +370,7 @@ class Light:
         return cv2.add((across + down) * picture, noise, dtype=cv2.CV_8U)  # type: ignore[return-value]
 
 
-def _cable(start: NDArray[np.float64], marker: ImagePose, sag: float, full: float) -> NDArray[np.float64]:
+def _cable(start: Floats, marker: ImagePose, sag: float, full: float) -> Floats:
     """Points in pixels from the anchor to the middle of a marker; `sag` is that of the middle of a `full` length."""
     end = np.array((marker.x, marker.y))
     along = end - start
@@ -397,7 +381,7 @@ def _cable(start: NDArray[np.float64], marker: ImagePose, sag: float, full: floa
     return (1 - s) ** 2 * start + 2 * s * (1 - s) * control + s**2 * end  # type: ignore[no-any-return]
 
 
-def _robot_shapes(appearance: CameraAppearance) -> tuple[Box | Disc, ...]:
+def _robot_shapes(appearance: CameraAppearance, gripper: bool) -> tuple[Box | Disc, ...]:
     """Body and open gripper from above, lowest first."""
     gap = half_gap(JAW_OPEN)
     outer = gap + FINGER_THICKNESS
@@ -406,38 +390,40 @@ def _robot_shapes(appearance: CameraAppearance) -> tuple[Box | Disc, ...]:
         Box(JAW_ROOT - 7.0, -outer, JAW_ROOT, outer, appearance.gripper),
         Box(JAW_ROOT, gap, FINGER_TIP, outer, appearance.gripper),
         Box(JAW_ROOT, -outer, FINGER_TIP, -gap, appearance.gripper),
-    )
+    )[: None if gripper else 1]
 
 
-def marker_shapes(appearance: CameraAppearance, holes: Iterable[tuple[float, float]]) -> tuple[Box, ...]:
-    """Frame, white sheet and holes (centres in mm in the marker's own frame) of a marker, lowest first."""
-    half = HOLE_SIDE / 2
-    return (
-        _SHEET._replace(grey=appearance.black),
-        Box(-MARKER_LENGTH / 2, -MARKER_WIDTH / 2, MARKER_LENGTH / 2, MARKER_WIDTH / 2, appearance.white),
-        *(Box(x - half, y - half, x + half, y + half, appearance.black) for x, y in holes),
-    )
-
-
-def _tag_shapes(appearance: CameraAppearance, number: int, side: float) -> tuple[Box, ...]:
-    """White sheet, black square and white cells of an ArUco tag whose top is the front, lowest first."""
-    half, cell = side / 2, side / CELLS
-    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
+def _marker_shapes(appearance: CameraAppearance, number: int, tag_size: float | None) -> tuple[Box, ...]:
+    """Frame, white sheet and holes of a marker, or sheet, square and white cells of a tag, whose top is the front."""
+    white, black = appearance.white, appearance.black
+    if tag_size is None:
+        length, width, frame, hole = MARKER_LENGTH / 2, MARKER_WIDTH / 2, MARKER_FRAME, HOLE_SIDE / 2
+        return (
+            Box(-length - frame, -width - frame, length + frame, width + frame, black),
+            Box(-length, -width, length, width, white),
+            *(Box(x - hole, y - hole, x + hole, y + hole, black) for x, y in MARKER_HOLES[number]),
+        )
+    half, cell = tag_size / 2, tag_size / CELLS
     sheet = half + _TAG_MARGIN * cell
     return (
-        Box(-sheet, -sheet, sheet, sheet, appearance.white),
-        Box(-half, -half, half, half, appearance.black),
+        Box(-sheet, -sheet, sheet, sheet, white),
+        Box(-half, -half, half, half, black),
         *(
-            Box(half - (row + 1) * cell, half - (column + 1) * cell, half - row * cell, half - column * cell,
-                appearance.white)
-            for row, column in np.argwhere(cv2.aruco.generateImageMarker(dictionary, number, CELLS)).tolist()
+            Box(
+                half - (row + 1) * cell,
+                half - (column + 1) * cell,
+                half - row * cell,
+                half - column * cell,
+                white,
+            )
+            for row, column in white_cells(number)
         ),
-    )  # fmt: skip
+    )
 
 
 def _draw_floor(
     appearance: CameraAppearance, walls: Sequence[Wall], rng: np.random.Generator, size: tuple[int, int]
-) -> NDArray[np.uint8]:
+) -> Frame:
     """The empty floor with its walls, under full light."""
     shape, scale = (size[1], size[0]), size[0] / SIZE[0]
     blotches = cv2.GaussianBlur(rng.standard_normal(shape, dtype=np.float32), (0, 0), _BLOTCH_SIZE * scale)
@@ -460,7 +446,7 @@ def _draw_floor(
     return np.asarray(picture).round().clip(0, 255).astype(np.uint8)
 
 
-def draw_shapes(picture: NDArray[np.uint8], pose: ImagePose, shapes: Sequence[Box | Disc]) -> None:
+def draw_shapes(picture: Frame, pose: ImagePose, shapes: Sequence[Box | Disc]) -> None:
     """Draw the shapes of one object into a picture, lowest first; parts outside of the picture are left out."""
     reach = pose.scale * max(_reach(shape) for shape in shapes) + 1.0
     height, width = picture.shape
@@ -488,8 +474,8 @@ def draw_shapes(picture: NDArray[np.uint8], pose: ImagePose, shapes: Sequence[Bo
 
 
 def draw_cable(
-    picture: NDArray[np.uint8],
-    curve: NDArray[np.float64],
+    picture: Frame,
+    curve: Floats,
     width: float,
     grey: float,
     above: tuple[Box, ImagePose] | None = None,
@@ -521,7 +507,7 @@ def draw_cable(
     picture[rows, columns] = np.rint(below + share * (grey - below)).astype(np.uint8)
 
 
-def _corners(box: Box, pose: ImagePose, shrink: float = 0.0) -> NDArray[np.float64]:
+def _corners(box: Box, pose: ImagePose, shrink: float = 0.0) -> Floats:
     """The corners of a box in the picture, from its origin: 4 x 2, columns and rows; it may shrink by some pixels."""
     x = np.array([box.x1, box.x2, box.x2, box.x1]) * pose.scale + shrink * np.array([1, -1, -1, 1])
     y = np.array([box.y1, box.y1, box.y2, box.y2]) * pose.scale + shrink * np.array([1, 1, -1, -1])
@@ -535,9 +521,7 @@ def _reach(shape: Box | Disc) -> float:
     return math.hypot(max(-shape.x1, shape.x2), max(-shape.y1, shape.y2))
 
 
-def _coverage(
-    columns: NDArray[np.int64], rows: NDArray[np.int64], line: NDArray[np.float64], width: float
-) -> NDArray[np.float64]:
+def _coverage(columns: NDArray[np.int64], rows: NDArray[np.int64], line: Floats, width: float) -> Floats:
     """The share of each pixel that a line of some width in pixels covers; the line is m x 2 columns and rows."""
     starts, steps = line[:-1], np.diff(line, axis=0)
     squares = np.maximum((steps * steps).sum(axis=1), 1e-12)

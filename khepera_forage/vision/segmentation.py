@@ -10,12 +10,13 @@ any such square. OpenCV's adaptive threshold does not fit, because it averages w
 import math
 from typing import NamedTuple
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.video import Frame
 
-Frame = NDArray[np.uint8]
 Contour = NDArray[np.int32]
 """Points of a contour in OpenCV's form: n x 1 x 2, column and row."""
 
@@ -62,17 +63,15 @@ class ImagePatch(NamedTuple):
 
 
 class ShapeMoments(NamedTuple):
-    """Image moments of a shape up to the second order, on the floor: region coordinates.
+    """Image moments of a shape up to the second order, on the floor (region coordinates).
 
-    (u, v) is the centre in the picture, (x, y) on the floor. `major` and `minor` are the standard deviations along and
-    across the long axis, whose direction is `axis` (radians, -pi/2..pi/2). Border pixels count by their share in the
-    area, and `level` is the mean grey level of the bright pixels inside.
+    (u, v) is the centre in the picture. `major` and `minor` are the standard deviations along and across the long axis,
+    whose direction is `axis` (radians, -pi/2..pi/2). Border pixels count by their share in the area, and `level` is the
+    mean grey level of the bright pixels inside.
     """
 
     u: float
     v: float
-    x: float
-    y: float
     major: float
     minor: float
     axis: float
@@ -80,27 +79,8 @@ class ShapeMoments(NamedTuple):
     level: float
 
 
-def as_grey(frame: Frame) -> Frame:
-    """A frame as grey levels: itself, or the brightness of its colours (blue, green, red, as OpenCV has them).
-
-    Raises:
-        ValueError: Anything else.
-    """
-    import cv2
-
-    if frame.dtype != np.uint8 or frame.ndim not in (2, 3) or frame.shape[2:] not in ((), (1,), (3,)):
-        raise ValueError(
-            f"frame is {frame.shape} of {frame.dtype}; allowed: rows x columns of uint8 grey levels, or x 3 colours"
-        )
-    if frame.ndim == 2:
-        return frame
-    return frame[:, :, 0] if frame.shape[2] == 1 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)  # type: ignore[return-value]
-
-
 def segment(frame: Frame, contrast: float) -> Segmentation:
     """The pixels of a frame of grey levels that are `contrast` times brighter than the floor."""
-    import cv2
-
     # On a floor so bright that white saturates, the threshold is at most halfway to 255.
     thresholds = np.round(np.minimum(_LEVELS * contrast, (_LEVELS + 255) / 2)).astype(np.uint8)
     thresholds[_BRIGHTEST_FLOOR:] = 255
@@ -119,8 +99,6 @@ def outer_contours(mask: Frame, offset: tuple[int, int] = (0, 0)) -> list[Contou
 
     `offset` is the mask's first column and row in the picture.
     """
-    import cv2
-
     contours, hierarchy = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE, offset=offset)
     if not contours:
         return []
@@ -130,15 +108,11 @@ def outer_contours(mask: Frame, offset: tuple[int, int] = (0, 0)) -> list[Contou
 
 def filled_area(contour: Contour) -> float:
     """Number of pixels within a contour, border pixels included (Pick's theorem)."""
-    import cv2
-
     return cv2.contourArea(contour) + len(contour) / 2 + 1
 
 
 def cut_patch(segmentation: Segmentation, contour: Contour) -> ImagePatch:
     """The part of a frame around a contour, with a margin where the picture has one."""
-    import cv2
-
     left, top, width, height = cv2.boundingRect(contour)
     rows, columns = segmentation.frame.shape
     column, row = max(0, left - _MARGIN), max(0, top - _MARGIN)
@@ -160,8 +134,6 @@ def shape_moments(
     fraction of a pixel. Inner pixels count in full whatever their grey level, so that holes, print and uneven light do
     not shift the centre. None for a shape without inner pixels, or no brighter than the floor.
     """
-    import cv2
-
     inside, around = cv2.erode(mask, _SQUARE), cv2.dilate(mask, _CROSS)
     level = cv2.mean(patch.grey, cv2.bitwise_and(inside, patch.white))[0]
     if level <= patch.floor:
@@ -179,6 +151,5 @@ def shape_moments(
     mean, spread = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
     if mean <= spread:
         return None
-    x, y = calibration.to_region(u, v, height)
     axis, area = 0.5 * math.atan2(2 * xy, xx - yy), mass / 255 * calibration.scale(u, v, height) ** 2
-    return ShapeMoments(u, v, x, y, math.sqrt(mean + spread), math.sqrt(mean - spread), axis, area, level)
+    return ShapeMoments(u, v, math.sqrt(mean + spread), math.sqrt(mean - spread), axis, area, level)

@@ -54,28 +54,16 @@ MARKER_FRAME = 8.0
 """Width in mm of the black frame around a marker's white sheet (figure 3.8 shows one)."""
 
 FOOD_RADIUS_PX = FOOD_RADIUS / MM_PER_PIXEL
-_SURE = 5.0
-"""Standard deviations of jitter by which a place must be clear of a marker to count as visible."""
 _HALF_LENGTH, _HALF_WIDTH = MARKER_LENGTH / 2, MARKER_WIDTH / 2
 _HALF_LENGTH_PX, _HALF_WIDTH_PX = _HALF_LENGTH / MM_PER_PIXEL, _HALF_WIDTH / MM_PER_PIXEL
 
 
-class Features(NamedTuple):
-    """Features of a region that Quek's tracker stores but does not use for tracking (3.5).
-
-    Attributes:
-        area: In square pixels, holes not counted.
-        perimeter: Outer contour in pixels.
-        compactness: perimeter^2 / area.
-    """
-
-    area: float
-    perimeter: float
-    compactness: float
+Features = tuple[float, float, float]
+"""Area, perimeter and compactness of a `Region`, which Quek's tracker stores but does not use for tracking (3.5)."""
 
 
 def _features(area: float, perimeter: float) -> Features:
-    return Features(area, perimeter, perimeter * perimeter / area)
+    return area, perimeter, perimeter * perimeter / area
 
 
 MARKER_FEATURES = {
@@ -90,7 +78,7 @@ FOOD_FEATURES = _features(math.pi * FOOD_RADIUS_PX**2, 2 * math.pi * FOOD_RADIUS
 
 
 class Plate(NamedTuple):
-    """Pose of a marker over the floor: centre in mm, cosine and sine of its heading."""
+    """Pose of a marker over the floor: centre in mm, cosine and sine of its heading, along its long side."""
 
     x: float
     y: float
@@ -99,14 +87,7 @@ class Plate(NamedTuple):
 
 
 def under_plate(x: float, y: float, radius: float, plates: Iterable[Plate]) -> bool:
-    """Whether a disc touches any of the markers, and is therefore hidden.
-
-    Args:
-        x: Centre of the disc in mm.
-        y: Centre of the disc in mm.
-        radius: Of the disc in mm.
-        plates: The markers, 120 x 80 mm, long side along the heading.
-    """
+    """Whether a disc (centre and radius in mm) touches any of the markers, and is therefore hidden."""
     return any(touches_plate(x, y, radius, plate) for plate in plates)
 
 
@@ -118,24 +99,6 @@ def touches_plate(x: float, y: float, radius: float, plate: Plate) -> bool:
     ahead, aside = abs(dx * cos + dy * sin) - _HALF_LENGTH, abs(dy * cos - dx * sin) - _HALF_WIDTH
     squared = (ahead * ahead if ahead > 0.0 else 0.0) + (aside * aside if aside > 0.0 else 0.0)
     return squared <= radius * radius
-
-
-def visible_clearance(position_jitter: float) -> float:
-    """Distance in mm from every marker at which food surely shows.
-
-    Args:
-        position_jitter: Standard deviation of the place of a region, in pixels.
-    """
-    return FOOD_RADIUS + _SURE * position_jitter * MM_PER_PIXEL
-
-
-def shows_beside_lost_food(x: float, y: float, lost_x: float, lost_y: float) -> bool:
-    """Whether food at one place (mm) would show although the tracker does not see the food at another place.
-
-    Whatever hides a food object also hides the floor around it.
-    """
-    dx, dy = x - lost_x, y - lost_y
-    return dx * dx + dy * dy > 4 * FOOD_RADIUS * FOOD_RADIUS
 
 
 def marker_outline(cos: float, sin: float) -> tuple[float, float, float]:
@@ -156,6 +119,6 @@ def marker_outline(cos: float, sin: float) -> tuple[float, float, float]:
     )
 
 
-def in_picture(x: float, y: float, half_width: float = 0.0, half_height: float = 0.0) -> bool:
+def in_picture(x: float, y: float, half_width: float, half_height: float) -> bool:
     """Whether an axis-aligned box lies inside the picture and clear of its border (pixels)."""
     return half_width < x < PICTURE_WIDTH - half_width and half_height < y < PICTURE_HEIGHT - half_height

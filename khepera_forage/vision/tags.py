@@ -5,8 +5,8 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,11 +21,11 @@ from khepera_forage.vision.calibration import (
     fit_calibration,
 )
 from khepera_forage.vision.scene import MM_PER_PIXEL, place_text
-from khepera_forage.vision.segmentation import Frame
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.video import Frame
 
-DICTIONARY = "DICT_4X4_50"
-"""Of `cv2.aruco`: 4 x 4 cells within a black border of one cell, ids 0 to 49."""
+_DICTIONARY = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+"""Tags of 4 x 4 cells within a black border of one cell, ids 0 to 49."""
 CELLS = 6
 """Cells across a tag, with its border."""
 _SIDES = (60.0, 30.0, 15.0)
@@ -51,19 +51,21 @@ Corners = NDArray[np.float64]
 """4 x 2: u and v of the upper left, upper right, lower right and lower left corner of a tag."""
 
 
-@cache
-def _dictionary(ids: tuple[int, ...]) -> Any:
-    """OpenCV's dictionary of some ids: the fewer there are, the more wrong cells can be corrected."""
-    import cv2
+def white_cells(tag: int) -> list[list[int]]:
+    """Row and column of each white cell of a tag."""
+    cells: list[list[int]] = np.argwhere(cv2.aruco.generateImageMarker(_DICTIONARY, tag, CELLS)).tolist()
+    return cells
 
-    whole = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
-    used = whole.bytesList[list(ids)]
-    bits = [whole.getBitsFromByteList(used[i : i + 1], 4) for i in range(len(ids))]
+
+@cache
+def _dictionary(ids: tuple[int, ...]) -> cv2.aruco.Dictionary:
+    """OpenCV's dictionary of some ids: the fewer there are, the more wrong cells can be corrected."""
+    used, distance = _DICTIONARY.bytesList[list(ids)], _DICTIONARY.getDistanceToId
+    bits = [_DICTIONARY.getBitsFromByteList(used[i : i + 1], 4) for i in range(len(ids))]
     least = min(
-        (whole.getDistanceToId(one, i) for one, j in zip(bits, ids, strict=True) for i in ids if i < j),
-        default=_ALONE,
+        (distance(one, i) for one, j in zip(bits, ids, strict=True) for i in ids if i < j), default=_ALONE
     )
-    return cv2.aruco.Dictionary(used, whole.markerSize, max(0, (min(least, _ALONE) - 1) // 2))
+    return cv2.aruco.Dictionary(used, _DICTIONARY.markerSize, max(0, (min(least, _ALONE) - 1) // 2))
 
 
 def find_tags(grey: Frame, ids: Sequence[int], side: float) -> list[tuple[int, Corners]]:
@@ -74,8 +76,6 @@ def find_tags(grey: Frame, ids: Sequence[int], side: float) -> list[tuple[int, C
         ids: Those in use; any other is ignored.
         side: Of the tags in pixels.
     """
-    import cv2
-
     parameters = cv2.aruco.DetectorParameters()
     parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
     parameters.minMarkerPerimeterRate = 0.6 * 4 * side / max(grey.shape)
@@ -94,7 +94,7 @@ def find_tags(grey: Frame, ids: Sequence[int], side: float) -> list[tuple[int, C
 
 
 class TagDetector:
-    """Detects the tags of robots and food.
+    """Detects the tags of robots and food, and watches those on the floor: they move if the camera was moved.
 
     Raises:
         ValueError: The tags are too small for the camera.
@@ -116,14 +116,22 @@ class TagDetector:
                     f"{_LEAST_PIXELS:g} pixels, here {math.ceil(_LEAST_PIXELS / scale)} mm: use larger tags, or a "
                     "higher resolution"
                 )
-            self._kinds.append((ids, size * scale, _closing_kernel(size, scale)))
+            # To close cables: wider than these, no wider than a cell, and odd: an even kernel shifts the picture.
+            width = math.ceil(_CABLE * scale + _BLUR) // 2 * 2 + 1
+            while width > max(size * scale / CELLS, 3):
+                width -= 2
+            kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
+            self._kinds.append((ids, size * scale, kernel))  # type: ignore[arg-type] # uint8
         # Region pixels around a tag's middle within which white belongs to the tag.
         self.reach = (0.75 * settings.tag_size + 12) / MM_PER_PIXEL
+        self._floor_ids, self._floor_side = (
+            tuple(sorted(calibration.tags)),
+            FLOOR_SIZE / calibration.mm_per_pixel(),
+        )
+        self._turns = deque(self._floor_ids)
 
     def detect(self, grey: Frame) -> tuple[list[Detection], dict[str, str]]:
         """The tags in a frame, and warnings by the name of their cause."""
-        import cv2
-
         found = dict[int, list[Corners]]()
         for ids, side, kernel in self._kinds:
             for tag, corners in find_tags(grey, ids, side):
@@ -138,9 +146,8 @@ class TagDetector:
             seen = [self._detection(tag, corners) for corners in places]
             texts = [place_text(detection.x, detection.y) for detection, _ in seen]
             detection, side = seen[0]
-            size = (
-                self._settings.food_tag_size if tag in self._settings.food_tags else self._settings.tag_size
-            )
+            food = tag in self._settings.food_tags
+            size = self._settings.food_tag_size if food else self._settings.tag_size
             if len(seen) > 1:
                 where = " and ".join(texts)
                 warnings["tag twice"] = f"tag {tag} is seen twice, at {where}: use each id once"
@@ -151,7 +158,7 @@ class TagDetector:
                 )
             else:
                 detections.append(detection)
-        return detections, warnings
+        return detections, warnings | self._moved(grey)
 
     def _detection(self, tag: int, corners: Corners) -> tuple[Detection, float]:
         """The detection of a tag, and its side in mm."""
@@ -166,23 +173,12 @@ class TagDetector:
         first_x, first_y = floor[int(np.lexsort((floor[:, 0], -floor[:, 1]))[0])].tolist()
         perimeter, side = float(sides.sum()), float(sides.mean())
         holes, area = 0 if food else tag, side * side
-        detection = Detection(
-            x, y, holes, orientation, edge, first_x, first_y, area, perimeter, perimeter**2 / area
-        )
-        return detection, side * MM_PER_PIXEL
+        features = area, perimeter, perimeter**2 / area
+        return Detection(x, y, holes, orientation, edge, first_x, first_y, *features), side * MM_PER_PIXEL
 
-
-class FloorTags:
-    """Watches the tags on the floor: they appear elsewhere once the camera was moved."""
-
-    def __init__(self, calibration: Calibration) -> None:
-        self._calibration, self._ids = calibration, tuple(sorted(calibration.tags))
-        self._side = FLOOR_SIZE / calibration.mm_per_pixel()
-        self._turns = deque(self._ids)
-
-    def check(self, grey: Frame) -> dict[str, str]:
-        """A warning if the tags have moved; each frame searches a few, and all if these have moved."""
-        if not self._ids:
+    def _moved(self, grey: Frame) -> dict[str, str]:
+        """A warning if the tags on the floor have moved; each frame searches a few, and all if these have moved."""
+        if not self._floor_ids:
             return {}
         chosen = [self._turns[i] for i in range(min(_ROUND, len(self._turns)))]
         self._turns.rotate(-len(chosen))
@@ -190,8 +186,8 @@ class FloorTags:
         all_stay = len(shifts) == len(chosen) and max(shifts) < _MOVED
         if all_stay or (len(shifts) > 1 and float(np.median(shifts)) < _MOVED):  # some may be hidden
             return {}
-        found = dict(find_tags(grey, self._ids, self._side))
-        shifts = [self._shift(tag, corners) for tag, corners in found.items()]
+        found = dict(find_tags(grey, self._floor_ids, self._floor_side))
+        shifts = list(map(self._shift, found, found.values()))
         if not shifts or float(np.median(shifts)) < _MOVED:
             return {}
         return {
@@ -200,12 +196,12 @@ class FloorTags:
         }
 
     def _near(self, grey: Frame, tag: int) -> list[Corners]:
-        """Corners of a tag that is seen near its place; none otherwise."""
+        """Corners of a floor tag that is seen near its place; none otherwise."""
         u, v = self._calibration.tags[tag]
         reach = math.ceil(_NEAR * FLOOR_SIZE / MM_PER_PIXEL / self._calibration.scale(u, v))
         left, top = max(0, math.floor(u) - reach), max(0, math.floor(v) - reach)
         part = np.ascontiguousarray(grey[top : math.floor(v) + reach, left : math.floor(u) + reach])
-        found = find_tags(part, self._ids, self._side)
+        found = find_tags(part, self._floor_ids, self._floor_side)
         return [corners + np.array((left, top)) for i, corners in found if i == tag][:1]
 
     def _shift(self, tag: int, corners: Corners) -> float:
@@ -283,17 +279,6 @@ def fit_to_tags(
         held_out=by_middles.held_out,
         held_out_without_lens=by_middles.held_out_without_lens,
     )
-
-
-def _closing_kernel(size: float, scale: float) -> NDArray[np.uint8]:
-    """The kernel that removes cables from tags of a size in mm: wider than a cable, no wider than a cell."""
-    import cv2
-
-    # Odd: an even kernel shifts the picture.
-    width = math.ceil(_CABLE * scale + _BLUR) // 2 * 2 + 1
-    while width > max(size * scale / CELLS, 3):
-        width -= 2
-    return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))  # type: ignore[return-value] # uint8
 
 
 def middle(corners: Corners) -> tuple[float, float]:

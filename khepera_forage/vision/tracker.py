@@ -6,20 +6,19 @@
 import logging
 import math
 from collections.abc import Callable, Collection, Sequence
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from khepera_forage.extras import require
 from khepera_forage.robots.khepera import MARKER_WIDTH
 from khepera_forage.vision.association import GATE, Detection, Track, match, may_vanish, start_tracks
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.image_quality import measure_quality
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene, place_text
-from khepera_forage.vision.segmentation import Frame, Segmentation, as_grey, segment
-from khepera_forage.vision.shapes import Plate, under_plate
-from khepera_forage.vision.tags import FloorTags, TagDetector
+from khepera_forage.vision.shapes import Plate
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from khepera_forage.vision.video import FrameSource
+from khepera_forage.vision.video import Frame, FrameSource, as_grey
+
+if TYPE_CHECKING:
+    from khepera_forage.vision.detection import Detector
 
 __all__ = ["TrackedCamera", "Tracker", "TrackerSettings"]
 
@@ -30,22 +29,6 @@ _LASTING, _CHECK_INTERVAL = 5, 300
 """Frames after which the others are logged: half a second of rounds; and frames from one check of the picture's quality
 to the next: half a minute."""
 
-_NATIVE = (0.8, 1.25)
-"""Region pixels per pixel of a frame between which the frame is used as it is; others are resized to 5 mm a pixel."""
-_LEAST_SCALE = 0.55
-"""Pixels of a frame per region pixel below which markers with holes cannot be read."""
-_AROUND, _DARK, _MOST_DARK = 1.5, 0.6, 0.5
-"""Radii of food where floor is expected, the share of the floor's brightness below which a place is dark, and the
-least share of dark places around a white part of a tag."""
-_CIRCLE = [(math.cos(k * math.pi / 8), math.sin(k * math.pi / 8)) for k in range(16)]
-_CLEARANCE = 13.0
-"""Least distance in mm between the disc of food and a marker: the marker's black frame (8 mm), and a pixel of error."""
-_FLOOR_TOLERANCE = 0.25
-"""Share of the floor's brightness by which a pixel of floor may differ from it: noise, dirt, shade."""
-_MIN_FLOOR_SHARE = 0.6
-"""Least share of the disc's pixels that look like floor: a cable across the disc hides less, a robot's body more."""
-_MAX_BRIGHT_SHARE = 0.1
-"""Greatest share of bright pixels in the disc: more may be food, or a marker's rim over it."""
 _MARKER_FRAMES, _FOOD_FRAMES = 3, 2
 """Consecutive frames that must agree before a marker, or food, is new, elsewhere, or reversed."""
 _TURN = 60.0
@@ -60,25 +43,13 @@ class Tracker:
     """Detects markers and food in frames, and tracks them.
 
     Frames have any size, that of the calibration, and are grey or in colour. Frames that show much more or less than
-    5 mm of the floor in a pixel are resized to that.
+    5 mm of the floor in a pixel are resized to that. Bright shapes of a marker's size, with holes that some marker in
+    use has, are markers, and discs of food's size with a sharp border are food.
 
-    Detection:
-        Pixels clearly brighter than the floor around them are segmented (`segmentation`). A bright shape of a marker's
-        size is a marker. Its centre and axis come from the visible parts of its four sides, and its number and front
-        from the arrangement of its holes, after cables are removed (`markers`). A disc of food's size with a sharp
-        border is food (`detection`). Tags are found by `tags`. All other shapes are ignored: walls, cables, and markers
-        or food of which too little is visible.
-
-    Uncertainty:
-        An uncertain shape is lost; it is never reported with a number that may be wrong, and `warnings` names the
-        cause. A new region, or one that has jumped or is reversed, counts when two (food) or three (markers)
-        consecutive frames agree on it, except in the first frame. `image_quality` tells when blur, exposure, noise
-        or pale print make the whole picture uncertain.
-
-    Lost food:
-        Food is dropped once its last place is visible and empty (`association`). A place is visible when food there
-        would be inside the picture and clear of every marker, found or lost, and when its pixels have looked like
-        floor in `settings.patience` consecutive frames.
+    An uncertain shape is lost; it is never reported with a number that may be wrong, and `warnings` names the cause. A
+    new region, or one that has jumped or is reversed, counts when two (food) or three (markers) consecutive frames
+    agree on it, except in the first frame. Food is dropped once its last place is inside the picture, clear of every
+    marker, and has looked like floor in `settings.patience` consecutive frames.
 
     Not thread-safe.
 
@@ -106,7 +77,7 @@ class Tracker:
         self.settings = settings or TrackerSettings()
         self.calibration = calibration or Calibration.identity()
         self.warnings: dict[str, str] = {}
-        self._size_is_known = calibration is not None
+        self._detector: Detector | None = None
         if calibration is not None:
             self._prepare(calibration)
         self.reset()
@@ -128,23 +99,25 @@ class Tracker:
         Raises:
             ValueError: A frame of another type, or of another size than the calibration's.
         """
-        return self._detect(frame)[0]
+        detector, grey = self._checked(frame)
+        detections = detector.detect(grey, [(r.x, r.y) for r in self.scene.regions if r.holes])
+        self.warnings = detector.warnings
+        return detections
 
     def update(self, frame: Frame) -> Scene:
         """The scene after one more frame; arguments and errors as for `detect`."""
-        shown, segmentation = self._detect(frame)
-        plates, before, now = self._plates(shown), self._visible, dict[tuple[float, float], int]()
+        shown = self.detect(frame)
+        plates, before, self._visible = self._plates(shown), self._visible, {}
 
         def visible(x: float, y: float) -> bool:
-            if not self._shows_floor(segmentation, plates, x, y):
+            assert self._detector is not None
+            if not self._detector.shows_floor(plates, x, y):
                 return False
-            now[x, y] = before.get((x, y), 0) + 1
-            return now[x, y] >= self.settings.patience
+            self._visible[x, y] = before.get((x, y), 0) + 1
+            return self._visible[x, y] >= self.settings.patience
 
-        detections = self._confirmation.confirmed(shown, self.scene)
-        doomed = self._confirmation.doomed(detections, self.scene)
+        detections, doomed = self._confirmation.check(shown, self.scene)
         self.scene = self._tracks.update(detections, visible, doomed)
-        self._visible = now
         for region in self.scene.regions:
             if region.holes and not region.found:
                 place = place_text(region.x, region.y)
@@ -153,85 +126,27 @@ class Tracker:
 
     def reduced(self, frame: Frame) -> Frame:
         """The frame as grey levels of about 5 mm a pixel; errors as for `detect`."""
-        import cv2
+        detector, grey = self._checked(frame)
+        return detector.reduced(grey)
 
-        grey = self._checked(frame)
-        if self._resized.size != self.calibration.size:
-            smaller = self._resized.size[0] < self.calibration.size[0]
-            way = cv2.INTER_AREA if smaller else cv2.INTER_CUBIC
-            grey = cv2.resize(grey, self._resized.size, interpolation=way)  # type: ignore[assignment]
-        return grey
-
-    def _prepare(self, calibration: Calibration) -> None:
-        """Use a calibration: its picture is resized to 5 mm a pixel, if it is much coarser or finer."""
+    def _prepare(self, calibration: Calibration) -> "Detector":
         from khepera_forage.vision.detection import Detector
 
-        settings = self.settings
-        self.calibration = calibration
-        width, height = calibration.size
-        for z in (settings.marker_height, settings.food_height):
-            calibration.to_region(width / 2, height / 2, z)  # raises an error for heights above the camera
-        scale = MM_PER_PIXEL / calibration.mm_per_pixel()
-        self._tags = TagDetector(settings, calibration)
-        self._floor_tags = FloorTags(calibration)
-        if settings.markers != "tags" and scale < _LEAST_SCALE:
+        self.calibration, self._detector = calibration, Detector(self.settings, calibration)
+        return self._detector
+
+    def _checked(self, frame: Frame) -> "tuple[Detector, Frame]":
+        """The detector, and the frame as grey levels, of the calibration's size."""
+        grey, detector = as_grey(frame), self._detector
+        high, wide = grey.shape
+        if detector is None and min(high, wide) >= 16:
+            detector = self._prepare(Calibration.identity(size=(wide, high)))
+        if detector is None or (wide, high) != self.calibration.size:
             raise ValueError(
-                f"a pixel in the middle of the picture shows {calibration.mm_per_pixel():.1f} mm of the floor; "
-                f"allowed: up to {MM_PER_PIXEL / _LEAST_SCALE:.1f} mm: use a higher resolution, or a lower camera"
+                f"frame is {wide} x {high}; allowed: {self.calibration.size[0]} x {self.calibration.size[1]}, as "
+                "calibrated: set the camera to this size, or calibrate again"
             )
-        self._resized = calibration
-        if not _NATIVE[0] <= scale <= _NATIVE[1]:
-            self._resized = calibration.for_size(
-                max(16, round(width / scale)), max(16, round(height / scale))
-            )
-        self._detector = Detector(settings, self._resized)
-
-    def _checked(self, frame: Frame) -> Frame:
-        """The frame as grey levels, of the calibration's size."""
-        grey = as_grey(frame)
-        size = (grey.shape[1], grey.shape[0])
-        if not self._size_is_known and min(size) >= 16:
-            self._prepare(Calibration.identity(size=size))
-            self._size_is_known = True
-        if size != self.calibration.size:
-            wide, high = self.calibration.size
-            raise ValueError(
-                f"frame is {size[0]} x {size[1]}; allowed: {wide} x {high}, as calibrated: set the camera to this "
-                "size, or calibrate again"
-            )
-        return grey
-
-    def _detect(self, frame: Frame) -> tuple[list[Detection], Segmentation]:
-        grey = self._checked(frame)
-        segmentation = segment(self.reduced(grey), self.settings.contrast)
-        tags, warnings = self._tags.detect(grey)
-        places, near = [(tag.x, tag.y) for tag in tags], self._tags.reach
-        if self.settings.markers == "tags":
-            places += [(r.x, r.y) for r in self.scene.regions if r.holes]
-        found = self._detector.detect(segmentation, places, near)
-        if self.settings.tag_ids:  # white parts of tags look like food
-            found = [
-                d
-                for d in found
-                if d.holes
-                or (
-                    all(math.dist((d.x, d.y), place) > near for place in places)
-                    and self._is_on_floor(segmentation, d)
-                )
-            ]
-        self.warnings = self._detector.warnings | warnings | self._floor_tags.check(grey)
-        return tags + found, segmentation
-
-    def _is_on_floor(self, segmentation: Segmentation, food: Detection) -> bool:
-        """Whether food has floor around it, and not the black of a tag."""
-        reach = _AROUND * self.settings.food_radius / MM_PER_PIXEL
-        rows, columns = segmentation.frame.shape
-        dark = 0
-        for x, y in _CIRCLE:
-            u, v = self._resized.to_picture(food.x + reach * x, food.y + reach * y, self.settings.food_height)
-            column, row = min(max(int(u), 0), columns - 1), min(max(int(v), 0), rows - 1)
-            dark += segmentation.frame[row, column] < _DARK * segmentation.floor_at(column, row)
-        return dark < _MOST_DARK * len(_CIRCLE)
+        return detector, grey
 
     def _plates(self, detections: Sequence[Detection]) -> list[Plate]:
         """The markers of a frame, and the last places of those that were lost before it."""
@@ -244,42 +159,15 @@ class Tracker:
             all_shown = len(same) >= sum(r.holes == region.holes for r in regions)
             if not all_shown and all(_distance(d, region) > GATE for d in same):
                 markers.append(region)
-        turns = [math.radians(m.orientation) for m in markers]
-        return [
-            Plate(m.x * MM_PER_PIXEL, m.y * MM_PER_PIXEL, math.cos(turn), math.sin(turn))
-            for m, turn in zip(markers, turns, strict=True)
-        ]
-
-    def _shows_floor(self, segmentation: Segmentation, plates: list[Plate], x: float, y: float) -> bool:
-        """Whether the disc of food at a place (region coordinates) shows the floor."""
-        radius, food_height = self.settings.food_radius, self.settings.food_height
-        place = x * MM_PER_PIXEL, y * MM_PER_PIXEL
-        if self._tags is not None and self.settings.markers == "tags":
-            if any(math.dist(place, plate[:2]) <= self._tags.reach * MM_PER_PIXEL for plate in plates):
-                return False
-        elif under_plate(*place, radius + _CLEARANCE, plates):
-            return False
-        u, v = self._resized.to_picture(x, y, food_height)
-        reach = radius / MM_PER_PIXEL / self._resized.scale(u, v, food_height)
-        rows, columns = segmentation.frame.shape
-        if not (reach <= u <= columns - reach and reach <= v <= rows - reach):
-            return False
-        left, right = math.floor(u - reach), math.ceil(u + reach)
-        top, bottom = math.floor(v - reach), math.ceil(v + reach)
-        across, down = np.arange(left, right) + 0.5 - u, np.arange(top, bottom)[:, None] + 0.5 - v
-        disc = across**2 + down**2 <= reach * reach
-        grey = segmentation.frame[top:bottom, left:right][disc].astype(np.float64)
-        bright = segmentation.mask[top:bottom, left:right][disc] > 0
-        floor = segmentation.floor_at(math.floor(u), math.floor(v))
-        like_floor = np.abs(grey - floor) <= _FLOOR_TOLERANCE * floor
-        return bool(like_floor.mean() >= _MIN_FLOOR_SHARE and bright.mean() <= _MAX_BRIGHT_SHARE)
+        poses = ((m.x * MM_PER_PIXEL, m.y * MM_PER_PIXEL, math.radians(m.orientation)) for m in markers)
+        return [Plate(x, y, math.cos(turn), math.sin(turn)) for x, y, turn in poses]
 
 
 class Confirmation:
     """Holds back what one bad frame shows: a new region, one that has jumped, a marker that is reversed.
 
     Such a detection counts when consecutive frames agree on it; in the first frame all count. A marker that was found
-    only a few times, or whose place another marker takes, is no marker: `doomed` names it.
+    only a few times, or whose place another marker takes, is no marker.
 
     Args:
         by_place: As for `Tracks`.
@@ -293,50 +181,36 @@ class Confirmation:
         self._found: dict[int, int] = {}
         self._lost: dict[int, int] = {}
 
-    def confirmed(self, detections: Sequence[Detection], scene: Scene) -> list[Detection]:
-        """The detections of a frame that count, given the scene before it."""
-        self._found = {r.label: self._found.get(r.label, 0) + r.found for r in scene.regions}
-        self._lost = {r.label: 0 if r.found else self._lost.get(r.label, 0) + 1 for r in scene.regions}
+    def check(self, detections: Sequence[Detection], scene: Scene) -> tuple[list[Detection], set[int]]:
+        """The detections of a frame that count, given the scene before it, and labels of lost markers that are none."""
+        regions = scene.regions
+        found = self._found = {r.label: self._found.get(r.label, 0) + r.found for r in regions}
+        lost = self._lost = {r.label: 0 if r.found else self._lost.get(r.label, 0) + 1 for r in regions}
+        lost_markers = [r for r in regions if r.holes and not r.found]
         confirmed, candidates = [], []
-        lost_markers = [r for r in scene.regions if r.holes and not r.found]
         for detection in detections:
-            frames = 1 + max((n for d, n in self._candidates if self._agree(d, detection)), default=0)
+            frames = 1 + max((n for d, n in self._candidates if self._agree(d, detection, 1)), default=0)
             needed = _MARKER_FRAMES if detection.holes else _FOOD_FRAMES
             if not detection.holes and any(_distance(detection, r) < 2 * _OVERLAP for r in lost_markers):
                 needed = _YOUNG  # it may be a part of the marker
-            if self._first or frames >= needed or any(self._continues(r, detection) for r in scene.regions):
+            continues = any(self._agree(r, detection, 1 + lost[r.label]) for r in regions)
+            if self._first or frames >= needed or continues:
                 confirmed.append(detection)
             else:
                 candidates.append((detection, frames))
         self._first, self._candidates = False, candidates
-        return confirmed
-
-    def doomed(self, detections: Sequence[Detection], scene: Scene) -> set[int]:
-        """Labels of lost markers that are none, given the detections that count and the scene before them."""
-
-        def is_taken(region: Region) -> bool:
-            """Whether another marker is at its place."""
-            return any(
-                d.holes not in (0, region.holes) and _distance(d, region) < _OVERLAP for d in detections
-            )
-
-        lost = [r for r in scene.regions if r.holes and not r.found]
-        return {
+        return confirmed, {
             r.label
-            for r in lost
-            if is_taken(r) or (self._found[r.label] < _YOUNG and self._lost[r.label] >= _LOST)
+            for r in lost_markers
+            if (found[r.label] < _YOUNG and lost[r.label] >= _LOST)
+            or any(d.holes not in (0, r.holes) and _distance(d, r) < _OVERLAP for d in confirmed)
         }
 
-    def _continues(self, region: Region, detection: Detection) -> bool:
-        frames = 1 + self._lost[region.label]
-        return self._agree(region, detection, GATE * frames if region.holes else GATE, _TURN * frames)
-
-    def _agree(
-        self, one: Region | Detection, other: Detection, gate: float = GATE, turn: float = _TURN
-    ) -> bool:
+    def _agree(self, one: Region | Detection, other: Detection, frames: int) -> bool:
+        """Whether both may show the same thing, some frames apart."""
         turned = abs(math.remainder(one.orientation - other.orientation, 360))
-        same = self._by_place or (one.holes == other.holes and turned <= turn)
-        return same and _distance(one, other) <= gate
+        same = self._by_place or (one.holes == other.holes and turned <= _TURN * frames)
+        return same and _distance(one, other) <= GATE * (frames if one.holes else 1)
 
 
 class Tracks:
@@ -352,10 +226,7 @@ class Tracks:
     """
 
     def __init__(self, by_place: bool = False) -> None:
-        self._by_place = by_place
-        self._tracks: list[Track] = []
-        self._regions: list[Region] = []
-        self._next_label = 0
+        self._by_place, self._regions, self._next_label = by_place, list[Region](), 0
 
     def update(
         self,
@@ -372,22 +243,19 @@ class Tracks:
             doomed: Labels that are dropped if the frame does not show them.
         """
         # One order for any order in which the detections come.
-        detections = sorted(detections)
-        new = match(self._tracks, detections, len(detections), self._by_place)
-        kept: list[tuple[Track, Region]] = []
-        for track, region in zip(self._tracks, self._regions, strict=True):
+        detections, count = sorted(detections), len(detections)
+        tracks = [Track(r.label, r.x, r.y, r.holes, r.found) for r in self._regions]
+        new = [Track() for _ in range(match(tracks, detections, count, self._by_place))]
+        regions = []
+        for track, region in zip(tracks, self._regions, strict=True):
             if track.detection >= 0:
-                kept.append((track, _region(track.label, detections[track.detection])))
+                regions.append(_region(track.label, detections[track.detection]))
             elif track.label not in doomed and not (
                 may_vanish(track, self._by_place) and visible(track.x, track.y)
             ):
-                kept.append((track, region._replace(found=False)))
-        # Slots are filled in this order, so that the oldest track stays first.
-        slots = [Track() for _ in range(new)]
-        self._tracks = [track for track, _ in kept] + slots
-        self._next_label = start_tracks(self._tracks, detections, len(detections), self._next_label)
-        self._regions = [region for _, region in kept]
-        self._regions += [_region(track.label, detections[track.detection]) for track in slots]
+                regions.append(region._replace(found=False))
+        self._next_label = start_tracks([*tracks, *new], detections, count, self._next_label)
+        self._regions = regions + [_region(track.label, detections[track.detection]) for track in new]
         return Scene(tuple(self._regions))
 
 
@@ -438,6 +306,8 @@ class TrackedCamera:
                 self._logged.add(name)
         self._until_check -= 1
         if self._until_check < 0:
+            from khepera_forage.vision.image_quality import measure_quality
+
             self._until_check = _CHECK_INTERVAL
             found = measure_quality(self._tracker.reduced(frame)).warnings(self._tracker.settings)
             for name, text in found.items():

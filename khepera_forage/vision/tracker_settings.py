@@ -41,7 +41,7 @@ class TrackerSettings:
     dropped."""
     markers: str = "holes"
     """What robots carry: "holes" (markers 1 and 2, with one and two holes), "grid" (markers 1 to 12, with 16 mm holes),
-    or "tags" (ArUco tags, `tags.DICTIONARY`)."""
+    or "tags" (ArUco tags, 4 x 4 cells)."""
     numbers: tuple[int, ...] = (1, 2)
     """The markers, or ids of tags, in use; a region's `holes` is this number. Any other is ignored."""
     food_tags: tuple[int, ...] = ()
@@ -63,7 +63,21 @@ class TrackerSettings:
             value = getattr(self, field.name)
             if type(field.default) in (float, int) and not 0 <= value < math.inf:
                 self._refuse(field.name, "a finite number >= 0")
-        self._check_numbers()
+        if self.markers not in MARKER_NUMBERS:
+            self._refuse("markers", ", ".join(MARKER_NUMBERS))
+        for name, kind in (("numbers", self.markers), ("food_tags", "tags")):
+            given, ids = tuple(getattr(self, name)), MARKER_NUMBERS[kind]
+            object.__setattr__(self, name, given)
+            if len(set(given)) < len(given) or not all(type(n) is int and n in ids for n in given):
+                raise ValueError(
+                    f"tracker {name} is {list(given)}; allowed with markers {self.markers!r}: "
+                    f"different whole numbers, {ids[0]} to {ids[-1]}"
+                )
+        if not self.numbers:
+            raise ValueError("tracker numbers is []; allowed: at least one number")
+        both = set(self.numbers) & set(self.food_tags)
+        if self.markers == "tags" and both:
+            raise ValueError(f"tracker food_tags has {min(both)}, as numbers; allowed: each tag once")
         width = self.marker_width
         sizes = ("marker_length", "marker_width", "hole_side", "food_radius", "tag_size", "food_tag_size")
         for name, wrong, allowed in (
@@ -87,21 +101,3 @@ class TrackerSettings:
 
     def _refuse(self, name: str, allowed: str) -> NoReturn:
         raise ValueError(f"tracker {name} is {getattr(self, name)!r}; allowed: {allowed}")
-
-    def _check_numbers(self) -> None:
-        """Check the kind of markers and the numbers in use."""
-        if self.markers not in MARKER_NUMBERS:
-            self._refuse("markers", ", ".join(MARKER_NUMBERS))
-        for name, kind in (("numbers", self.markers), ("food_tags", "tags")):
-            given, allowed = tuple(getattr(self, name)), MARKER_NUMBERS[kind]
-            object.__setattr__(self, name, given)
-            if len(set(given)) < len(given) or not all(type(n) is int and n in allowed for n in given):
-                raise ValueError(
-                    f"tracker {name} is {list(given)}; allowed with markers {self.markers!r}: "
-                    f"different whole numbers, {allowed[0]} to {allowed[-1]}"
-                )
-        if not self.numbers:
-            raise ValueError("tracker numbers is []; allowed: at least one number")
-        both = set(self.numbers) & set(self.food_tags)
-        if self.markers == "tags" and both:
-            raise ValueError(f"tracker food_tags has {min(both)}, as numbers; allowed: each tag once")

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from khepera_forage.extras import require
 from khepera_forage.vision.calibration import DEFAULT_SIZE, Size
-from khepera_forage.vision.segmentation import as_grey
 
 if TYPE_CHECKING:
     import cv2
 
+Frame = NDArray[np.uint8]
 _LOG = logging.getLogger(__name__)
 _CLOSE_TIMEOUT = 5.0
 """Seconds that `close` waits for a read that hangs in a driver."""
@@ -76,10 +76,27 @@ class VideoSettings:
             raise ValueError(f"camera rate is {self.rate!r}; allowed: above 0, up to 1000 frames a second")
 
 
+def as_grey(frame: Frame) -> Frame:
+    """A frame as grey levels: itself, or the brightness of its colours (blue, green, red, as OpenCV has them).
+
+    Raises:
+        ValueError: Anything else.
+    """
+    import cv2
+
+    if frame.dtype != np.uint8 or frame.ndim not in (2, 3) or frame.shape[2:] not in ((), (1,), (3,)):
+        raise ValueError(
+            f"frame is {frame.shape} of {frame.dtype}; allowed: rows x columns of uint8 grey levels, or x 3 colours"
+        )
+    if frame.ndim == 2:
+        return frame
+    return frame[:, :, 0] if frame.shape[2] == 1 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)  # type: ignore[return-value]
+
+
 class FrameSource(Protocol):
     """A source of frames."""
 
-    def newest(self) -> tuple[NDArray[np.uint8], float]:
+    def newest(self) -> tuple[Frame, float]:
         """The newest frame, rows x columns of grey levels with row 0 at the top, and its age in s."""
         ...
 
@@ -135,12 +152,11 @@ class VideoSource:
         self._size: Size | None = self._settings.size
         self._is_file = not isinstance(source, int) and Path(source).is_file()
         # The newest frame and when it came, and what ended the source; both are replaced as a whole.
-        self._latest: tuple[NDArray[np.uint8], float] | None = None
+        self._latest: tuple[Frame, float] | None = None
         self._end: Exception | None = None
         self._ready, self._closing = threading.Event(), threading.Event()
         self._reader: threading.Thread | None = None
         self._capture = self._opened()
-        self._is_first = True
         try:
             if paced or not self._is_file:
                 self._reader = threading.Thread(
@@ -153,15 +169,13 @@ class VideoSource:
             if self._latest is None:
                 if isinstance(self._end, ValueError):
                     raise ValueError(f"camera {self._name} has {self._end}")
-                reason = (
-                    _reason(self._end) if self._end else f"opened, but no frame within {10 * timeout:g} s"
-                )
-                raise CameraLost(self._name, reason, None) from self._end
+                late = f"opened, but no frame within {10 * timeout:g} s"
+                raise CameraLost(self._name, _reason(self._end) if self._end else late, None) from self._end
         except BaseException:
             self.close()
             raise
 
-    def newest(self) -> tuple[NDArray[np.uint8], float]:
+    def newest(self) -> tuple[Frame, float]:
         """The newest frame and its age in s, without waiting. The frame is shared between calls and read-only.
 
         A file that is not paced reads its next frame instead.
@@ -173,15 +187,13 @@ class VideoSource:
         """
         if self._closing.is_set():
             raise ValueError(f"camera {self._name} was closed; allowed: newest() before close()")
-        if self._reader is None and not self._is_first:
-            self._read_one()
-        self._is_first = False
         assert self._latest is not None
         frame, taken = self._latest
         age = time.monotonic() - taken
         if self._end is not None:
             raise CameraLost(self._name, _reason(self._end), age) from self._end
         if self._reader is None:
+            self._read_one()  # the next frame
             return frame, 0.0
         if age > self._timeout:
             raise CameraLost(self._name, f"no new frame within {self._timeout:g} s", age)
@@ -262,7 +274,7 @@ class VideoSource:
         self._end = error
         self._ready.set()
 
-    def _scaled(self, grey: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    def _scaled(self, grey: Frame) -> Frame:
         """A frame of the size that all frames have, read-only."""
         import cv2
 

@@ -6,15 +6,17 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.vision.association import Detection
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer, Light
 from khepera_forage.vision.scene import Region, Scene, Truth
 
 Frame = NDArray[np.uint8]
+Place = tuple[float, float]
+Marker = tuple[float, float, float, int]
 LABORATORY = CameraAppearance.laboratory()
 NONE = CameraAppearance.none()
 PAIR = Truth(((400.0, 300.0, 0.5, 1), (900.0, 700.0, 2.0, 2)), ((400.0, 700.0), (900.0, 300.0)))
 ROW, COLUMN = np.mgrid[:480, :640] + 0.5
-Marker = tuple[float, float, float, int]
 
 
 class SceneRenderer:
@@ -23,43 +25,21 @@ class SceneRenderer:
     Args:
         appearance: The laboratory's by default.
         anchor: Of the cables.
+        walls: As for `FrameRenderer`.
         seed: Of everything random.
     """
 
     def __init__(
         self,
-        appearance: CameraAppearance | None = None,
-        anchor: tuple[float, float] | None = None,
+        appearance: CameraAppearance = LABORATORY,
+        anchor: Place | None = None,
+        walls: tuple[tuple[float, float, float, float], ...] = (),
         seed: int = 0,
     ) -> None:
-        self.truth = Truth((), ())
-        self._renderer = FrameRenderer(
-            lambda: self.truth, appearance or CameraAppearance.laboratory(), anchor
-        )
-        self._rng = np.random.default_rng(seed)
-        self._markers = -1
-
-    def frame(
-        self, markers: tuple[Marker, ...], foods: tuple[tuple[float, float], ...] = ()
-    ) -> NDArray[np.uint8]:
-        self.truth = Truth(markers, foods)
-        if len(markers) != self._markers:
-            self._markers = len(markers)
-            self._renderer.reset(self._rng)
-        return self._renderer.frame()
-
-
-class Laboratory:
-    """Frames of a laboratory, with something done to the picture before lens and sensor."""
-
-    def __init__(
-        self, appearance: CameraAppearance = LABORATORY, walls: tuple[tuple[float, ...], ...] = ()
-    ) -> None:
-        self.rng = np.random.default_rng(5)
-        self.truth = Truth((), ())
-        self.renderer = FrameRenderer(self._shown, appearance, walls=walls)  # type: ignore[arg-type] # four each
-        self.renderer.reset(self.rng)
-        self.light = Light(appearance, self.rng)
+        self.truth, self.rng = Truth((), ()), np.random.default_rng(seed)
+        self._renderer = FrameRenderer(self._shown, appearance, anchor, walls=walls)
+        self._renderer.reset(self.rng)
+        self._light = Light(appearance, self.rng)
 
     def _shown(self) -> Truth:
         return self.truth
@@ -67,21 +47,24 @@ class Laboratory:
     def frame(
         self,
         markers: tuple[Marker, ...],
-        foods: tuple[tuple[float, float], ...] = (),
-        change: Callable[[Frame], Frame] = lambda picture: picture,
-    ) -> NDArray[np.uint8]:
-        self.truth = Truth(markers, foods)
-        return self.light.expose(change(self.renderer.picture()), 0.0)
+        foods: tuple[Place, ...] = (),
+        change: Callable[[Frame], Frame] | None = None,
+    ) -> Frame:
+        """The next frame; a change is done to the picture before lens and sensor, and without cables."""
+        robots, self.truth = len(self.truth.markers), Truth(markers, foods)
+        if change is not None:
+            return self._light.expose(change(self._renderer.picture()), 0.0)
+        if len(markers) != robots:  # each has a cable
+            self._renderer.reset(self.rng)
+        return self._renderer.frame()
 
-    def marker(self, holes: int) -> Marker:
-        x, y, heading = self.rng.uniform((300, 300, -math.pi), (2900, 2100, math.pi)).tolist()
-        return x, y, heading, holes
 
-
-def random_marker(rng: np.random.Generator, holes: int, left: float = 120.0, right: float = 3080.0) -> Marker:
+def random_marker(
+    rng: np.random.Generator, holes: int, left: float = 120.0, right: float = 3080.0, border: float = 120.0
+) -> Marker:
     """A marker at a random pose inside the picture, its x between `left` and `right` mm."""
     heading = float(rng.uniform(-math.pi, math.pi))
-    return float(rng.uniform(left, right)), float(rng.uniform(120, 2280)), heading, holes
+    return float(rng.uniform(left, right)), float(rng.uniform(border, 2400 - border)), heading, holes
 
 
 def only_region(scene: Scene, holes: int) -> Region:
@@ -89,12 +72,12 @@ def only_region(scene: Scene, holes: int) -> Region:
     return region
 
 
-def position_error(region: Region, x: float, y: float) -> float:
+def position_error(region: Region | Detection, x: float, y: float) -> float:
     """Distance in pixels from a position in mm."""
     return math.hypot(region.x - x / 5, region.y - y / 5)
 
 
-def heading_error(region: Region, heading: float) -> float:
+def heading_error(region: Region | Detection, heading: float) -> float:
     """Degrees from a heading in radians."""
     return abs(math.remainder(region.orientation - math.degrees(heading), 360))
 
@@ -104,25 +87,12 @@ def render_frames(
     appearance: CameraAppearance = NONE,
     frames: int = 1,
     seed: int = 0,
-    anchor: tuple[float, float] | None = None,
+    anchor: Place | None = None,
 ) -> list[Frame]:
     renderer = FrameRenderer(lambda: truth, appearance, anchor)
     renderer.reset(np.random.default_rng(seed))
     return [renderer.frame() for _ in range(frames)]
 
 
-def render_frame(
-    truth: Truth, appearance: CameraAppearance = NONE, anchor: tuple[float, float] | None = None
-) -> Frame:
+def render_frame(truth: Truth, appearance: CameraAppearance = NONE, anchor: Place | None = None) -> Frame:
     return render_frames(truth, appearance, anchor=anchor)[0]
-
-
-def centroid(weight: NDArray[np.float64]) -> tuple[float, float]:
-    """Centroid in pixels, x right and y up."""
-    total = weight.sum()
-    return float((weight * COLUMN).sum() / total), 480 - float((weight * ROW).sum() / total)
-
-
-def grey_at(frame: Frame, x: float, y: float) -> int:
-    """The grey level at a place in mm."""
-    return int(frame[479 - int(y / 5), int(x / 5)])

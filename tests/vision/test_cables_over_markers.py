@@ -8,28 +8,26 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from khepera_forage.vision.association import Detection
 from khepera_forage.vision.rendering import draw_cable
-from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.tracker import Tracker
-from tests.vision.scene_renderer import Laboratory, Marker
+from tests.vision.scene_renderer import Frame, Marker, SceneRenderer, heading_error, position_error
 
 BLACK, GREY, LIGHT_GREY = 30.0, 60.0, 130.0
 COLUMNS, TILES, TILE, MARGIN = 5, 20, (640.0, 600.0), 190.0
 """Columns and number of the tiles of a frame, their size, and the least distance of a marker from their border, mm: no
 cable leaves its tile."""
+STAGE = cache(SceneRenderer)
+"""Floor and light take longer to draw than a frame."""
+Errors = tuple[list[float], list[float]]
 
 
 def cable_across(
-    marker: Marker, rng: np.random.Generator, angle: float | None, place: float | None = None
+    marker: Marker, rng: np.random.Generator, angle: float | None, place: float | None
 ) -> NDArray[np.float64]:
     """A slightly curved line across a marker: points in pixels.
 
-    Args:
-        marker: The marker.
-        rng: Draws what is None, and the curve.
-        angle: Between the line and the marker's axis, in degrees; None for any.
-        place: Where the line crosses the marker, pixels from its middle; None for anywhere.
+    `angle` is between the line and the marker's axis, in degrees, and `place` is where it crosses, pixels from the
+    middle; None for any.
     """
     turn = float(rng.uniform(0, math.pi)) if angle is None else math.radians(angle)
     reach = 12 * abs(math.sin(turn)) + 8 * abs(math.cos(turn))
@@ -42,79 +40,64 @@ def cable_across(
     return points
 
 
-STAGE = cache(Laboratory)
-"""Floor and light take longer to draw than a frame."""
-
-
-class CrossedFrames:
-    """Frames with one marker in each tile, under a cable, and food beside every third where the gripper holds it."""
-
-    def __init__(self, width: float, grey: float, angle: float | None, place: float | None = None) -> None:
-        self.width, self.grey, self.angle, self.place = width, grey, angle, place
-        self.stage = copy.deepcopy(STAGE())
-        self.rng = self.stage.rng
-        self.tracker = Tracker()
-
-    def next(self, number: int, count: int) -> tuple[tuple[Marker, ...], list[Detection]]:
-        """The markers of the frame, at most `count`, and what is found in it."""
-        markers = tuple(self._marker(tile) for tile in range(min(count, TILES)))
-        held = tuple(
-            (x + 88 * math.cos(heading), y + 88 * math.sin(heading)) for x, y, heading, _ in markers[::3]
-        )
-        self.stage.truth = Truth(markers, held)
-        picture = self.stage.renderer.picture()
-        for marker in markers:
-            curve = cable_across(marker, self.rng, self.angle, self.place)
-            if self.width > 0:
-                draw_cable(picture, curve, self.width / 5, self.grey)
-        return markers, self.tracker.detect(self.stage.light.expose(picture, float(number)))
-
-    def _marker(self, tile: int) -> Marker:
-        left, below = tile % COLUMNS * TILE[0], tile // COLUMNS * TILE[1]
-        x, y = (float(self.rng.uniform(MARGIN, size - MARGIN)) for size in TILE)
-        return left + x, below + y, float(self.rng.uniform(-math.pi, math.pi)), 1 + tile % 2
+def random_marker(tile: int, rng: np.random.Generator) -> Marker:
+    left, below = tile % COLUMNS * TILE[0], tile // COLUMNS * TILE[1]
+    x, y = (float(rng.uniform(MARGIN, size - MARGIN)) for size in TILE)
+    return left + x, below + y, float(rng.uniform(-math.pi, math.pi)), 1 + tile % 2
 
 
 @cache  # two tests measure the same frames
 def errors(
     width: float, grey: float, count: int, angle: float | None = None, place: float | None = None
-) -> tuple[list[float], list[float]]:
-    """Errors of position (pixels) and heading (degrees) of the found markers; nothing else may be found."""
-    frames = CrossedFrames(width, grey, angle, place)
+) -> Errors:
+    """Errors of position (pixels) and heading (degrees) of the found markers; nothing else may be found.
+
+    Each of `count` markers is under a cable; food lies beside every third, where the gripper holds it.
+    """
+    scene, tracker = copy.deepcopy(STAGE()), Tracker()
     distances, angles = [], []
-    for number in range(math.ceil(count / TILES)):
-        markers, found = frames.next(number, count - number * TILES)
-        for d in found:
-            x, y, heading, holes = min(markers, key=lambda m: math.hypot(d.x - m[0] / 5, d.y - m[1] / 5))
+    for first in range(0, count, TILES):
+        markers = tuple(random_marker(tile, scene.rng) for tile in range(min(count - first, TILES)))
+        foods = tuple((x + 88 * math.cos(turn), y + 88 * math.sin(turn)) for x, y, turn, _ in markers[::3])
+
+        def crossed(picture: Frame, markers: tuple[Marker, ...] = markers) -> Frame:
+            for marker in markers:
+                curve = cable_across(marker, scene.rng, angle, place)
+                if width > 0:
+                    draw_cable(picture, curve, width / 5, grey)
+            return picture
+
+        for d in tracker.detect(scene.frame(markers, foods, crossed)):
+            x, y, heading, holes = min(markers, key=lambda m: position_error(d, *m[:2]))
             if d.holes:
                 assert d.holes == holes
-                distances.append(math.hypot(d.x - x / 5, d.y - y / 5))
-                angles.append(abs(math.remainder(d.orientation - math.degrees(heading), 360)))
+                distances.append(position_error(d, x, y))
+                angles.append(heading_error(d, heading))
             else:
-                assert min(math.hypot(d.x - x / 5, d.y - y / 5) for x, y in frames.stage.truth.foods) < 2
+                assert min(position_error(d, *food) for food in foods) < 2
     assert len(distances) <= count
     return distances, angles
 
 
 @pytest.fixture(scope="module")
-def clear() -> tuple[list[float], list[float]]:
+def clear() -> Errors:
     return errors(0.0, GREY, 200)
 
 
-@pytest.mark.parametrize(
-    ("width", "grey"),
-    [
-        (4.0, GREY),
-        (5.0, LIGHT_GREY),
-        (6.0, BLACK),
-        (6.0, GREY),
-        (8.0, GREY),
-        (10.0, BLACK),
-        (12.0, LIGHT_GREY),
-    ],
-)
+CABLES = [
+    (4.0, GREY),
+    (5.0, LIGHT_GREY),
+    (6.0, BLACK),
+    (6.0, GREY),
+    (8.0, GREY),
+    (10.0, BLACK),
+    (12.0, LIGHT_GREY),
+]
+
+
+@pytest.mark.parametrize(("width", "grey"), CABLES)
 def test_marker_under_a_cable_is_found_as_exactly_as_without(
-    width: float, grey: float, clear: tuple[list[float], list[float]]
+    width: float, grey: float, clear: Errors
 ) -> None:
     distances, angles = errors(width, grey, 200)
     assert len(distances) >= 0.98 * 200
@@ -128,7 +111,7 @@ def test_marker_under_a_cable_is_found_as_exactly_as_without(
 @pytest.mark.parametrize("width", [4.0, 6.0, 12.0])
 @pytest.mark.parametrize("angle", [0.0, 2.0, 5.0, 80.0, 90.0])
 def test_cable_along_a_side_does_not_move_the_marker(
-    angle: float, width: float, grey: float, clear: tuple[list[float], list[float]]
+    angle: float, width: float, grey: float, clear: Errors
 ) -> None:
     """It may cover a fraction of a pixel of the white, beside the black frame."""
     distances, _ = errors(width, grey, 200, angle)
@@ -144,14 +127,10 @@ def test_cable_near_a_short_side_does_not_move_the_marker(
     nearest: float, furthest: float, angle: float
 ) -> None:
     """Its inner edge looks like the marker's border; a marker further ahead would have its holes elsewhere."""
-    distances = [
-        distance
-        for place in np.arange(nearest, furthest, 0.2)
-        for distance in errors(12.0, GREY, 10, angle, place)[0]
-    ]
-    count = 10 * len(np.arange(nearest, furthest, 0.2))
-    assert len(distances) >= 0.98 * count
-    assert np.count_nonzero(np.array(distances) < 0.5) >= 0.97 * count
+    places = np.arange(nearest, furthest, 0.2)
+    distances = [distance for place in places for distance in errors(12.0, GREY, 10, angle, place)[0]]
+    assert len(distances) >= 0.98 * 10 * len(places)
+    assert np.count_nonzero(np.array(distances) < 0.5) >= 0.97 * 10 * len(places)
 
 
 def test_cable_that_cuts_off_a_corner_does_not_turn_the_marker() -> None:

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -60,13 +61,15 @@ def test_parallax_follows_similar_triangles() -> None:
     assert Calibration.identity().to_region(320 + 100, 240, 200) == pytest.approx((420, 240))
 
 
-@pytest.mark.parametrize("camera", [None, (1234.5, 678.25, 2600.0)])
-def test_saved_calibration_is_loaded_unchanged(
-    tmp_path: Path, camera: tuple[float, float, float] | None
-) -> None:
-    calibration = Calibration(PICTURE, FLOOR, camera)
-    calibration.save(tmp_path / "calibration.toml")
-    assert Calibration.load(tmp_path / "calibration.toml") == calibration
+PLAIN = Calibration.identity()
+
+
+@pytest.mark.parametrize("calibration", [*CALIBRATIONS, PLAIN, replace(TILTED, tags={7: (10.25, 20.5)})])
+def test_saved_calibration_is_loaded_unchanged(tmp_path: Path, calibration: Calibration) -> None:
+    path = tmp_path / "calibration.toml"
+    calibration.save(path)
+    assert Calibration.load(path) == calibration
+    assert ("lens =" in path.read_text(encoding="utf-8")) == (calibration.lens is not None)
 
 
 def load(path: Path, table: dict[str, object]) -> Calibration:
@@ -101,26 +104,26 @@ def test_impossible_points_are_refused(picture: Any, floor: Any, camera: Any, me
         Calibration(picture, floor, camera)
 
 
-def test_error_in_a_table_is_named(tmp_path: Path) -> None:
-    path = tmp_path / "bad.toml"
-    with pytest.raises(ValueError, match=r"bad\.toml: calibration key 'hight' is unknown"):
-        load(path, {"picture": PICTURE, "floor": FLOOR, "hight": 2.0})
-    with pytest.raises(ValueError, match="no 'floor'"):
-        load(path, {"picture": PICTURE})
-    for wrong, message in (
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({"hight": 2.0}, r"bad\.toml: calibration key 'hight' is unknown"),
+        ({"floor": None}, "no 'floor'"),
         ({"size": [8, 8]}, r"size is \(8, 8\); allowed: width and height in pixels, at least 16"),
         ({"tags": 3}, r"tags is 3; allowed: a list of \[id, u, v\]"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            load(path, {"picture": PICTURE, "floor": FLOOR, **wrong})
-    path.write_text("picture = [[")
+        ({"lens": [1]}, r"calibration lens is \[1\]; allowed: 2 finite numbers"),
+    ],
+)
+def test_error_in_a_file_is_named(tmp_path: Path, table: dict[str, object], message: str) -> None:
+    given = {"picture": PICTURE, "floor": FLOOR} | table
+    with pytest.raises(ValueError, match=message):
+        load(tmp_path / "bad.toml", {key: value for key, value in given.items() if value is not None})
+    (tmp_path / "bad.toml").write_text("picture = [[")
     with pytest.raises(ValueError, match=r"bad\.toml"):
-        Calibration.load(path)
+        Calibration.load(tmp_path / "bad.toml")
 
 
 LENSES = [Lens(-0.0125), Lens(-0.1, 0.02), Lens(0.08)]
-PLAIN = Calibration.identity()
-columns, rows = st.floats(1, 639), st.floats(1, 479)
 
 
 @pytest.mark.parametrize("lens", LENSES)
@@ -137,17 +140,6 @@ def test_lens_is_opencvs_with_a_focal_length_of_400_pixels(lens: Lens) -> None:
 def test_impossible_lens_is_refused(k: tuple[float, float]) -> None:
     with pytest.raises(ValueError, match=r"calibration lens is \(.*\); allowed"):
         Lens(*k)
-
-
-def test_lens_is_saved_and_files_without_a_lens_are_loaded(tmp_path: Path) -> None:
-    calibration = Calibration(PLAIN.picture, PLAIN.floor, (1600.0, 1200.0, 2700.0), Lens(-0.03, 0.001))
-    calibration.save(tmp_path / "new.toml")
-    assert Calibration.load(tmp_path / "new.toml") == calibration
-    PLAIN.save(tmp_path / "old.toml")
-    assert "lens" not in (tmp_path / "old.toml").read_text(encoding="utf-8")
-    assert Calibration.load(tmp_path / "old.toml") == PLAIN
-    with pytest.raises(ValueError, match=r"calibration lens is \[1\]; allowed: 2 finite numbers"):
-        load(tmp_path / "bad.toml", {"picture": PICTURE, "floor": FLOOR, "lens": [1]})
 
 
 def test_markers_in_a_distorted_picture_are_at_their_true_places() -> None:
@@ -205,23 +197,20 @@ def test_points_on_a_line_are_refused() -> None:
         fit_through(None, [*line, (0.5, 0.9)])
 
 
-def test_four_points_measure_no_error() -> None:
+def test_points_that_are_needed_have_no_held_out_error() -> None:
     fit, worst = fit_through(Lens(-0.0125), CORNERS)
     assert max(fit.residuals) < 1e-6
     assert fit.held_out == ()
     assert worst > 7
+    # Without one of the corners, the other two lie on a line with the middle.
+    fit, _ = fit_through(Lens(-0.05), [*CORNERS, (0.5, 0.5)])
+    assert [math.isnan(error) for error in fit.held_out] == [True, True, True, True, False]
 
 
 def test_a_fifth_point_reveals_the_distortion() -> None:
     fit, _ = fit_through(Lens(-0.0125), [*CORNERS, (0.5, 0.25)])
     assert fit.calibration.lens is None
     assert root_mean_square(fit.held_out) > 8
-
-
-def test_points_that_are_needed_have_no_held_out_error() -> None:
-    """Without one of the corners, the other two lie on a line with the middle."""
-    fit, _ = fit_through(Lens(-0.05), [*CORNERS, (0.5, 0.5)])
-    assert [math.isnan(error) for error in fit.held_out] == [True, True, True, True, False]
 
 
 @pytest.mark.parametrize("lens", LENSES)
@@ -238,11 +227,8 @@ def test_held_out_error_is_as_large_as_the_error_of_clicks() -> None:
     assert fit.calibration.lens is not None
     assert 2 < root_mean_square(fit.held_out) < 6
     assert worst < 12
-
-
-def test_no_lens_is_fitted_to_a_picture_without_distortion() -> None:
     fit, worst = fit_through(None, GRID, noise=0.5)
-    assert fit.calibration.lens is None
+    assert fit.calibration.lens is None, "nothing is distorted"
     assert worst < 8
 
 

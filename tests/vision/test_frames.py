@@ -2,12 +2,14 @@
 
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
 from khepera_forage.vision.scene import Truth
@@ -19,19 +21,22 @@ from tests.vision.scene_renderer import (
     PAIR,
     ROW,
     Frame,
-    centroid,
-    grey_at,
     render_frame,
     render_frames,
 )
 
-# ---------------------------------------------------------------- truth
+Floats = NDArray[np.float64]
+
+
+def centroid(weight: Floats) -> tuple[float, float]:
+    """Centroid in pixels, x right and y up."""
+    return float((weight * COLUMN).sum() / weight.sum()), 480 - float((weight * ROW).sum() / weight.sum())
 
 
 @given(x=st.floats(200, 3000), y=st.floats(200, 2200), heading=st.floats(-math.pi, math.pi))
-@settings(max_examples=40, deadline=None)
-def test_marker_is_exact_to_a_twentieth_of_a_pixel(x: float, y: float, heading: float) -> None:
-    # With everything else black, grey levels are the coverage by the marker's white.
+@settings(max_examples=40)
+def test_markers_and_food_are_exact_to_a_twentieth_of_a_pixel(x: float, y: float, heading: float) -> None:
+    # With everything else black, grey levels are the coverage by white.
     appearance = replace(NONE, floor=0, black=0, body=0, gripper=0, white=250)
     for holes in (1, 2):
         white = render_frame(Truth(((x, y, heading, holes),), ()), appearance).astype(float) / 250
@@ -39,19 +44,19 @@ def test_marker_is_exact_to_a_twentieth_of_a_pixel(x: float, y: float, heading: 
         cx, cy = centroid(white)
         assert cx == pytest.approx(x / 5 + ahead / 5 * math.cos(heading), abs=0.05)
         assert cy == pytest.approx(y / 5 + ahead / 5 * math.sin(heading), abs=0.05)
-        assert white.sum() == pytest.approx(MARKER_FEATURES[holes].area, rel=0.01)
+        assert white.sum() == pytest.approx(MARKER_FEATURES[holes][0], rel=0.01)
         # The long side lies along the heading.
         dx, dy = COLUMN - cx, 480 - ROW - cy
         turn = math.atan2(2 * (white * dx * dy).sum(), (white * (dx * dx - dy * dy)).sum()) / 2
         assert math.sin(turn - heading) == pytest.approx(0, abs=math.radians(0.5))
-
-
-@given(x=st.floats(100, 3100), y=st.floats(100, 2300))
-@settings(max_examples=40, deadline=None)
-def test_food_is_exact_to_a_twentieth_of_a_pixel(x: float, y: float) -> None:
-    white = render_frame(Truth((), ((x, y),)), replace(NONE, floor=0, white=250)).astype(float) / 250
+    white = render_frame(Truth((), ((x, y),)), appearance).astype(float) / 250
     assert centroid(white) == pytest.approx((x / 5, y / 5), abs=0.05)
     assert white.sum() == pytest.approx(math.pi * 3.5**2, rel=0.01)
+
+
+def grey_at(frame: Frame, x: float, y: float) -> int:
+    """The grey level at a place in mm."""
+    return int(frame[479 - int(y / 5), int(x / 5)])
 
 
 def test_parts_of_a_robot_are_at_their_places() -> None:
@@ -67,12 +72,11 @@ def test_parts_of_a_robot_are_at_their_places() -> None:
 
 
 def test_food_under_a_marker_is_hidden() -> None:
-    bare = render_frame(Truth(((1000.0, 1000.0, 0.7, 2),), ()))
-    assert np.array_equal(bare, render_frame(Truth(((1000.0, 1000.0, 0.7, 2),), ((1010.0, 995.0),))))
+    marker = ((1000.0, 1000.0, 0.7, 2),)
+    bare = render_frame(Truth(marker, ()))
+    assert np.array_equal(bare, render_frame(Truth(marker, ((1010.0, 995.0),))))
     # Food in the gripper is partly ahead of the marker.
-    assert (
-        bare != render_frame(Truth(((1000.0, 1000.0, 0.7, 2),), ((1000 + 56 * 0.77, 1000 + 56 * 0.64),)))
-    ).any()
+    assert (bare != render_frame(Truth(marker, ((1000 + 56 * 0.77, 1000 + 56 * 0.64),)))).any()
 
 
 def test_objects_at_the_border_are_cut_off() -> None:
@@ -87,15 +91,11 @@ def test_objects_at_the_border_are_cut_off() -> None:
     assert quarter.sum() == pytest.approx(math.pi * 3.5**2 / 2, rel=0.02)
 
 
-# ---------------------------------------------------------------- markers
-
-
-# ---------------------------------------------------------------- source, and bad input
-
-
-def test_frame_before_reset_is_refused() -> None:
+def test_frame_before_reset_and_invalid_period_are_refused() -> None:
     with pytest.raises(RuntimeError, match="before any reset"):
         FrameRenderer(lambda: PAIR).frame()
+    with pytest.raises(ValueError, match=r"period of frames is -1 s; allowed"):
+        FrameRenderer(lambda: PAIR, period=-1)
 
 
 @pytest.mark.parametrize(
@@ -111,11 +111,6 @@ def test_frame_before_reset_is_refused() -> None:
 def test_invalid_appearance_is_refused(change: dict[str, float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         replace(LABORATORY, **change)
-
-
-def test_invalid_period_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"period of frames is -1 s; allowed"):
-        FrameRenderer(lambda: PAIR, period=-1)
 
 
 def test_same_seed_gives_the_same_frames() -> None:
@@ -153,30 +148,43 @@ def test_light_falls_off_to_the_corners_and_drifts() -> None:
     assert max(abs(b - a) for a, b in itertools.pairwise(levels)) < 1.0, "slowly"
 
 
-# ---------------------------------------------------------------- cables
+TO_THE_LEFT = Truth(((500.0, 1000.0, 0.3, 2),), ())
+ANCHOR = (2000.0, 1000.0)
 
 
-def change_by_cables(
-    truth: Truth, appearance: CameraAppearance, anchor: tuple[float, float], frames: int = 1
-) -> list[Frame]:
-    """Absolute change of every pixel by the cables, frame by frame."""
-    bare = render_frame(truth, NONE).astype(int)
-    return [np.abs(frame - bare) for frame in render_frames(truth, appearance, frames, anchor=anchor)]
+def with_cables(appearance: CameraAppearance, frames: int = 1) -> Iterator[tuple[Frame, list[Floats]]]:
+    """Frames, and the cables in each, in pixels."""
+    renderer = FrameRenderer(lambda: TO_THE_LEFT, appearance, ANCHOR)
+    assert renderer.cables == []
+    renderer.reset(np.random.default_rng(0))
+    for _ in range(frames):
+        yield renderer.frame(), renderer.cables
 
 
 def test_cable_runs_from_anchor_to_robot_but_not_over_its_marker() -> None:
-    truth, anchor = Truth(((1000.0, 1000.0, 0.3, 2),), ()), (2000.0, 1500.0)
-    (change,) = change_by_cables(truth, replace(NONE, cable_width=4.0), anchor)
-    rows, columns = np.nonzero(change > 10)
-    x, y = columns + 0.5, 480 - (rows + 0.5)
-    assert np.hypot(x - 400, y - 300).min() < 2, "at the anchor"
-    from_robot = np.hypot(x - 200, y - 200)
-    assert from_robot.min() < 16, "at the marker's rim"
-    along, aside = (
-        (x - 200) * math.cos(0.3) + (y - 200) * math.sin(0.3),
-        (y - 200) * math.cos(0.3) - (x - 200) * math.sin(0.3),
-    )
-    assert not ((np.abs(along) < 12) & (np.abs(aside) < 8)).any(), "its own marker is clear"
+    ((frame, (curve,)),) = with_cables(replace(NONE, cable_width=4.0))
+    assert curve[0] == pytest.approx((400, 200)), "at the anchor"
+    assert curve[-1] == pytest.approx((100, 200)), "under the marker"
+    for x, y in curve[:-3]:
+        assert frame[479 - int(y), int(x)] < NONE.floor - 5
+    bare = render_frame(TO_THE_LEFT, NONE)
+    x, y = COLUMN - 100, 480 - ROW - 200
+    ahead, aside = x * math.cos(0.3) + y * math.sin(0.3), y * math.cos(0.3) - x * math.sin(0.3)
+    own = (np.abs(ahead) < 12) & (np.abs(aside) < 8)
+    assert np.array_equal(frame[own], bare[own]), "its own marker is clear"
+    changed = np.argwhere(frame != bare)
+    assert np.hypot(*(changed - (280, 100)).T).min() < 16, "up to the marker's rim"
+    ((frame, cables),) = with_cables(NONE)
+    assert cables == []
+    assert np.array_equal(frame, bare)
+
+
+def test_cables_sway_slowly() -> None:
+    frames = with_cables(replace(NONE, cable_width=4.0), 100)
+    heights = [float(curve[len(curve) // 2, 1]) for _, (curve,) in frames]
+    assert max(heights) - min(heights) > 3
+    assert max(abs(b - a) for a, b in itertools.pairwise(heights)) < 1.5
+    assert abs(np.mean(heights) - 200) > 5, "sag to one side"
 
 
 def test_cable_covers_other_markers_and_food() -> None:
@@ -188,32 +196,3 @@ def test_cable_covers_other_markers_and_food() -> None:
     assert frame[278:282, 235].min() < 200, "over the other robot's marker"
     across = [grey_at(frame, 1200, y) for y in range(970, 1035, 5)]
     assert min(across) < 200 < max(across)
-
-
-def test_cables_property_matches_the_frame() -> None:
-    truth, anchor = Truth(((500.0, 1000.0, 0.0, 1),), ()), (2000.0, 1000.0)
-    renderer = FrameRenderer(lambda: truth, replace(NONE, cable_width=4.0), anchor)
-    assert renderer.cables == []
-    renderer.reset(np.random.default_rng(0))
-    frame = renderer.frame().astype(int)
-    (curve,) = renderer.cables
-    assert curve[0] == pytest.approx((400, 200))
-    assert curve[-1] == pytest.approx((100, 200))
-    for x, y in curve[:-3]:
-        assert frame[479 - int(y), int(x)] < NONE.floor - 5
-    still = FrameRenderer(lambda: truth, NONE, anchor)
-    still.reset(np.random.default_rng(0))
-    still.frame()
-    assert still.cables == []
-
-
-def test_cables_sway_slowly() -> None:
-    truth, anchor = Truth(((500.0, 1000.0, 0.0, 1),), ()), (2000.0, 1000.0)
-    changes = change_by_cables(truth, replace(NONE, cable_width=4.0), anchor, 100)
-    heights = []
-    for change in changes:
-        column = change[:, 250].astype(float)
-        heights.append(float((column * (np.arange(480) + 0.5)).sum() / column.sum()))
-    assert max(heights) - min(heights) > 3
-    assert max(abs(b - a) for a, b in itertools.pairwise(heights)) < 1.5
-    assert abs(np.mean(heights) - 280) > 5, "sag to one side"

@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from laboratory.sheets import Picture, Pose, Scene, grid_sheet, tag_sheet
+from laboratory.sheets import Pose, Scene, grid_sheet, tag_sheet
 
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
@@ -14,6 +15,7 @@ from khepera_forage.vision.shapes import GRID_HOLES
 from khepera_forage.vision.tags import find_floor_tags, fit_to_tags
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.tracker_settings import TrackerSettings
+from tests.vision.scene_renderer import heading_error, position_error
 
 ROBOTS = (1, 2, 5, 7, 11, 17)
 TAGS = TrackerSettings(markers="tags", numbers=ROBOTS, tag_size=100.0)
@@ -33,38 +35,35 @@ def places(count: int, rng: np.random.Generator, wide: float, high: float, apart
     ]
 
 
-def errors(
-    poses: Mapping[int, Pose], found: Sequence[tuple[int, float, float, int]]
-) -> list[tuple[float, float]]:
-    """Errors in mm and degrees of found numbers, x, y (region pixels) and orientations."""
-    return [
-        (
-            math.dist((5 * x, 5 * y), poses[number][:2]),
-            abs(math.remainder(degrees - math.degrees(poses[number][2]), 360)),
-        )
-        for number, x, y, degrees in found
-    ]
+def errors(poses: Mapping[int, Pose], found: Sequence[Detection]) -> list[tuple[float, float]]:
+    """Errors in mm and degrees of what is found; each is one of the robots."""
+    return [(5 * position_error(d, *poses[d.holes][:2]), heading_error(d, poses[d.holes][2])) for d in found]
 
 
-def measured(poses: dict[int, Pose], found: list[Detection]) -> list[tuple[float, float]]:
-    assert {d.holes for d in found} <= poses.keys()
-    return errors(poses, [(d.holes, d.x, d.y, d.orientation) for d in found])
-
-
-@pytest.mark.parametrize(("width", "height"), [(848, 480), (1280, 720), (1920, 1080)])
-def test_tags_are_found_exactly(width: int, height: int) -> None:
-    rng, tracker = np.random.default_rng(1), Tracker(TAGS)
+@pytest.mark.parametrize(
+    ("width", "height", "markers"),
+    [
+        *((848, 480, "tags"), (1280, 720, "tags"), (1920, 1080, "tags")),
+        *((640, 480, "grid"), (848, 480, "grid"), (1280, 720, "grid")),
+    ],
+)
+def test_tags_and_twelve_markers_are_found_exactly_and_never_mistaken(
+    width: int, height: int, markers: str
+) -> None:
+    numbers = ROBOTS if markers == "tags" else tuple(GRID_HOLES)
+    rng, tracker = np.random.default_rng(1), Tracker(replace(TAGS, markers=markers, numbers=numbers))
     found = []
     for seed in range(2):
         scene = Scene(width, height, rng=seed)
-        poses = dict(zip(ROBOTS, places(len(ROBOTS), rng, 3200, 3200 * height / width, 300), strict=True))
-        for tag, pose in poses.items():
-            scene.put(tag_sheet(tag, 100.0), pose)
-        scene.put(tag_sheet(30, 100.0), (3050.0, 150.0, 1.0))  # of another laboratory
-        found += measured(poses, tracker.detect(scene.frame()))
-    assert len(found) == 2 * len(ROBOTS)
-    assert max(error for error, _ in found) < 1.5
-    assert max(degrees for _, degrees in found) < 3
+        poses = dict(zip(numbers, places(len(numbers), rng, 3200, 3200 * height / width, 300), strict=True))
+        for number, pose in poses.items():
+            scene.put(tag_sheet(number, 100.0) if markers == "tags" else grid_sheet(number), pose)
+        if markers == "tags":
+            scene.put(tag_sheet(30, 100.0), (3050.0, 150.0, 1.0))  # of another laboratory
+        found += errors(poses, tracker.detect(scene.frame()))
+    assert len(found) == 2 * len(numbers)
+    assert max(error for error, _ in found) < (1.5 if markers == "tags" else 1)
+    assert max(degrees for _, degrees in found) < (3 if markers == "tags" else 2)
     assert float(np.median([error for error, _ in found])) < 0.4
 
 
@@ -82,24 +81,9 @@ def test_tags_under_a_cable_are_found_at_1280_x_960() -> None:
         for tag, (x, y, heading) in poses.items():
             scene.put(tag_sheet(tag, 100.0), (x, y, heading))
             scene.cable(x + rng.uniform(-30, 30), y + rng.uniform(-30, 30), rng.uniform(0, math.pi), 6.0)
-        found += measured(poses, tracker.detect(scene.frame()))
+        found += errors(poses, tracker.detect(scene.frame()))
     assert len(found) >= 0.9 * 4 * len(ROBOTS)
     assert max(error for error, _ in found) < 2.5
-
-
-@pytest.mark.parametrize(("width", "height"), [(640, 480), (848, 480), (1280, 720)])
-def test_twelve_markers_are_found_and_never_mistaken(width: int, height: int) -> None:
-    rng = np.random.default_rng(2)
-    tracker = Tracker(TrackerSettings(markers="grid", numbers=tuple(GRID_HOLES)))
-    for seed in range(2):
-        scene = Scene(width, height, rng=seed)
-        poses = dict(zip(GRID_HOLES, places(12, rng, 3200, 3200 * height / width, 300), strict=True))
-        for number, pose in poses.items():
-            scene.put(grid_sheet(number), pose)
-        found = measured(poses, tracker.detect(scene.frame()))
-        assert len(found) == 12
-        assert max(error for error, _ in found) < 1
-        assert max(degrees for _, degrees in found) < 2
 
 
 def test_one_hidden_hole_never_makes_another_marker() -> None:
@@ -122,19 +106,15 @@ def test_tagged_food_is_food_and_tags_contain_none() -> None:
     assert [(d.holes, round(5 * d.x), round(5 * d.y)) for d in found] == [(0, 500, 400), (3, 1000, 900)]
 
 
-def tag_twice() -> Picture:
-    scene = Scene(1280, 720)
-    scene.put(tag_sheet(5, 100.0), (500.0, 500.0, 0.0))
-    scene.put(tag_sheet(5, 100.0), (1500.0, 1000.0, 0.0))
-    return scene.frame()
-
-
 def test_tag_that_is_seen_twice_is_not_reported() -> None:
-    tracker = Tracker(TAGS)
-    assert tracker.detect(tag_twice()) == []
+    scene, tracker = Scene(1280, 720), Tracker(TAGS)
+    for x, y in ((500.0, 500.0), (1500.0, 1000.0)):
+        scene.put(tag_sheet(5, 100.0), (x, y, 0.0))
+    frame = scene.frame()
+    assert tracker.detect(frame) == []
     assert "tag 5 is seen twice, at (" in tracker.warnings["tag twice"]
     with pytest.raises(ValueError, match="tag 5 is seen twice; allowed: each id once"):
-        find_floor_tags(tag_twice(), (5, 6))
+        find_floor_tags(frame, (5, 6))
 
 
 def test_tag_of_another_size_is_named() -> None:
@@ -145,10 +125,11 @@ def test_tag_of_another_size_is_named() -> None:
 
 
 def test_tag_that_is_too_small_for_the_camera_is_refused() -> None:
-    settings = TrackerSettings(markers="tags", numbers=(1,), tag_size=40.0)
-    with pytest.raises(
-        ValueError, match=r"tags of 40 mm are 8 pixels wide .* at least 13 pixels, here 65 mm"
-    ):
+    settings, message = (
+        replace(TAGS, tag_size=40.0),
+        r"tags of 40 mm are 8 pixels wide .* at least 13 pixels, here 65 mm",
+    )
+    with pytest.raises(ValueError, match=message):
         Tracker(settings, Calibration.identity())
 
 
@@ -229,7 +210,6 @@ def test_camera_that_was_knocked_is_noticed_at_the_next_frame(
 
 
 def test_too_few_floor_tags_are_refused() -> None:
-    with pytest.raises(
-        ValueError, match="0 of 4 floor tags are seen, without 1, 2, 3, 4; allowed: at least four"
-    ):
+    message = "0 of 4 floor tags are seen, without 1, 2, 3, 4; allowed: at least four"
+    with pytest.raises(ValueError, match=message):
         fit_to_tags({}, {tag: (100.0 * tag, 0.0) for tag in (1, 2, 3, 4)}, 100.0)

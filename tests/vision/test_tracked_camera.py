@@ -6,14 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.overlay import caption, draw_scene
-from khepera_forage.vision.rendering import CameraAppearance
-from khepera_forage.vision.scene import Camera, Scene
+from khepera_forage.vision.scene import Camera, Region, Scene
 from khepera_forage.vision.tracker import TrackedCamera, Tracker
-from tests.vision.scene_renderer import SceneRenderer
+from tests.vision.scene_renderer import LABORATORY, Frame, SceneRenderer
 
 MARKERS = ((500.0, 500.0, 1.0, 1), (1500.0, 900.0, 2.0, 2))
 FOODS = ((800.0, 800.0), (300.0, 1500.0))
@@ -26,7 +24,7 @@ class RenderedSource:
         self.renderer, self.calls, self.closed = SceneRenderer(), 0, 0
         self.foods = FOODS
 
-    def newest(self) -> tuple[NDArray[np.uint8], float]:
+    def newest(self) -> tuple[Frame, float]:
         self.calls += 1
         return self.renderer.frame(MARKERS, self.foods), 0.25
 
@@ -65,7 +63,7 @@ def test_reset_forgets_the_tracks() -> None:
 
 def test_bad_picture_is_reported_once(caplog: pytest.LogCaptureFixture) -> None:
     source = RenderedSource()
-    source.renderer = SceneRenderer(replace(CameraAppearance.laboratory(), blur=2.3))
+    source.renderer = SceneRenderer(replace(LABORATORY, blur=2.3))
     camera = TrackedCamera(source, Tracker())
     camera.reset()
     camera.reset()
@@ -113,13 +111,17 @@ def test_overlay_follows_the_calibration() -> None:
     assert abs(float(np.median(rows)) - 100) < 15
 
 
-def test_captions_name_the_kind_of_region() -> None:
-    tracker = Tracker()
-    scene = tracker.update(SceneRenderer().frame(MARKERS, FOODS))
-    words = {caption(region).partition(": ")[2] for region in scene.regions}
-    assert words == {"1 hole", "2 holes", "food"}
-    (food, *_) = (region for region in scene.regions if not region.holes)
-    assert caption(food._replace(found=False, label=7)) == "7: food, lost"
+@pytest.mark.parametrize(
+    ("holes", "markers", "expected"),
+    [
+        *((1, "holes", "7: 1 hole, lost"), (2, "holes", "7: 2 holes, lost"), (0, "tags", "7: food, lost")),
+        *((9, "grid", "7: marker 9, lost"), (9, "tags", "7: tag 9, lost")),
+    ],
+)
+def test_captions_name_the_kind_of_region(holes: int, markers: str, expected: str) -> None:
+    region = Region(7, 10.0, 10.0, holes, 0, False, False, 0.0, 0.0, 0.0, 0.0, 0.0)
+    assert caption(region, markers) == expected
+    assert caption(region._replace(found=True), markers) == expected.removesuffix(", lost")
 
 
 def test_overlay_refuses_other_frames() -> None:

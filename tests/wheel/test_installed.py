@@ -43,9 +43,10 @@ DRAWING = (
     "khepera_forage.cli.teach_window",
     "khepera_forage.cli.window",
     "khepera_forage.rollouts.rendered_training",
-    "khepera_forage.vision.rendering",
-    "khepera_forage.vision.detection",
-    "khepera_forage.vision.markers",
+    *(
+        f"khepera_forage.vision.{name}"
+        for name in ("rendering", "detection", "markers", "segmentation", "tags", "image_quality")
+    ),
 )
 """Modules that draw or read frames; those that import them say what to install."""
 IMPORTS = """
