@@ -49,27 +49,6 @@ def test_check_env_passes(env_id: str, backend: str, monkeypatch: pytest.MonkeyP
     env.close()
 
 
-@pytest.mark.parametrize("env_id", IDS)
-def test_spaces_and_types_are_the_same_on_both_backends(env_id: str) -> None:
-    env, other = (gym.make(env_id, backend=backend) for backend in ("pymunk", "compiled"))
-    assert env.observation_space == other.observation_space
-    assert env.action_space == other.action_space
-    assert env.metadata == other.metadata
-    env.action_space.seed(0)
-    shown: Any = env.reset(seed=1)
-    others: Any = other.reset(seed=1)
-    for _ in range(5):
-        for mine, theirs in ((shown[0], others[0]), (shown[-1], others[-1])):
-            assert list(mine) == list(theirs)
-            for key in mine:
-                assert type(mine[key]) is type(theirs[key])
-                assert np.asarray(mine[key]).dtype == np.asarray(theirs[key]).dtype
-                assert np.shape(mine[key]) == np.shape(theirs[key])
-        assert [type(value) for value in shown[1:-1]] == [type(value) for value in others[1:-1]]
-        action = env.action_space.sample()
-        shown, others = env.step(action), other.step(action)
-
-
 @on_both_backends
 @pytest.mark.parametrize("env_id", IDS)
 def test_same_seed_gives_the_same_rollout_also_in_copies(env_id: str, backend: str) -> None:
