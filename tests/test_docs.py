@@ -45,7 +45,7 @@ Show = Callable[..., tuple[dict[str, Any], str]]
 
 @pytest.fixture
 def show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Show:
-    """Run Python blocks of a page, all but those for missing extras, or some by number: their names, and what they print."""
+    """Run Python blocks of a page, all but those for missing extras, or some by number; names, and what is printed."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     monkeypatch.setattr("khepera_forage.policies.learners.LEARNERS", dict(LEARNERS))
