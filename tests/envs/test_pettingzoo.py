@@ -83,7 +83,7 @@ def test_a_copy_continues_like_its_original_amid_an_episode(backend: str) -> Non
     for _ in range(60):  # until they touch their food
         infos = env.step({agent: infos[agent]["correct_behaviour"] for agent in env.agents})[4]
     twins = [env, copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
-    for behaviour in range(4):
+    for behaviour in range(10):  # with pushes, grips and collisions
         for _ in range(5):
             shown = [str(twin.step(dict.fromkeys(env.possible_agents, behaviour))) for twin in twins]
             assert shown[0] == shown[1] == shown[2]

@@ -66,9 +66,10 @@ def make_world(
     noise: Noise = NONE,
     seed: int = 0,
     kind: Kind = PymunkWorld,
+    **more: Any,
 ) -> Any:
     """A world with one robot, after its reset."""
-    world = kind([arena], (2,), noise, timing=TIMING)
+    world = kind([arena], (2,), noise, timing=TIMING, **more)
     world.reset(np.random.default_rng(seed), Layout((start,), tuple(Point(*food) for food in foods)))
     return world
 
