@@ -59,6 +59,10 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (ALL, {"food_types": {"PICKABLE": -1}}, "-1.*allowed: a number >= 0"),
     (ALL, {"food_types": {"PICKABLE": math.nan}}, "nan.*allowed: a number >= 0"),
     (ALL, {"food_types": {"PICKABLE": 0}}, "{'PICKABLE': 0}.*allowed.*at least one above 0"),
+    (ALL, {"food_types": {"PICKABLE": "a"}}, "odds of PICKABLE are 'a'; allowed: a number"),
+    (ALL, {"food_types": ["PICKABLE"]}, r"food type \['PICKABLE'\] is unknown; allowed: PICK"),
+    *((ALL, {"noise": wrong}, "noise is .*; allowed: a Noise, 'laboratory' or 'none'") for wrong in (
+        "quiet", 0.5, {"wheel_slip": 0})),
     (ALL, {"arena": "circle"}, f"arena is 'circle'; {ARENAS}"),
     (ALL, {"arena": 7}, "arena is 7; allowed: an Arena"),
     ((*RECALLS, "training"), {"arena": ()}, "at least one arena"),
