@@ -12,13 +12,12 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import (
     FoodObject,
     can_explore,
-    is_finished,
     share_identified,
 )
 from khepera_forage.task.perception import perceive
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
-from tests.task.food_trackers import delivered, known_types, labels_of_no_candidates, linked_food
+from tests.task.food_trackers import known_types, labels_of_no_candidates, linked_food
 from tests.version_0_1 import RECTANGLE, V0_1
 
 ARENA = arena_map_of(RECTANGLE)
@@ -170,18 +169,6 @@ def test_identified_types_are_shared_with_the_corresponding_food() -> None:
     assert [food.known for food in foods] == [FoodType.PUSHABLE, FoodType.UNKNOWN]
 
 
-def test_food_in_the_gripper_is_the_object_that_lay_there() -> None:
-    story = Story(FoodType.PUSHABLE)
-    story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND))
-    types = [story.tracker.type_in_gripper]
-    story.explore_first()
-    types.append(story.tracker.type_in_gripper)
-    assert known_types(story.food) == [FoodType.PUSHABLE, FoodType.UNKNOWN]
-    story.round((50, 40), EMPTY, region(1, FIRST), region(2, SECOND))
-    types.append(story.tracker.type_in_gripper)
-    assert types == [FoodType.UNKNOWN, FoodType.PUSHABLE, FoodType.UNKNOWN], "not before a whole round"
-
-
 @pytest.mark.parametrize(
     ("before", "after", "motors"),
     [
@@ -202,18 +189,6 @@ def test_food_is_identified_only_in_a_still_round_with_arm_down_and_jaw_open(
     for senses in (before, after):
         story.round((63, 40), senses, region(1, FIRST, found=False), region(2, SECOND), motors=motors)
     assert known_types(story.food) == [FoodType.UNKNOWN] * 2
-
-
-def test_gripped_food_that_is_seen_at_home_is_not_delivered() -> None:
-    story = Story()
-    story.explore_first()
-    at_home = (HOME[0] - 2, HOME[1])
-    story.round((at_home[0] - 11, at_home[1]), GRIPPED, region(1, at_home), region(2, SECOND))
-    assert delivered(story.food) == [False, False]
-    story.round((at_home[0] - 20, at_home[1]), EMPTY, region(1, at_home), region(2, SECOND))
-    assert delivered(story.food) == [True, False]
-    assert labels_of_no_candidates(story.food) == {1}
-    assert not is_finished(story.tracker)
 
 
 def test_carried_food_is_recognised_while_its_old_track_remains() -> None:
