@@ -83,7 +83,7 @@ def test_markdown_of_docstrings_becomes_rst(markdown: str, lines: list[str]) -> 
     [
         ("khepera_forage/noise.py", "source/khepera_forage/noise.py"),
         ("khepera_forage/task", "api/khepera_forage.task"),
-        ("docs/published/thesis_errata.csv.gz", None),
+        ("docs/published/thesis.zip", None),
         ("..", None),
     ],
 )

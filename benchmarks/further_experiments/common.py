@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from khepera_forage.envs.arguments import COMPILED, PYMUNK
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import (
@@ -212,11 +213,13 @@ class Trial(NamedTuple):
 
     def env(self, **kwargs: Any) -> TrainingEnv:
         """The paired corridors with the size's time limit."""
-        return TrainingEnv(max_cycles=self.size.rounds, **kwargs)
+        backend = PYMUNK if "world" in kwargs else COMPILED
+        return TrainingEnv(max_cycles=self.size.rounds, backend=backend, **kwargs)
 
     def alone(self, arena: str, **kwargs: Any) -> BehavioursEnv:
         """An arena for recalls with the size's time limit."""
-        return recall_env(arena, limit=self.size.steps, **kwargs)
+        backend = PYMUNK if "world" in kwargs else COMPILED
+        return recall_env(arena, limit=self.size.steps, backend=backend, **kwargs)
 
 
 def train_files(

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.estimates import Measure, pick
 from khepera_forage.experience import Experience
 from khepera_forage.figures import SMALL, legend, panels
+from khepera_forage.noise import Noise
 from khepera_forage.policies import Observation, Policy
 from khepera_forage.policies.policy import SEPARATED, is_training, state_vector_of
 from khepera_forage.rollouts.training import IncompleteTrainingError
@@ -243,6 +244,17 @@ HUMAN_TEACHER = fw.Experiment(
 )
 
 LEARNERS = (1, 2, 3, 4)
+_USUAL = Noise.laboratory()
+NOISES = {
+    "noise of the laboratory": _USUAL,
+    "long losses": replace(
+        _USUAL,
+        loss_rate_one_hole=10 * _USUAL.loss_rate_one_hole,
+        loss_rate_two_holes=10 * _USUAL.loss_rate_two_holes,
+        loss_rounds=10 * _USUAL.loss_rounds,
+    ),
+}
+"""Robots separate under the second one only (5.3.1): it loses markers ten times as often, and ten times as long."""
 COST = Measure[fw.TrainingEpisode](
     "rounds of all attempts, by learners", lambda row: row.all_rounds / row.amount
 )
@@ -250,9 +262,9 @@ COST = Measure[fw.TrainingEpisode](
 
 def run_together(trial: fw.Trial) -> list[fw.Row]:
     """Training episodes with some number of learners."""
-    learners = int(trial.condition)
-    trial = trial._replace(condition="one teacher")
-    env = trial.env(num_learners=learners)
+    number, noise = trial.condition.split(maxsplit=1)
+    learners, trial = int(number), trial._replace(condition=noise)
+    env = trial.env(num_learners=learners, noise=NOISES[noise])
     seeds = trial.seeds(trial.size.files)
     rows: list[fw.Row] = [row for _, row in fw.train_files(env, trial, seeds, amount=learners)]
     return rows
@@ -261,28 +273,30 @@ def run_together(trial: fw.Trial) -> list[fw.Row]:
 def report_together(found: fw.Analysis) -> fw.Report:
     """What an episode with several learners costs."""
     note = (
-        "Noise of the laboratory. Rounds, waiting and separations are those of the complete attempt. The cost of an "
-        "experience file is the rounds of all attempts at an episode, divided by the number of learners."
+        "Rounds, waiting and separations are those of the complete attempt. The cost of an experience file is the "
+        "rounds of all attempts at an episode, divided by the number of learners. Long losses: markers are lost ten "
+        "times as often as in the laboratory, and ten times as long."
     )
     measures = (fw.ATTEMPTS, fw.ROUNDS, fw.WAITED, fw.SEPARATIONS, COST, fw.TRUE)
     figure, axes = panels(4, "Several learners with one teacher")
     for panel, measure in zip(axes, (fw.WAITED, fw.ROUNDS, fw.ATTEMPTS, COST), strict=True):
         fw.curves(panel, found, found.trainings, measure, "learners", share=False)
     legend(figure, axes[0], fw.INTERVALS)
-    few, most = (pick(found.trainings, amount=n) for n in (LEARNERS[0], LEARNERS[-1]))
+    return list(_waiting_claims(found)), [found.training_table(note, measures, "learners")], figure
+
+
+def _waiting_claims(found: fw.Analysis) -> Iterator[Claim]:
     rounds, attempts = Unit("rounds", ".1f"), Unit("attempts", ".2f")
-    claims = [
-        found.compared(
-            f"{name} ({LEARNERS[-1]} learners against {LEARNERS[0]})", most, few, measure, unit=unit
-        )
+    for noise in NOISES:
+        few, most = (pick(found.trainings, condition=noise, amount=n) for n in (LEARNERS[0], LEARNERS[-1]))
         for name, measure, unit in (
-            ("Waiting for the slowest learner costs rounds", fw.WAITED, rounds),
-            ("A complete episode takes more rounds", fw.ROUNDS, rounds),
-            ("More attempts are needed", fw.ATTEMPTS, attempts),
-            ("A learner's file costs the teacher more rounds", COST, rounds),
-        )
-    ]
-    return claims, [found.training_table(note, measures, "learners")], figure
+            ("waiting for the slowest learner costs rounds", fw.WAITED, rounds),
+            ("a complete episode takes more rounds", fw.ROUNDS, rounds),
+            ("more attempts are needed", fw.ATTEMPTS, attempts),
+            ("a learner's file costs the teacher more rounds", COST, rounds),
+        ):
+            name = f"{noise}: {name} ({LEARNERS[-1]} learners against {LEARNERS[0]})"
+            yield found.compared(name, most, few, measure, unit=unit)
 
 
 SEVERAL_LEARNERS = fw.Experiment(
@@ -292,7 +306,7 @@ SEVERAL_LEARNERS = fw.Experiment(
     "What does it cost to wait for the slowest of several learners?",
     "One teacher and 1, 2, 3 or 4 learners, each in a copy of the corridor. The teacher waits in silence while any "
     "learner is separated. An episode is complete when all robots have delivered and left home.",
-    tuple(map(str, LEARNERS)),
+    tuple(f"{number} {noise}" for noise in NOISES for number in LEARNERS),
     run_together,
     report_together,
 )

@@ -155,7 +155,8 @@ def recall(
             action = Behaviour(number)
         if callback is not None:
             callback()
-        count_decision(counts, info["state"], action, own.forager.vector.robot_food_distance, decisions)
+        food_distance = observation["robot_food_distance"].item()
+        count_decision(counts, info["state"], action, food_distance, decisions)
         observation, _, terminated, truncated, info = own.step(action)
         done = terminated or truncated
     if callback is not None:
