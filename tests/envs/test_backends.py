@@ -59,7 +59,7 @@ def test_environment_is_the_same_bit_for_bit_until_something_is_touched(name: st
     kwargs: dict[str, Any] = {"noise": noise, "decisions": decisions}
     if arena == "field":
         kwargs |= {"arena": FIELD, "foods": 3}
-        foods = [(1500, 1000), (1500, 1500), (1500, 500)]
+        foods: Any = [(1500, 1000), (1500, 1500), (1500, 500)]
         if name.endswith("Wheels"):
             foods = [(1700, 1700), (1071.2, 928.8), (928.8, 1071.2)]
         options, steps = {"start": (1000, 1000, 46), "foods": foods}, 200 if name.endswith("Wheels") else 30
