@@ -5,7 +5,6 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
-from gymnasium.error import ResetNeeded
 from scipy import stats
 
 from khepera_forage.envs import paired_corridors_v1
@@ -121,18 +120,6 @@ def test_pairs_have_the_spaces_of_parallel_env_and_repeat_themselves() -> None:
         films.append(film)
     assert envs.state().shape == (3, 3 * 7)
     np.testing.assert_array_equal(films[0], films[1])
-
-
-@pytest.mark.parametrize("actions", [{}, {"teacher_0": [0, 1], "learner_0": [0, 11]}, {"teacher_0": [0, 1]}])
-def test_wrong_actions_of_pairs_change_nothing(actions: Any) -> None:
-    envs = paired_corridors_v1.vector_env(2)
-    with pytest.raises(ResetNeeded):
-        envs.step(actions)
-    envs.reset(seed=1)
-    before = envs.state()
-    with pytest.raises(ValueError, match="allowed"):
-        envs.step(actions)
-    np.testing.assert_array_equal(before, envs.state())
 
 
 # ---------------------------------------------------------------- results of train_learners
