@@ -1,7 +1,5 @@
 """What PettingZoo and its users expect of the training environment."""
 
-import copy
-import pickle
 import warnings
 from collections.abc import Callable
 from typing import Any
@@ -72,19 +70,6 @@ def test_state_is_what_all_agents_observe(module: Any, form: str) -> None:
     np.testing.assert_array_equal(env.state(), np.concatenate([own.observe(a) for a in own.possible_agents]))
     assert env.state_space == own.state_space
     assert env.state_space.contains(env.state())
-
-
-@pytest.mark.parametrize("backend", ["pymunk", "compiled"])
-def test_a_copy_continues_like_its_original_amid_an_episode(backend: str) -> None:
-    env = paired_corridors_v1.parallel_env(backend=backend)
-    _, infos = env.reset(seed=0)
-    for _ in range(60):  # until they touch their food
-        infos = env.step({agent: infos[agent]["correct_behaviour"] for agent in env.agents})[4]
-    twins = [env, copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
-    for behaviour in range(10):  # with pushes, grips and collisions
-        for _ in range(5):
-            shown = [str(twin.step(dict.fromkeys(env.possible_agents, behaviour))) for twin in twins]
-            assert shown[0] == shown[1] == shown[2]
 
 
 def test_parallel_learner_hears_the_last_round() -> None:

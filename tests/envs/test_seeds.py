@@ -104,18 +104,3 @@ def test_generator_that_was_set_decides_the_episodes_that_follow(make: Any) -> N
     assert one == again
     assert one != other
     assert one[0] != one[1]
-
-
-def test_training_seed_decides_this_episode_and_those_that_follow() -> None:
-    runs = []
-    for _ in range(2):
-        env = TrainingEnv(food_types=ODDS)
-        episodes = []
-        for seed in (5, None, None):
-            env.reset(seed=seed)
-            types = [[food.type for food in forager.food.objects] for forager in env.foragers]
-            assert types[0] == types[1], "corresponding food"
-            episodes.append((env.world.poses(), env.world.food_places(), types[0]))
-        runs.append(episodes)
-    assert runs[0] == runs[1]
-    assert len({poses for poses, _, _ in runs[0]}) == 3
