@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.arenas.named import box, named_arena
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
+from tests.arenas import corners
 from tests.sim.worlds import ELL, FIELD
 from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP
 
@@ -60,10 +61,6 @@ def test_copies_refuse_a_count_below_1_and_a_negative_gap(count: int, gap: float
 
 
 # ---------------------------------------------------------------- impossible arenas
-
-
-def corners(*places: tuple[float, float]) -> tuple[Point, ...]:
-    return tuple(Point(*place) for place in places)
 
 
 def walls(*places: tuple[float, float]) -> dict[str, Any]:

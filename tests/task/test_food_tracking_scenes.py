@@ -11,18 +11,18 @@ from khepera_forage.sim.arena import Point
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import (
     FoodObject,
+    KnownFood,
     can_explore,
+    is_candidate,
     share_identified,
 )
 from khepera_forage.task.perception import perceive
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
-from tests.task.food_trackers import known_types, labels_of_no_candidates, linked_food
 from tests.version_0_1 import RECTANGLE, V0_1
 
 ARENA = arena_map_of(RECTANGLE)
 FIRST, SECOND = (74.0, 40.0), (74.0, 80.0)
-HOME = (ARENA.home_x, ARENA.home_y)
 EMPTY = Senses((0,) * 8, 0, 0, 255, 200, 0)
 PRESENT = EMPTY._replace(object_presence=255)
 GRIPPED = PRESENT._replace(arm=215, jaw=126)
@@ -31,6 +31,26 @@ STILL = Motors(0, 0, 255, 200)
 
 def region(label: int, place: tuple[float, float], found: bool = True, holes: int = 0) -> Region:
     return Region(label, *place, holes, 0, found, False, *place, 1.0, 1.0, 1.0)
+
+
+def linked_food(known: KnownFood, label: int) -> int | None:
+    """Number of the food object that a track shows; None without a link."""
+    foods = [link.food for link in known.links if link.label == label]
+    assert len(foods) <= 1, "a track shows one food object"
+    return foods[0] if foods else None
+
+
+def labels_of_no_candidates(known: KnownFood) -> set[int]:
+    """Labels of the tracks that show delivered food or known poison."""
+    return {
+        link.label
+        for link in known.links
+        if link.label >= 0 and not is_candidate(known.objects[link.food], link.food == known.tracker.held)
+    }
+
+
+def known_types(known: KnownFood) -> list[int]:
+    return [food.known for food in known.objects]
 
 
 class Story:
