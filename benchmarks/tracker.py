@@ -40,7 +40,7 @@ from laboratory.observations import (
 from laboratory.troubles import SETUPS, Trouble, troubled_drive, troubles_table
 from numpy.typing import NDArray
 
-from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, extremes, percent, pick, plain
+from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table, Value, extremes, percent, pick
 from khepera_forage.figures import COLOURS, GREY, OURS, SMALL, THESIS, WIDTH, grid, mark, new_figure
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rendered_training import RenderedTraining
@@ -274,7 +274,7 @@ def model_table(rows: Sequence[Observation]) -> Table:
         name: str, told: float | str, value: Callable[[list[Observation]], Estimate | float], kind: str
     ) -> None:
         values = [value(pick(own, kind=kind) if kind else own) for own in by.values()]
-        estimates = (each if isinstance(each, Estimate) else plain(each) for each in values)
+        estimates = (each if isinstance(each, Estimate) else Estimate(each) for each in values)
         lines.append((f"{name}, {kind}" if kind else name, told, *estimates))
 
     for kind in KINDS:

@@ -31,24 +31,15 @@ class Estimate(NamedTuple):
     """A value and its 95 % interval; nan where the data are not enough."""
 
     value: float
-    low: float
-    high: float
+    low: float = math.nan
+    high: float = math.nan
+
+    def times(self, factor: float) -> "Estimate":
+        """The same in another unit."""
+        return Estimate(*(factor * number for number in self))
 
 
-UNKNOWN = Estimate(math.nan, math.nan, math.nan)
-
-
-class PercentileRank(NamedTuple):
-    """The rank of a value among comparable experiments; equal experiments count half.
-
-    Attributes:
-        tail: Two-sided probability that one more experiment is at least as extreme: twice the smaller tail, which
-            includes the value itself, at most 1.
-    """
-
-    percentile: float
-    tail: float
-    experiments: int
+UNKNOWN = Estimate(math.nan)
 
 
 class Replicated(Protocol):
@@ -70,13 +61,7 @@ def replications(*groups: Iterable[Replicated]) -> list[int]:
 def sums_by_replication(
     rows: Iterable[RowT], numbers: Sequence[int], *measures: Callable[[RowT], float]
 ) -> Floats:
-    """Sums of measures over the rows of each replication.
-
-    Args:
-        rows: Rows, in any order.
-        numbers: The replications, one for each line of the result; they include all of the rows.
-        *measures: One for each column of the result.
-    """
+    """Sums over the rows of each replication: a line for each of the replications, and a column for each measure."""
     rows = list(rows)
     line = {number: i for i, number in enumerate(numbers)}
     lines = np.array([line[row.replication] for row in rows], dtype=np.intp)
@@ -116,10 +101,10 @@ def bootstrap(
     undefined are ignored; if they are more than half, there is no interval either.
 
     Args:
-        sums: One line for each replication, from `sums_by_replication`.
+        sums: From `sums_by_replication`.
         statistic: Takes sums (..., columns) and returns (...).
         rng: Draws the resamples.
-        resamples: Number of resamples.
+        resamples: Their number.
         method: Of the percentiles, as in `numpy.quantile`.
     """
     count = len(sums)
@@ -127,14 +112,14 @@ def bootstrap(
         return UNKNOWN
     value = float(statistic(sums.sum(axis=0)))
     if count < MIN_REPLICATIONS or math.isnan(value):
-        return plain(value)
+        return Estimate(value)
     # How often each replication is drawn in each resample.
     drawn = rng.integers(count, size=(resamples, count)) + count * np.arange(resamples)[:, None]
     counts = np.bincount(drawn.ravel(), minlength=resamples * count).reshape(resamples, count)
     draws = statistic(counts.astype(np.float64) @ sums)
     defined = draws[~np.isnan(draws)]
     if 2 * len(defined) < len(draws):
-        return plain(value)
+        return Estimate(value)
     low, high = np.quantile(defined, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2], method=method)
     return Estimate(value, float(low), float(high))
 
@@ -163,17 +148,20 @@ def bootstrap_quantile(
     return bootstrap(np.eye(len(numbers)), statistic, rng, resamples, "inverted_cdf")
 
 
-def percentile_rank(value: float, experiments: Sequence[float]) -> PercentileRank:
-    """The rank of a value among comparable experiments; nan for fewer than two experiments."""
+def percentile_rank(value: float, experiments: Sequence[float]) -> tuple[float, float]:
+    """The percentile of a value among comparable experiments, of which equal ones count half, and its tail.
+
+    The tail is the two-sided probability that one more experiment is at least as extreme: twice the smaller tail, which
+    includes the value itself, at most 1. Both are nan for fewer than two experiments.
+    """
     count = len(experiments)
     if count < 2:
-        return PercentileRank(math.nan, math.nan, count)
+        return math.nan, math.nan
     sample = np.asarray(experiments, dtype=np.float64)
     equal = int(np.isclose(sample, value, rtol=0.0, atol=1e-9).sum())
     below = int((sample < value - 1e-9).sum())
-    above = count - below - equal
-    tail = 2.0 * (min(below, above) + equal + 1) / (count + 1)
-    return PercentileRank(100.0 * (below + equal / 2) / count, min(1.0, tail), count)
+    tail = 2.0 * (min(below, count - below - equal) + equal + 1) / (count + 1)
+    return 100.0 * (below + equal / 2) / count, min(1.0, tail)
 
 
 def wilson(successes: int, trials: int) -> Estimate:
@@ -273,7 +261,7 @@ class Table:
         shown = [(i, column) for i, column in enumerate(self.columns) if column.page]
         numeric = [any(not isinstance(row[i], str) for row in self.rows) for i, _ in shown]
         lines = [[column.name for _, column in shown]]
-        return numeric, lines + [[_shown(row[i], column) for i, column in shown] for row in self.rows]
+        return numeric, lines + [[_shown(row[i], c.digits) for i, c in shown] for row in self.rows]
 
     def csv(self) -> str:
         """The table as CSV; an estimate has three columns: value, low and high."""
@@ -298,13 +286,13 @@ def table_of(
     digits: Mapping[str, int] | None = None,
     hidden: Collection[str] = (),
 ) -> Table:
-    """A table of rows that have the same columns, in the same order.
+    """A `Table` of rows that have the same columns, in the same order.
 
     Args:
         stem: As in `Table`, like `title` and `note`.
         title: Heading.
         note: Explanation.
-        rows: Values by the name of their column. Estimates have three columns in CSV.
+        rows: Values by the name of their column.
         digits: After the decimal point, by the name of the column; by default 1.
         hidden: Names of columns that appear in CSV alone.
     """
@@ -315,18 +303,12 @@ def table_of(
     return Table(stem, title, note, tuple(columns), [tuple(row.values()) for row in rows])
 
 
-def interval(estimate: Estimate, digits: int = 1) -> str:
-    """An estimate with its interval in brackets, if it has one."""
-    value, low, high = (_number(v, digits) for v in estimate)
-    return value if math.isnan(estimate.low) else f"{value} [{low}, {high}]"
-
-
-def _shown(value: Value, column: Column) -> str:
+def _shown(value: Value, digits: int) -> str:
+    """A value on a page; an estimate with its interval in brackets, if it has one."""
     if isinstance(value, Estimate):
-        return interval(value, column.digits)
-    if isinstance(value, float):
-        return _number(value, column.digits)
-    return str(value)
+        middle, low, high = (_number(v, digits) for v in value)
+        return middle if math.isnan(value.low) else f"{middle} [{low}, {high}]"
+    return _number(value, digits) if isinstance(value, float) else str(value)
 
 
 def _number(value: float, digits: int) -> str:
@@ -394,61 +376,16 @@ def pick(rows: Iterable[T], **fields: object) -> list[T]:
     return [row for row in rows if all(getattr(row, name) == value for name, value in fields.items())]
 
 
-def means_table(
-    stem: str,
-    title: str,
-    note: str,
-    by: Mapping[str, str],
-    rows: Sequence[RowT],
-    measures: Sequence[Measure[RowT]],
-    rng: np.random.Generator,
-) -> Table:
-    """Several measures for every combination of fields that occurs.
-
-    Args:
-        stem: Name in file names.
-        title: Heading.
-        note: What the table shows.
-        by: Fields, and the headings of their columns. Numbers are sorted, text keeps the order of the rows.
-        rows: All rows.
-        measures: One a column.
-        rng: Draws the resamples.
-    """
-    groups: dict[tuple[Any, ...], list[RowT]] = {}
-    for row in rows:
-        groups.setdefault(tuple(getattr(row, name) for name in by), []).append(row)
-    seen = [list(dict.fromkeys(values)) for values in zip(*groups, strict=True)]
-    for values in seen:
-        if not any(isinstance(value, str) for value in values):
-            values.sort()
-    places = [{value: place for place, value in enumerate(values)} for values in seen]
-    columns = [*map(Column, by.values()), Column("rows")]
-    columns += [Column(measure.name, measure.digits, estimate=True) for measure in measures]
-    lines = [
-        (*key, len(groups[key]), *(mean(groups[key], measure, rng) for measure in measures))
-        for key in sorted(groups, key=lambda key: [own[v] for own, v in zip(places, key, strict=True)])
-    ]
-    return Table(stem, title, note, tuple(columns), lines)
-
-
 def percent(part: int, whole: int) -> Estimate:
     """A share in percent with Wilson's 95 % interval; unknown of nothing."""
-    return Estimate(*(100 * value for value in wilson(part, whole)))
+    return wilson(part, whole).times(100)
 
 
 def quantiles(values: Sequence[float], low: float = 5, high: float = 95) -> Estimate:
     """Median and two percentiles; unknown without values."""
-    if not len(values):
-        return UNKNOWN
-    lower, median, upper = np.percentile(values, (low, 50, high)).tolist()
-    return Estimate(median, lower, upper)
+    return Estimate(*np.percentile(values, (50, low, high)).tolist()) if len(values) else UNKNOWN
 
 
 def extremes(values: Sequence[float]) -> Estimate:
     """Median, lowest and highest value."""
     return quantiles(values, 0, 100)
-
-
-def plain(value: float) -> Estimate:
-    """A value without an interval."""
-    return Estimate(value, math.nan, math.nan)

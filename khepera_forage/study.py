@@ -56,16 +56,14 @@ _LIBRARIES = ("khepera-forage", "pymunk", "gymnasium", "pettingzoo", "numpy", "s
 
 
 class Count(NamedTuple):
-    """An argument that says how much work is done.
+    """An argument that says how much work is done, with its values without and with `--quick`.
 
     Attributes:
         name: Of the argument, without dashes.
-        default: Without `--quick`.
-        quick: With `--quick`.
         what: What is counted, for `--help`.
         adds_units: Whether a larger count adds units of work and leaves the others as they were. The rows of other
             counts cannot be continued with a different value.
-        least: The smallest count allowed, for example 2 if an interval is computed from them.
+        least: The smallest count allowed.
     """
 
     name: str
@@ -77,13 +75,7 @@ class Count(NamedTuple):
 
 
 class Arguments(argparse.Namespace):
-    """Arguments as given, with the counts' defaults filled in.
-
-    Attributes:
-        name: Of the study; its page and its folder of results have it, too.
-        fresh: Whether rows of earlier runs in the folder are deleted.
-        settings: Everything that the rows of a unit depend on, as text.
-    """
+    """Arguments as given, with the counts' defaults filled in; `settings` are what the rows of a unit depend on."""
 
     name: str
     program: str
@@ -109,7 +101,7 @@ def parse(
     add: Callable[[argparse.ArgumentParser], None] = lambda _: None,
     given: Sequence[str] | None = None,
 ) -> Arguments:
-    """Read the command line of a script of `benchmarks/`.
+    """Read the command line of a script of `benchmarks/`, by default that of this process.
 
     Args:
         script: Its name; results go to `results/<script>` by default.
@@ -118,7 +110,7 @@ def parse(
         jobs: Processes by default, -1 for one a core. None for a benchmark that measures time: it runs in one process,
             has no `--jobs`, and never continues an earlier run.
         add: Adds the arguments of this script alone.
-        given: The arguments; by default those of this process.
+        given: The arguments.
     """
     formatter = argparse.RawDescriptionHelpFormatter
     parser = OneLineParser(prog=f"{script}.py", description=description, formatter_class=formatter)
@@ -173,10 +165,7 @@ def command_line() -> str:
 
 
 class WorkUnit(Protocol):
-    """A piece of work that can be done in any process, and in any order.
-
-    Its key names it; no other unit of the folder has the same. `run` returns rows of one or several types.
-    """
+    """Work that can be done in any process and in any order; no other unit of the folder has the same key."""
 
     @property
     def key(self) -> str: ...  # noqa: D102
@@ -185,7 +174,7 @@ class WorkUnit(Protocol):
 
 
 class Job(NamedTuple):
-    """A unit that calls a function, which any process can import."""
+    """A unit that calls a function, which any process can import, for rows of one or several types."""
 
     key: str
     function: Callable[..., Sequence[Any]]
@@ -219,7 +208,7 @@ class Rows:
 
 
 class RowStore:
-    """The rows of finished units in a folder. A process that is killed loses at most the unit it was writing.
+    """The rows of finished units in a folder, by their keys. A process that is killed loses at most one unit.
 
     Args:
         folder: Made if it does not exist.
@@ -227,9 +216,6 @@ class RowStore:
         settings: What the rows depend on. A folder may hold rows with further settings, but none with other values.
         fresh: Delete the rows that are there.
         file: Name of the file.
-
-    Attributes:
-        finished: The rows of each finished unit, by its key.
 
     Raises:
         ValueError: The rows in the folder were made with other settings, or the file is damaged.
@@ -314,8 +300,8 @@ def done(unit: WorkUnit) -> Done:
     return unit.key, unit.run()
 
 
-def in_processes(jobs: int) -> Execute:
-    """Processes of this machine; one job is this process."""
+def in_processes(jobs: int | None) -> Execute:
+    """Processes of this machine, of which one is this process; None is joblib's present backend."""
     running = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
     return lambda units: running(delayed(done)(unit) for unit in units)
 
@@ -329,7 +315,7 @@ def collect(
     others: bool = False,
     file: str = UNITS,
 ) -> Rows:
-    """Do all units that are not done yet in the results' folder, and write the tables.
+    """Do all units that are not done yet in the results' folder, write the tables, and return the rows of all units.
 
     Args:
         given: Folder, processes and settings.
@@ -337,11 +323,8 @@ def collect(
         tables: All types of rows in the folder, and the names of their files.
         execute: Does the work; by default processes of this machine.
         settings: What the rows depend on beside `given.settings`.
+        others: Also return the rows of other finished units in the folder, before those of this run.
         file: Name of the file that keeps the rows of finished units.
-        others: Return the rows of other finished units in the folder, too, before those of this run.
-
-    Returns:
-        The rows of these units, from this run and earlier ones, in their order.
 
     Raises:
         SystemExit: The folder holds rows of other settings, or damaged ones.
@@ -418,13 +401,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def finish(given: Arguments, page: Page, shown: int | None = None) -> int:
-    """Write the page of a study, print its first tables, and say where everything is; returns the process's status.
-
-    Args:
-        given: Its arguments.
-        page: Its page.
-        shown: How many tables are printed; all by default. Of each, the columns that fit.
-    """
+    """Write the page of a study, print its tables or the first ones `shown`, and return the process's status."""
     write(given.out, given.name, page)
     if given.quick:
         print(SMOKE_TEST)

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 import pytest
 
-from khepera_forage import estimates, figures
+from khepera_forage import figures
 from khepera_forage.estimates import Column, Table
 from khepera_forage.study import UNITS, Arguments, Count, Page, Picture, RowStore, collect, parse, write
 
@@ -113,20 +112,6 @@ def test_a_file_of_another_kind_is_named(tmp_path: Path) -> None:
     (tmp_path / UNITS).write_text("unit,number\n")
     with pytest.raises(ValueError, match=r"units\.jsonl\.gz: .*; allowed: as this program wrote it"):
         RowStore(tmp_path, TABLES, {})
-
-
-FALLS = [Fall(condition, number, number + (condition == "b")) for condition in "ba" for number in range(6)]
-HEIGHT = estimates.Measure[Fall]("height (m)", lambda row: row.height)
-
-
-def test_a_table_of_means_has_a_line_for_each_combination_of_fields() -> None:
-    rng = np.random.default_rng(0)
-    table = estimates.means_table(
-        "t", "T", "", {"unit": "place", "replication": "n"}, FALLS[::-1], [HEIGHT], rng
-    )
-    assert [column.name for column in table.columns] == ["place", "n", "rows", "height (m)"]
-    assert [row[:3] for row in table.rows] == [(place, n, 1) for place in "ab" for n in range(6)]
-    assert [row[3].value for row in table.rows] == [0, 1, 2, 3, 4, 5, 1, 2, 3, 4, 5, 6]  # type: ignore[union-attr]
 
 
 def test_a_page_has_its_parts_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

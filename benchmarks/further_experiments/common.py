@@ -12,18 +12,7 @@ import numpy as np
 from khepera_forage.envs.arguments import COMPILED, PYMUNK
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.estimates import (
-    Column,
-    Estimate,
-    Measure,
-    Table,
-    Value,
-    difference,
-    mean,
-    means_table,
-    pick,
-    table_of,
-)
+from khepera_forage.estimates import Estimate, Measure, Table, Value, difference, mean, pick, table_of
 from khepera_forage.experience import Experience
 from khepera_forage.figures import COLOURS, MARKERS, entry, grid, legend, mark, panels
 from khepera_forage.policies import NearestNeighbourImitator, Policy
@@ -405,17 +394,47 @@ class Analysis:
         measures: Sequence[Callable[[State], Measure[RecallEpisode]]],
     ) -> Table:
         """`spent`, `wrong` or both, by arena, state and condition; the groups are the recalls of each arena."""
-        lines: list[tuple[Value, ...]] = [
-            (arena, state.name, condition, *(self.mean(rows, measure(state)) for measure in measures))
+        lines = [
+            {"arena": arena, "state": state.name, "condition": condition}
+            | {one.name: self.mean(rows, one) for one in (measure(state) for measure in measures)}
             for arena, conditions in groups.items()
             for state in State
             for condition, rows in conditions.items()
             if state in occurring(rows)
         ]
-        names = (measure(State.SEARCH).name for measure in measures)
-        columns = [Column("arena"), Column("state"), Column("condition")]
-        columns += [Column(name, 1, estimate=True) for name in names]
-        return Table("states", "By state", note, tuple(columns), lines)
+        return table_of("states", "By state", note, lines)
+
+
+def means_table(
+    stem: str,
+    title: str,
+    note: str,
+    by: Mapping[str, str],
+    rows: Sequence[RowT],
+    measures: Sequence[Measure[RowT]],
+    rng: np.random.Generator,
+) -> Table:
+    """Several measures for every combination of fields that occurs.
+
+    Numbers are sorted, text keeps the order of the rows; `by` has the fields, and the headings of their columns.
+    """
+    groups: dict[tuple[Any, ...], list[RowT]] = {}
+    for row in rows:
+        groups.setdefault(tuple(getattr(row, name) for name in by), []).append(row)
+    seen = [list(dict.fromkeys(values)) for values in zip(*groups, strict=True)]
+    for values in seen:
+        if not any(isinstance(value, str) for value in values):
+            values.sort()
+    keys = sorted(groups, key=lambda key: [own.index(value) for own, value in zip(seen, key, strict=True)])
+    lines: list[dict[str, Value]] = [
+        {
+            **dict(zip(by.values(), key, strict=True)),
+            "rows": len(groups[key]),
+            **{measure.name: mean(groups[key], measure, rng) for measure in measures},
+        }
+        for key in keys
+    ]
+    return table_of(stem, title, note, lines, {measure.name: measure.digits for measure in measures})
 
 
 Report = tuple[Sequence[Claim], Sequence[Table], "Figure"]

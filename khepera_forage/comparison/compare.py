@@ -3,12 +3,11 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
-from functools import partial
 from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed, effective_n_jobs, parallel_config
+from joblib import effective_n_jobs, parallel_config
 
 from khepera_forage.comparison.learning import (
     ALL_ARENAS,
@@ -52,8 +51,8 @@ from khepera_forage.study import (
     WorkUnit,
     collect,
     command_line,
-    done,
     finish,
+    in_processes,
     machine,
 )
 
@@ -66,12 +65,6 @@ EPISODES, QUICK_EPISODES = (1, 2, 3, 5, 10), (1, 2)
 QUERIES, QUICK_QUERIES = (100, 200, 300, 500, 1_000), (100, 200)
 HALF_DECADES = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000)
 """Amounts of learning after which learners are tested: training episodes, queries, and steps up to `--steps`."""
-
-
-def _execute(title: str, number: int, units: Sequence[WorkUnit]) -> Iterator[Done]:
-    """Do units with joblib's present backend, which streams rows as soon as they are there."""
-    print(f"{len(units)} units for {number} {title}", flush=True)
-    yield from Parallel(return_as="generator_unordered", batch_size=1)(map(delayed(done), units))
 
 
 @contextmanager
@@ -94,8 +87,13 @@ def workers(backend: str, jobs: int, address: str | None) -> Iterator[Execute]:
                     f"a worker of Dask has {max(threads)} threads; allowed: 1 (dask worker --nthreads 1)"
                 )
             number, title = len(threads), "workers of Dask"
+
+        def execute(units: Sequence[WorkUnit]) -> Iterator[Done]:
+            print(f"{len(units)} units for {number} {title}", flush=True)
+            return in_processes(None)(units)
+
         stack.enter_context(parallel_config(backend, n_jobs=number))
-        yield partial(_execute, title, number)
+        yield execute
 
 
 def unavailable(backend: str, address: str | None) -> str:
@@ -121,10 +119,7 @@ def known_learners() -> str:
 
 
 def compare(given: Arguments) -> int:
-    """Compare learners.
-
-    Args:
-        given: The arguments of `khepera-forage compare`.
+    """Compare learners as the arguments of `khepera-forage compare` say.
 
     Raises:
         ValueError: A learner that is unknown or cannot be used, or a file that holds no results.

@@ -40,13 +40,7 @@ Seeds = Mapping[str, Sequence[int]]
 
 
 class Training(NamedTuple):
-    """Experience to learn from.
-
-    Attributes:
-        vectors: State vectors, shape (n, 5).
-        behaviours: What was heard with each, shape (n,).
-        episodes: The training episode of each vector, shape (n,).
-    """
+    """State vectors to learn from, shape (n, 5), what was heard with each, and its training episode, shape (n,)."""
 
     vectors: NDArray[np.int64]
     behaviours: NDArray[np.int64]
@@ -54,13 +48,7 @@ class Training(NamedTuple):
 
 
 class Foraged(NamedTuple):
-    """Recalls in one place, one element each.
-
-    Attributes:
-        score: Equation 5.1, percent.
-        delivered: Food brought home that is not poisonous.
-        foods: Food objects that are not poisonous.
-    """
+    """Recalls in one place, one element each: scores (percent), and food that is not poisonous."""
 
     score: NDArray[np.float64]
     delivered: NDArray[np.int64]
@@ -72,8 +60,8 @@ def recalls_after(
 ) -> dict[str, Foraged]:
     """Let a learner learn, and forage in several places.
 
-    A learner that takes the arena's diagonal has that of the arena foraged in; `diagonal` is that of the training, in
-    pixels. `seed` is that of the learner's random choices; those of the thesis's imitator follow from `seeds`.
+    A learner that takes the arena's diagonal has that of the arena foraged in; `diagonal` (pixels) is that of the
+    training. `seed` is that of the learner's random choices; those of the thesis's imitator follow from `seeds`.
     """
     if learner.make is NearestNeighbourImitator:
         own = memories_of([training[:2]])
@@ -213,12 +201,7 @@ _CHANGED = 0.25
 
 
 class Budget(NamedTuple):
-    """How much a search does.
-
-    Attributes:
-        trainings: With each set.
-        recalls: After all trainings with a set.
-    """
+    """How much a search does: trainings with each set, and recalls after all of these."""
 
     sets: int
     generations: int
@@ -295,17 +278,11 @@ def thinned(training: Training, size: int, seed: int) -> Training:
     return Training(*(part[drawn] for part in training))
 
 
-def search(
-    learner: OfflineImitation,
-    amount: int,
-    budget: Budget,
-    rng: np.random.Generator,
-) -> Marks:
+def search(learner: OfflineImitation, amount: int, budget: Budget, rng: np.random.Generator) -> Marks:
     """The demonstrations after which a learner delivers most, found by hill climbing with a population.
 
-    Each generation tries sets that differ from those of the best quarter so far in some demonstrations. All sets of a
-    generation have the same seeds, which no other generation has; the best quarter is tried again in each, and in the
-    end longer.
+    Each generation tries sets that differ from those of the best quarter so far in some demonstrations, with seeds of
+    its own; the best quarter is tried again in each, and in the end longer.
     """
     best, tried = budget.sets // 4, list[tuple[Marks, list[float]]]()
     for generation in range(budget.generations):

@@ -31,7 +31,7 @@ from khepera_forage.policies.policy import UniformPolicy
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import WheelsRecall, recall, recall_env, recall_wheels, recall_wheels_env
 from khepera_forage.rollouts.reinforcement import reinforce
-from khepera_forage.rollouts.rows import RecallRow
+from khepera_forage.rollouts.rows import RecallRow, require_field
 from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import ARENAS as NAMED
@@ -79,18 +79,13 @@ class RecallBatch:
     seconds: float
 
     def __post_init__(self) -> None:
-        _require(self.arena in ALL_ARENAS, "arena", self.arena, ", ".join(ALL_ARENAS))
+        require_field(self.arena in ALL_ARENAS, self, "arena", ", ".join(ALL_ARENAS))
         for name in ("replication", "amount", "steps", "vectors", "seconds"):
-            _require(getattr(self, name) >= 0, name, getattr(self, name), "0 or more")
-        _require(self.recalls >= 1, "recalls", self.recalls, "1 or more")
-        _require(math.isfinite(self.score) and self.score <= 100, "score", self.score, "up to 100")
-        _require(0 <= self.delivered <= self.foods, "delivered", self.delivered, f"0..{self.foods} foods")
-        _require(self.recall_steps >= self.recalls, "recall_steps", self.recall_steps, "1 a recall or more")
-
-
-def _require(fine: bool, name: str, value: object, allowed: str) -> None:
-    if not fine:
-        raise ValueError(f"{name} is {value!r}; allowed: {allowed}")
+            require_field(getattr(self, name) >= 0, self, name, "0 or more")
+        require_field(self.recalls >= 1, self, "recalls", "1 or more")
+        require_field(math.isfinite(self.score) and self.score <= 100, self, "score", "up to 100")
+        require_field(0 <= self.delivered <= self.foods, self, "delivered", f"0..{self.foods} foods")
+        require_field(self.recall_steps >= self.recalls, self, "recall_steps", "1 a recall or more")
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,11 +106,7 @@ Compared = Learner | Baseline
 
 
 class Learned(NamedTuple):
-    """A learner after some amount of learning.
-
-    Attributes:
-        steps: Environment steps of the learning.
-    """
+    """A learner after some environment steps of learning."""
 
     steps: int
     vectors: int
@@ -214,8 +205,8 @@ def learn_and_forage(
         seed: Of the whole run.
         replication: Number.
         name: Of the learner.
-        learner: The learner.
-        amounts: Of learning, after which it is tested: training episodes, queries or steps, in increasing order.
+        learner: Learns.
+        amounts: Training episodes, queries or steps after which it is tested, in increasing order.
         recalls: Recall episodes in each arena, after each amount.
         arenas: Where it is tested.
     """

@@ -94,15 +94,7 @@ def page(
     tuned: bool,
     quick: bool = False,
 ) -> Page:
-    """All of it.
-
-    Args:
-        curves: One a learner and arena.
-        learners: By name.
-        missing: Why some are left out.
-        tuned: Whether the comparison of settings has a page in the folder `tuning`.
-        quick: Whether the run is a smoke test.
-    """
+    """All of it; `missing` says why learners are left out, `tuned` whether settings have a page in `tuning`."""
     names = list(dict.fromkeys(curve.learner for curve in curves))
     settings = Table(
         "settings",

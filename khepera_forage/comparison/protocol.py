@@ -44,7 +44,7 @@ from khepera_forage.comparison.learning import (
     unable,
 )
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.estimates import Estimate, Measure, Table, Value, mean, pick, plain, table_of
+from khepera_forage.estimates import Estimate, Measure, Table, Value, mean, pick, table_of
 from khepera_forage.experience import Experience
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.features import wheels_features
@@ -88,8 +88,8 @@ class BenchmarkTrack(NamedTuple):
 
     Attributes:
         learners: Those of the package that take part.
-        amounts: Amounts of learning in each condition: episodes, or steps of reinforcement learning.
-        places: Of the recalls, `recalls` in each group.
+        amounts: Of learning in each condition: episodes, or steps of reinforcement learning.
+        places: Groups of places, with so many recalls in each.
         slow: Replications of learners that take seconds: all but the thesis's imitator and the references.
     """
 
@@ -163,7 +163,6 @@ class Tested:
     Attributes:
         condition: One of the track's, or a learner for which the demonstrations were searched; empty without learning.
         replication: With seeds and training of its own. For demonstrations that were searched for, the search.
-        place: A named arena or a difficulty.
         vectors: What was learned from: experience vectors, or rounds.
         seconds: Learning and recalls in all places, wall time.
     """
@@ -184,11 +183,7 @@ class Tested:
 
 @dataclass(frozen=True, slots=True)
 class Demonstrations:
-    """Demonstrations that a search found.
-
-    Attributes:
-        marks: Of each demonstration: x, y (mm), heading (degrees) of the start, x, y of the food.
-    """
+    """What a search found; of each demonstration x, y (mm), heading (degrees) of the start, x, y of the food."""
 
     learner: str
     search: int
@@ -209,11 +204,10 @@ class Learning(NamedTuple):
     """A unit of work: one learner learns once, and forages; fields that are not explained are those of `Tested`.
 
     Attributes:
-        seed: Of the whole run.
-        learner: An entry of `LEARNERS`, a reference, or None for an offline learner on wheels.
+        learner: None for an offline learner on wheels.
         recalls: In each group of places.
         test: Number of the training with the same demonstrations.
-        marks: Demonstrations that were searched for.
+        marks: Of `Demonstrations`.
     """
 
     seed: int
@@ -349,10 +343,7 @@ def _followed(amount: int, key: int) -> Training:
 def wheels_learner(
     name: str, episodes: Sequence[RawEpisode], seed: int
 ) -> Callable[[NDArray[Any]], NDArray[Any]]:
-    """An offline learner of motors, from rows of `wheels_features` to actions: regression, without memory.
-
-    Its name is `network`, a multi-layer perceptron, or `trees`, extremely randomised ones.
-    """
+    """A regression from rows of `wheels_features` to motors: a `network`, or extremely randomised `trees`."""
     from sklearn.ensemble import ExtraTreesRegressor
     from sklearn.neural_network import MLPRegressor
 
@@ -446,12 +437,7 @@ SHARE = Measure[Tested]("food delivered (%)", lambda row: 100.0 * row.delivered 
 
 
 def run(given: Arguments, learners: Mapping[str, Compared], execute: Execute) -> int:
-    """Do what is missing of the protocol, and write the page.
-
-    Args:
-        given: The arguments of `khepera-forage compare --protocol`.
-        learners: Those that may take part, by name.
-        execute: Does the work.
+    """Do what is missing of the protocol for `khepera-forage compare --protocol`, and write the page.
 
     Raises:
         ValueError: A learner was asked for that is on none of the tracks.
@@ -523,8 +509,8 @@ def _table(name: str, question: str, rows: Sequence[Tested], seed: int) -> Table
                     f"{g} (%)": _share([row for row in own if row.place in group], seed)
                     for g, group in groups.items()
                 },
-                "vectors": plain(float(np.mean([row.vectors for row in own]))),
-                "seconds": plain(float(np.mean([row.seconds for row in own]))),
+                "vectors": Estimate(float(np.mean([row.vectors for row in own]))),
+                "seconds": Estimate(float(np.mean([row.seconds for row in own]))),
             }
         )
     note = (
@@ -546,7 +532,7 @@ def _transfer(rows: Sequence[Tested], seed: int) -> Table:
                 {
                     "learner": learner,
                     "teacher": condition,
-                    "thesis's teacher (%)": plain(usual),
+                    "thesis's teacher (%)": Estimate(usual),
                     "this teacher (%)": share,
                     "gap closed (%)": Estimate(
                         *(100 * (value - usual) / max(100 - usual, 1e-9) for value in share)
@@ -573,13 +559,9 @@ Made = tuple[str, Sequence[Experience], dict[str, Any]]
 
 
 def datasets(seed: int, episodes: int | None = None) -> dict[str, Callable[[], Made]]:
-    """What makes each dataset of the protocol, by Minari's name.
+    """What makes each dataset of the protocol, by Minari's name; of each the first `episodes`, or all.
 
     Episodes stand replication by replication, as many of each as the largest amount of the track.
-
-    Args:
-        seed: Of the run.
-        episodes: How many of each dataset, counted from the first; all by default.
     """
     offline, wheels = TRACKS[OFFLINE], TRACKS[WHEELS]
 

@@ -52,11 +52,7 @@ MEASURES = (
 
 
 class CurvePoint(NamedTuple):
-    """A learner after one amount of learning: means, with their intervals over replications.
-
-    Attributes:
-        amount: Requested training episodes, queries or steps.
-    """
+    """A learner after one amount of training episodes, queries or steps: means, with intervals over replications."""
 
     amount: int
     batches: int
@@ -138,12 +134,7 @@ class _First(NamedTuple):
 
 
 class Results(NamedTuple):
-    """What a results file holds.
-
-    Attributes:
-        made_with: Version and command, in one line.
-        origin: Where they were read, in one word: `published`, or the name of the folder or file.
-    """
+    """What a results file holds, and its origin in one word: `published`, or the name of the folder or file."""
 
     made_with: str
     learners: Mapping[str, ReadLearner]
@@ -168,10 +159,7 @@ def as_json(results: Results) -> str:
 
 
 def read_results(source: str) -> Results:
-    """Read a results file.
-
-    Args:
-        source: Its path, or `published` for the results that come with the package.
+    """Read a results file: a path, or `published` for the results that come with the package.
 
     Raises:
         ValueError: It is no results file; the message names the file and what is wrong.

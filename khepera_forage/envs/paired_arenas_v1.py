@@ -11,9 +11,8 @@ env = paired_arenas_v1.env(arena=["t_maze", "doors"], max_cycles=2500)  # every 
 from collections.abc import Sequence
 from typing import Any
 
-from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arena_settings import settings_of, training_rounds
-from khepera_forage.envs.arguments import FoodOdds
+from khepera_forage.envs.arguments import Arenas, FoodOdds
 from khepera_forage.envs.training import TrainingEnv, makers
 
 __all__ = ["env", "parallel_env", "raw_env"]

@@ -9,13 +9,13 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from khepera_forage.envs.arena_pool import Arenas
 from khepera_forage.envs.arguments import (
     COMPILED,
     PYMUNK,
+    Arenas,
     FoodOdds,
+    Settings,
     check_backend,
-    checked_decisions,
     whole_number,
 )
 from khepera_forage.envs.recalls import Forager, WorldRecalls
@@ -80,19 +80,19 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         backend: str = PYMUNK,
         robot: str = KHEPERA.name,
     ) -> None:
-        self.decisions = checked_decisions(decisions)
+        settings = Settings.of(arena, noise, food_types, decisions, robot)
+        self.decisions = settings.decisions
         self.metadata = self.metadata | {"render_fps": 1 / self.decisions.round_duration}
         self.foods = whole_number("foods", foods, 1, MOST_FOODS)
         self.limit = whole_number("limit", limit, 1)
-        settings = arena, foods, limit, noise, food_types, self.decisions
         if check_backend(backend) == PYMUNK:
-            self._recalls = WorldRecalls(*settings, world, robot)
+            self._recalls = WorldRecalls(settings, foods, limit, world)
         elif world is not None:
             raise ValueError(f"world is {world!r}; allowed with backend={COMPILED!r}: None")
         else:
             from khepera_forage.envs.compiled.batch import CompiledRecalls  # needs numba
 
-            self._recalls = CompiledRecalls(*settings, robot)
+            self._recalls = CompiledRecalls(settings, foods, limit)
         self.largest_diagonal = self._recalls.diagonal
         """Of all arenas in which an episode may take place, in pixels."""
         self.render_mode = render_mode

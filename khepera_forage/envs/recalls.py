@@ -6,27 +6,25 @@ from typing import Any
 import numpy as np
 
 from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.arena_pool import ArenaPool, Arenas
 from khepera_forage.envs.arguments import (
     COMPILED,
     PYMUNK,
-    FoodOdds,
+    ArenaPool,
+    Settings,
     arenas_of,
     check_backend,
     food_odds,
     timing_of,
 )
 from khepera_forage.envs.layouts import arena_map_of, given_layout, known_food
-from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.khepera import Motors, Robot, Senses
-from khepera_forage.robots.model import KHEPERA, model_of
 from khepera_forage.sim.arena import Arena, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import Simulation
 from khepera_forage.sim.world import Layout, World
 from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.behaviours import behaviour_of_motors, command, decode_motors, path_home_for
-from khepera_forage.task.decisions import Decisions, DecisionValues
+from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.episode import Episode, ForagerState, begin_episode, end_step
 from khepera_forage.task.food_tracking import KnownFood, can_explore, share_identified
 from khepera_forage.task.perception import RawData, own_region, perceive
@@ -123,13 +121,9 @@ class ForagingWorld:
 
     Args:
         markers: Holes of each robot's marker.
-        arena: As for the environments; so are the next five.
-        noise: The laboratory's troubles by default.
-        food_types: One type, or odds by type.
+        settings: From the user.
         world: Another world than a simulated one, with an arena for each robot.
-        decisions: Of the task.
         backend: What simulates the bodies, "pymunk" or "compiled".
-        robot: Kind of the simulated robots.
 
     Attributes:
         world: Bodies and camera of the present episode.
@@ -144,28 +138,19 @@ class ForagingWorld:
     arenas: tuple[Arena, ...]
 
     def __init__(
-        self,
-        markers: tuple[int, ...],
-        arena: Arenas,
-        noise: Noise | str | None,
-        food_types: FoodOdds,
-        world: World | None,
-        decisions: Decisions,
-        backend: str,
-        robot: str,
+        self, markers: tuple[int, ...], settings: Settings, world: World | None, backend: str
     ) -> None:
-        self._model, self._backend = model_of(robot), check_backend(backend)
-        self._markers, self._noise, self._decisions = markers, checked_noise(noise), decisions
-        kinds: Any = [self._model] if world is None else world.robots
-        self._odds = food_odds(food_types, all(kind.has_gripper for kind in kinds))
+        self._markers, self._settings, self._backend = markers, settings, check_backend(backend)
+        kinds: Any = [settings.model] if world is None else world.robots
+        self._odds = food_odds(settings.food_types, all(kind.has_gripper for kind in kinds))
         self._number = -1
         if world is None:
-            self._pool: ArenaPool | None = ArenaPool(arena, decisions)
+            self._pool: ArenaPool | None = ArenaPool(settings.arena, settings.decisions)
             self._enter(0, self._pool[0])
             self.diagonal = self._pool.diagonal
         else:
             self._pool, self.world = None, world
-            self.arenas = arenas_of(world, len(markers), decisions)
+            self.arenas = arenas_of(world, len(markers), settings.decisions)
             self.diagonal = arena_map_of(self.arenas[0]).diagonal
 
     @property
@@ -202,10 +187,9 @@ class ForagingWorld:
             from khepera_forage.sim.compiled.world import CompiledWorld  # needs numba
 
             kind = CompiledWorld
-        count = len(self._markers)
+        count, (_, noise, _, decisions, model) = len(self._markers), self._settings
         arenas = copies(arena, count) if count > 1 else (arena,)
-        timing = timing_of(self._decisions)
-        self.world = kind(arenas, self._markers, self._noise, timing=timing, model=self._model)
+        self.world = kind(arenas, self._markers, noise, timing=timing_of(decisions), model=model)
         self.arenas, self._number = arenas, number
 
     def foragers(self, layout: Layout, key: int, episode: int) -> list[Forager]:
@@ -215,7 +199,7 @@ class ForagingWorld:
         for i, robot in enumerate(self.world.robots):
             food = known_food(layout.foods[i * count : (i + 1) * count])
             draw_food_types(food.objects, food_type_key(key, episode), self._odds)
-            values, holes = self._decisions.values(robot.has_gripper), self.world.markers[i]
+            values, holes = self._settings.decisions.values(robot.has_gripper), self.world.markers[i]
             foragers.append(Forager(robot, arena_map_of(self.arenas[i]), holes, food, values))
         return foragers
 
@@ -224,14 +208,10 @@ class WorldRecalls(ForagingWorld):
     """Recalls one after another in a `World`.
 
     Args:
-        arena: As for `ForagingWorld`; so are the arguments without a description.
+        settings: From the user.
         foods: Food objects.
         limit: Steps after which an episode ends.
-        noise: Likewise.
-        food_types: Likewise.
-        decisions: Likewise.
-        world: Likewise.
-        robot: Likewise.
+        world: As for `ForagingWorld`.
 
     Attributes:
         layout: Where everything stood when the episode began.
@@ -239,20 +219,9 @@ class WorldRecalls(ForagingWorld):
 
     layout: Layout
 
-    def __init__(
-        self,
-        arena: Arenas,
-        foods: int,
-        limit: int,
-        noise: Noise | str | None,
-        food_types: FoodOdds,
-        decisions: Decisions,
-        world: World | None = None,
-        robot: str = KHEPERA.name,
-    ) -> None:
-        markers = (decisions.recall_marker,)
-        super().__init__(markers, arena, noise, food_types, world, decisions, PYMUNK, robot)
-        self._foods, self._limit, self._values = foods, limit, decisions.values()
+    def __init__(self, settings: Settings, foods: int, limit: int, world: World | None = None) -> None:
+        super().__init__((settings.decisions.recall_marker,), settings, world, PYMUNK)
+        self._foods, self._limit, self._values = foods, limit, settings.decisions.values()
         self._key, self._episodes, self._fresh = 0, 0, True
         self._forager: Forager | None = None
 

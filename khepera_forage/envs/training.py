@@ -13,13 +13,12 @@ from pettingzoo.utils.conversions import aec_to_parallel
 from pettingzoo.utils.env import AECEnv, ParallelEnv
 
 from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.arena_pool import Arenas
-from khepera_forage.envs.arguments import PYMUNK, FoodOdds, checked_decisions, whole_number
+from khepera_forage.envs.arguments import PYMUNK, Arenas, FoodOdds, Settings, whole_number
 from khepera_forage.envs.layouts import arenas_with_marks, training_layout
 from khepera_forage.envs.recalls import Forager, ForagingWorld
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, training_view
 from khepera_forage.envs.training_episode import TrainingEpisode, observation_box
-from khepera_forage.noise import Noise, checked_noise
+from khepera_forage.noise import Noise
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.world import LOST, World
@@ -110,16 +109,15 @@ class TrainingEnv(AECEnv[str, Any, Any]):
         super().__init__()
         learners = whole_number("num_learners", num_learners, 1)
         self.max_cycles = whole_number("max_cycles", max_cycles, 1)
-        self.decisions = checked_decisions(self.default_decisions if decisions is None else decisions)
+        decisions = self.default_decisions if decisions is None else decisions
+        settings = Settings.of(arena, noise, food_types, decisions, robot)
+        self.decisions, self._noise = settings.decisions, settings.noise
         self.metadata = self.metadata | {"render_fps": 1 / self.decisions.round_duration}
         self.patience = self.decisions.patience if patience is None else whole_number("patience", patience, 1)
         self.render_mode = render_mode
         self._screen = Screen(render_mode, self.decisions.round_duration)
-        self._noise = checked_noise(noise)
         markers = (1,) + (2,) * learners  # the teacher has the marker of one hole
-        self._paired = ForagingWorld(
-            markers, arena, self._noise, food_types, world, self.decisions, backend, robot
-        )
+        self._paired = ForagingWorld(markers, settings, world, backend)
         self.np_random: np.random.Generator | None = None
         self._generator: np.random.Generator | None = None
         """The `np_random` that the attempts follow from."""

@@ -103,19 +103,21 @@ class RecallRow:
 
     def __post_init__(self) -> None:
         wrong, steps = self.steps - self.correct, self.steps
-        _require(1 <= steps <= self.limit, self, "steps", f"1..limit, which is {self.limit}")
-        _require(0 <= self.correct <= steps, self, "correct", f"0..steps, which is {steps}")
+        require_field(1 <= steps <= self.limit, self, "steps", f"1..limit, which is {self.limit}")
+        require_field(0 <= self.correct <= steps, self, "correct", f"0..steps, which is {steps}")
         score = 100.0 * self.correct / steps - self.penalty
-        _require(math.isclose(self.score, score, abs_tol=1e-6), self, "score", f"{score:.6f}")
+        require_field(math.isclose(self.score, score, abs_tol=1e-6), self, "score", f"{score:.6f}")
         for name in ("food_x", "food_y", "food_delivered"):
             fits = len(getattr(self, name)) == self.foods
-            _require(fits, self, name, f"one value for each of {self.foods} foods")
+            require_field(fits, self, name, f"one value for each of {self.foods} foods")
         delivered = sum(self.food_delivered)
-        _require(self.delivered == delivered, self, "delivered", f"{delivered}, the sum of food_delivered")
+        require_field(
+            self.delivered == delivered, self, "delivered", f"{delivered}, the sum of food_delivered"
+        )
         for name, total in (("rounds_by_state", steps), ("wrong_by_state", wrong)):
             counts = getattr(self, name)
             valid = len(counts) == STATES and min(counts) >= 0 and sum(counts) == total
-            _require(valid, self, name, f"{STATES} counts that add up to {total}")
+            require_field(valid, self, name, f"{STATES} counts that add up to {total}")
         for state, (rounds, mistaken) in enumerate(
             zip(self.rounds_by_state, self.wrong_by_state, strict=True)
         ):
@@ -124,9 +126,9 @@ class RecallRow:
                     f"wrong_by_state[{state}] is {mistaken}; allowed: at most {rounds}, its rounds"
                 )
         fits = 0 <= self.orient_without_food <= wrong
-        _require(fits, self, "orient_without_food", f"0..{wrong} wrong rounds")
-        _require(0 <= self.ties <= steps, self, "ties", f"0..{steps} steps")
-        _require(0 <= self.conflicts <= self.ties, self, "conflicts", f"0..{self.ties} ties")
+        require_field(fits, self, "orient_without_food", f"0..{wrong} wrong rounds")
+        require_field(0 <= self.ties <= steps, self, "ties", f"0..{steps} steps")
+        require_field(0 <= self.conflicts <= self.ties, self, "conflicts", f"0..{self.ties} ties")
         row_decisions(self.decisions)
 
     @property
@@ -190,12 +192,12 @@ class TrainingRow:
     decisions: str = ""
 
     def __post_init__(self) -> None:
-        _require(self.file >= 1, self, "file", "1 or more")
-        _require(self.attempt >= 1, self, "attempt", "1 or more")
-        _require(self.rounds >= 0, self, "rounds", "0 or more")
-        _require(0 <= self.vectors <= self.rounds, self, "vectors", f"0..{self.rounds} rounds")
-        _require(self.separations >= 0, self, "separations", "0 or more")
-        _require(bool(self.reason) != self.complete, self, "reason", "empty if and only if complete")
+        require_field(self.file >= 1, self, "file", "1 or more")
+        require_field(self.attempt >= 1, self, "attempt", "1 or more")
+        require_field(self.rounds >= 0, self, "rounds", "0 or more")
+        require_field(0 <= self.vectors <= self.rounds, self, "vectors", f"0..{self.rounds} rounds")
+        require_field(self.separations >= 0, self, "separations", "0 or more")
+        require_field(bool(self.reason) != self.complete, self, "reason", "empty if and only if complete")
         row_decisions(self.decisions)
 
 
@@ -209,7 +211,8 @@ def row_decisions(text: str) -> Decisions:
     return decisions_from_text(text)
 
 
-def _require(valid: bool, row: object, name: str, allowed: str) -> None:
+def require_field(valid: bool, row: object, name: str, allowed: str) -> None:
+    """Refuse the value of a field unless it is valid."""
     if not valid:
         raise ValueError(f"{name} is {getattr(row, name)!r}; allowed: {allowed}")
 

@@ -5,11 +5,10 @@ prints one). All other values are verbatim.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_DOWN, ROUND_HALF_UP, Decimal
 from fractions import Fraction
-from functools import cache
 from importlib import resources
 from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
@@ -95,22 +94,17 @@ class PrintedTable:
     text_available: int
 
 
-@cache
-def recalls() -> tuple[PrintedRecall, ...]:
-    """Every recall episode of the thesis, in the order of the tables."""
-    return _load("appendix_a.csv", PrintedRecall)
+def _load(name: str, row_type: type[_RowT]) -> tuple[_RowT, ...]:
+    text = resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+    return tuple(parse_rows(text, name, row_type))
 
 
-@cache
-def sets() -> tuple[PrintedSet, ...]:
-    """Every printed average over one set of training files."""
-    return _load("appendix_a_sets.csv", PrintedSet)
-
-
-@cache
-def tables() -> tuple[PrintedTable, ...]:
-    """The summary of each table."""
-    return _load("appendix_a_tables.csv", PrintedTable)
+RECALLS = _load("appendix_a.csv", PrintedRecall)
+"""Every recall episode of the thesis, in the order of the tables."""
+SETS = _load("appendix_a_sets.csv", PrintedSet)
+"""Every printed average over one set of training files."""
+TABLES = _load("appendix_a_tables.csv", PrintedTable)
+"""The summary of each table."""
 
 
 def table_of(arena: str, episodes: int) -> PrintedTable:
@@ -119,7 +113,7 @@ def table_of(arena: str, episodes: int) -> PrintedTable:
     Raises:
         KeyError: The thesis has no table for this cell.
     """
-    cells = {(table.arena, table.episodes): table for table in tables()}
+    cells = {(table.arena, table.episodes): table for table in TABLES}
     if (arena, episodes) not in cells:
         raise KeyError(f"no table for {arena!r} after {episodes!r} episodes; allowed: {list(cells)}")
     return cells[arena, episodes]
@@ -127,18 +121,13 @@ def table_of(arena: str, episodes: int) -> PrintedTable:
 
 def rows_of(table: PrintedTable) -> tuple[PrintedRecall, ...]:
     """The recall episodes of one table."""
-    return tuple(row for row in recalls() if row.table == table.table)
+    return tuple(row for row in RECALLS if row.table == table.table)
 
 
-def mean_score(rows: Iterable[PrintedRecall]) -> float:
-    """Mean of the printed scores, in percent."""
-    scores = [row.score for row in rows]
+def mean_score(table: PrintedTable) -> float:
+    """Mean of the scores that the lines of a table print, in percent."""
+    scores = [row.score for row in rows_of(table)]
     return sum(scores) / len(scores)
-
-
-def _load(name: str, row_type: type[_RowT]) -> tuple[_RowT, ...]:
-    text = resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
-    return tuple(parse_rows(text, name, row_type))
 
 
 class Erratum(NamedTuple):
@@ -161,7 +150,7 @@ class Erratum(NamedTuple):
 def errata() -> list[Erratum]:
     """All errata, in the order of the tables."""
     found: list[Erratum] = []
-    for table in tables():
+    for table in TABLES:
         rows = rows_of(table)
         for row in rows:
             place = f"line {row.line}, {row.file_id}"
@@ -200,34 +189,25 @@ def _of_row(row: PrintedRecall, limit: int) -> Iterator[tuple[str, str, str]]:
 
 def _of_series(rows: Sequence[PrintedRecall], limit: int) -> Iterator[Erratum]:
     """Consecutive lines with the same total that count up by one, as a spreadsheet's fill-down produces them."""
-    run = [rows[0]]
-    for row in (*rows[1:], None):
-        last = run[-1]
-        if (
-            row is not None
-            and (row.file_id, row.total, row.correct) == (last.file_id, last.total, last.correct + 1)
-            and row.total < limit
-        ):
-            run.append(row)
-            continue
-        if len(run) > 1:
-            printed = f"{run[0].correct} to {last.correct}, each of {last.total} ({last.percent}%)"
-            place = f"lines {run[0].line}-{last.line}, {last.file_id}"
+    for (file_id, total, _), group in groupby(rows, lambda r: (r.file_id, r.total, r.correct - r.line)):
+        run = list(group)
+        first, last = run[0], run[-1]
+        if first is not last and total < limit:
+            printed = f"{first.correct} to {last.correct}, each of {total} ({last.percent}%)"
+            place = f"lines {first.line}-{last.line}, {file_id}"
             yield Erratum(last.table, place, "series", printed, "a separate count for each line")
-        run = [row] if row is not None else []
 
 
 def _of_averages(table: PrintedTable, rows: Sequence[PrintedRecall]) -> Iterator[Erratum]:
     """Averages that differ from the printed scores, or between text and table."""
     scores = {name: [r.score for r in group] for name, group in groupby(rows, key=lambda r: r.file_id)}
-    printed = [s for s in sets() if s.table == table.table]
-    for entry in printed:
-        mean = Fraction(sum(scores[entry.file_id]), len(scores[entry.file_id]))
-        if not _rounds_to(mean, entry.average):
-            yield Erratum(table.table, entry.file_id, "average", str(entry.average), f"{float(mean):g}")
-    total = Fraction(sum(row.score for row in rows), len(rows))
-    if not _rounds_to(total, table.average):
-        yield Erratum(table.table, "total average", "average", str(table.average), f"{float(total):g}")
+    averages = {s.file_id: (s.average, scores[s.file_id]) for s in SETS if s.table == table.table}
+    averages["total average"] = table.average, [row.score for row in rows]
+    for place, (average, own) in averages.items():
+        mean = Fraction(sum(own), len(own))
+        if not _rounds_to(mean, average):
+            yield Erratum(table.table, place, "average", str(average), f"{float(mean):g}")
+
     if table.text_average is not None and table.text_average != table.average:
         in_text, in_table = f"{table.text_average} in chapter 5", f"{table.average}, as in the table"
         yield Erratum(table.table, "total average", "text", in_text, in_table)

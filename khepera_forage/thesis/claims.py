@@ -4,7 +4,7 @@ They are about learning (5.4, 5.5), where the learner succeeds (5.4.1.2), and ti
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
@@ -12,13 +12,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from khepera_forage.estimates import RESAMPLES, Estimate, Sample, bootstrap_quantile, combined
-from khepera_forage.rollouts.rows import IMITATOR, RANDOM, RecallRow, TrainingRow, common_decisions
+from khepera_forage.estimates import RESAMPLES, Estimate, Sample, bootstrap_quantile, combined, pick
+from khepera_forage.rollouts.rows import (
+    IMITATOR,
+    RANDOM,
+    TEACHER,
+    RecallRow,
+    TrainingRow,
+    common_decisions,
+)
 from khepera_forage.sim.arenas.thesis import CORRIDOR, THESIS_ARENAS
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.states import State
 from khepera_forage.thesis import appendix_a
-from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, THESIS, training_distance
+from khepera_forage.thesis.design import LABORATORY, LIMITS, NO_LOSSES, training_distance
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,13 +38,13 @@ class Unit:
 
     def __call__(self, value: float) -> str:
         """A number with its unit; a dash for nan."""
-        number = self._number(value)
-        return number if number == "-" else f"{number} {self.suffix}"
+        return self.estimate(Estimate(value))
 
     def estimate(self, estimate: Estimate) -> str:
         """A value with its interval in brackets, if it has one."""
         value, low, high = map(self._number, estimate)
-        return self(estimate.value) if low == "-" else f"{value} [{low}, {high}] {self.suffix}"
+        limits = "" if low == "-" else f" [{low}, {high}]"
+        return value if value == "-" else f"{value}{limits} {self.suffix}"
 
     def _number(self, value: float) -> str:
         if math.isnan(value):
@@ -139,16 +146,14 @@ class Claim(NamedTuple):
 
 @dataclass(frozen=True)
 class Evidence:
-    """The rows of a reproduction, and a generator for the resamples.
+    """The rows of a reproduction.
 
     Attributes:
         recalls: Recalls of the imitator, under one noise condition.
         chance: Recalls of a policy that draws every behaviour uniformly; may be empty.
         trainings: Attempts at training episodes, under any noise conditions.
         teachers: Forages of the teacher alone, with a time limit well above the thesis's.
-        rng: Draws the resamples.
-        resamples: Resamples for each interval.
-        decisions: Of all rows.
+        rng: Draws the resamples of each interval.
     """
 
     recalls: Sequence[RecallRow]
@@ -169,8 +174,7 @@ class Evidence:
 
     def score(self, arena: str, episodes: int) -> Sample[RecallRow]:
         """The mean score of a cell, in percent."""
-        rows = [row for row in self.recalls if (row.arena, row.episodes) == (arena, episodes)]
-        return Sample(rows, lambda row: row.score)
+        return Sample(pick(self.recalls, arena=arena, episodes=episodes), lambda row: row.score)
 
     def scores(self, weights: Mapping[tuple[str, int], float]) -> Estimate:
         """A weighted sum of the mean scores of cells (arena, episodes), in percentage points."""
@@ -179,30 +183,22 @@ class Evidence:
 
 
 def gather(
-    recalls: Iterable[RecallRow],
-    trainings: Iterable[TrainingRow],
-    teachers: Iterable[RecallRow],
+    recalls: Sequence[RecallRow],
+    trainings: Sequence[TrainingRow],
     rng: np.random.Generator,
     resamples: int = RESAMPLES,
 ) -> Evidence:
-    """Separate the recalls of the imitator from those of a random policy.
+    """The evidence of rows, with the recalls of all policies in one sequence.
 
     Raises:
         ValueError: The recalls of the imitator have several noise conditions, or the rows several decisions.
     """
-    rows, attempts, forages = list(recalls), list(trainings), list(teachers)
-    decisions = common_decisions(rows, attempts, forages)
-    imitator = [row for row in rows if row.learner == IMITATOR]
+    decisions = common_decisions(recalls, trainings)
+    imitator, chance, teachers = (pick(recalls, learner=name) for name in (IMITATOR, RANDOM, TEACHER))
     conditions = sorted({row.noise for row in imitator})
     if len(conditions) > 1:
         raise ValueError(f"recalls have noise conditions {conditions}; allowed: one condition at a time")
-    chance = [row for row in rows if row.learner == RANDOM]
-    return Evidence(imitator, chance, attempts, forages, rng, resamples, decisions)
-
-
-def of_arena(rows: Iterable[RecallRow], arena: str) -> list[RecallRow]:
-    """The rows of one arena."""
-    return [row for row in rows if row.arena == arena]
+    return Evidence(imitator, chance, trainings, teachers, rng, resamples, decisions)
 
 
 def food_share(
@@ -219,7 +215,7 @@ def food_share(
 
 def attempts_per_episode(evidence: Evidence, noise: str) -> Sample[TrainingRow]:
     """Attempts per complete training episode under one noise condition."""
-    rows = [row for row in evidence.trainings if row.noise == noise]
+    rows = pick(evidence.trainings, noise=noise)
     return Sample(rows, lambda row: 1.0, lambda row: row.complete)
 
 
@@ -238,11 +234,10 @@ COMPARABLE = 10.0
 
 def _thesis(arena: str, episodes: int) -> float:
     """The mean of the scores that the thesis prints in the lines of a cell."""
-    return appendix_a.mean_score(appendix_a.rows_of(appendix_a.table_of(arena, episodes)))
+    return appendix_a.mean_score(appendix_a.table_of(arena, episodes))
 
 
-def improves(evidence: Evidence, arena: str) -> Claim:
-    """More episodes improve the learner: ten compared with one."""
+def _improves(evidence: Evidence, arena: str) -> Claim:
     ten, one = (_fine(evidence.score(arena, episodes).ratio) for episodes in (10, 1))
     return Claim(
         f"More episodes improve the learner ({arena})",
@@ -256,8 +251,7 @@ def improves(evidence: Evidence, arena: str) -> Claim:
     )
 
 
-def gain_shrinks(evidence: Evidence, arena: str) -> Claim:
-    """The gain shrinks: the early points per episode minus the points per episode from five to ten."""
+def _gain_shrinks(evidence: Evidence, arena: str) -> Claim:
     first = FIRST[arena]
     early, late = 1.0 / (first - 1), 1.0 / 5
     weights = {(arena, 1): -early, (arena, first): early}
@@ -279,10 +273,9 @@ def gain_shrinks(evidence: Evidence, arena: str) -> Claim:
     )
 
 
-def generalises(evidence: Evidence) -> Claim:
-    """Trained in the corridor, the learner forages in the rectangle better than chance."""
+def _generalises(evidence: Evidence) -> Claim:
     learned = food_share(evidence.score("rectangle", 10).rows)
-    chance = food_share(of_arena(evidence.chance, "rectangle"))
+    chance = food_share(pick(evidence.chance, arena="rectangle"))
     table = appendix_a.table_of("rectangle", 10)
     return Claim(
         "The learner generalises: trained in the corridor, it forages in the rectangle",
@@ -296,8 +289,7 @@ def generalises(evidence: Evidence) -> Claim:
     )
 
 
-def comparable(evidence: Evidence) -> Claim:
-    """The scores in the rectangle and in the corridor are comparable."""
+def _comparable(evidence: Evidence) -> Claim:
     corridor, rectangle = (_fine(evidence.score(arena, 10).ratio) for arena in THESIS_ARENAS)
     return Claim(
         "Performance in the rectangle is comparable to the corridor's",
@@ -328,7 +320,7 @@ AFTER_ORIENT = (
 )
 
 
-def areas(evidence: Evidence, arena: str) -> Claim:
+def _areas(evidence: Evidence, arena: str) -> Claim:
     """Success depends on whether the food lies nearer to home than in training, or further.
 
     The thesis calls the two sides area 1 and area 2, but does not say clearly which is which. In the corridor either
@@ -337,7 +329,7 @@ def areas(evidence: Evidence, arena: str) -> Claim:
     training = training_distance(evidence.decisions)
 
     def sides(arena: str) -> tuple[Sample[RecallRow], Sample[RecallRow]]:
-        rows = of_arena(evidence.recalls, arena)
+        rows = pick(evidence.recalls, arena=arena)
         return food_share(rows, lambda place: place < training), food_share(
             rows, lambda place: place >= training
         )
@@ -359,9 +351,8 @@ def areas(evidence: Evidence, arena: str) -> Claim:
     )
 
 
-def around_training(evidence: Evidence, arena: str) -> Claim:
-    """Food as far from home as in training is brought home more often than other food."""
-    rows, training = of_arena(evidence.recalls, arena), training_distance(evidence.decisions)
+def _around_training(evidence: Evidence, arena: str) -> Claim:
+    rows, training = pick(evidence.recalls, arena=arena), training_distance(evidence.decisions)
     near = food_share(rows, lambda distance: abs(distance - training) <= NEAR_TRAINING)
     other = food_share(rows, lambda distance: abs(distance - training) > NEAR_TRAINING)
     return Claim(
@@ -380,9 +371,8 @@ def _share(sample: Sample[RecallRow]) -> str:
     return f"{percent(sample.ratio)} of {sum(map(sample.weight, sample.rows)):.0f} food objects"
 
 
-def orient_without_food(evidence: Evidence, arena: str) -> Claim:
-    """'Orient with food' is executed although no food is near."""
-    rows = of_arena(evidence.recalls, arena)
+def _orient_without_food(evidence: Evidence, arena: str) -> Claim:
+    rows = pick(evidence.recalls, arena=arena)
     recalls = Sample(rows, lambda row: row.orient_without_food > 0)
     rounds = Sample(rows, lambda row: row.orient_without_food, lambda row: row.steps)
     return Claim(
@@ -397,9 +387,8 @@ def orient_without_food(evidence: Evidence, arena: str) -> Claim:
     )
 
 
-def failures_by_orient(evidence: Evidence) -> Claim:
-    """Most failures happen because 'orient with food' was not executed."""
-    failed = [row for row in of_arena(evidence.recalls, "corridor") if row.failed]
+def _failures_by_orient(evidence: Evidence) -> Claim:
+    failed = [row for row in pick(evidence.recalls, arena=CORRIDOR) if row.failed]
     reached = [row for row in failed if row.orient_wanted > 0]
     missed = Sample(reached, lambda row: row.orient_missed, lambda row: row.orient_wanted)
     return Claim(
@@ -415,10 +404,9 @@ def failures_by_orient(evidence: Evidence) -> Claim:
     )
 
 
-def rest_is_correct(evidence: Evidence) -> Claim:
-    """After a successful 'orient with food', all following behaviours are correct."""
+def _rest_is_correct(evidence: Evidence) -> Claim:
     correct = Sample(
-        of_arena(evidence.recalls, "corridor"),
+        pick(evidence.recalls, arena=CORRIDOR),
         lambda row: sum(row.rounds_by_state[s] - row.wrong_by_state[s] for s in AFTER_ORIENT),
         lambda row: sum(row.rounds_by_state[s] for s in AFTER_ORIENT),
     )
@@ -440,8 +428,7 @@ ENOUGH = 0.95
 """Share of the teacher's forages that must end within a sufficient limit."""
 
 
-def losses_cost_attempts(evidence: Evidence) -> Claim:
-    """Tracking losses are the main reason for incomplete training episodes."""
+def _losses_cost_attempts(evidence: Evidence) -> Claim:
     laboratory, without = (attempts_per_episode(evidence, noise) for noise in (LABORATORY, NO_LOSSES))
     show = Unit("attempts per 100 episodes", ".2f", 100.0)
     return Claim(
@@ -455,10 +442,9 @@ def losses_cost_attempts(evidence: Evidence) -> Claim:
     )
 
 
-def frequent_without_losses(evidence: Evidence) -> Claim:
-    """Complete training episodes are frequent without tracking losses."""
+def _frequent_without_losses(evidence: Evidence) -> Claim:
     laboratory, without = (
-        Sample([row for row in evidence.trainings if row.noise == noise], lambda row: row.complete)
+        Sample(pick(evidence.trainings, noise=noise), lambda row: row.complete)
         for noise in (LABORATORY, NO_LOSSES)
     )
     return Claim(
@@ -473,10 +459,9 @@ def frequent_without_losses(evidence: Evidence) -> Claim:
     )
 
 
-def limit_is_enough(evidence: Evidence, arena: str) -> Claim:
-    """The time limit, an estimate in the thesis, is enough for the teacher."""
-    limit = next(cell.limit for cell in THESIS if cell.arena == arena)
-    rows = of_arena(evidence.teachers, arena)
+def _limit_is_enough(evidence: Evidence, arena: str) -> Claim:
+    limit = LIMITS[arena]
+    rows = pick(evidence.teachers, arena=arena)
     steps = sorted(map(steps_needed, rows))
     median = steps[(len(steps) - 1) // 2] if steps else math.nan
     return Claim(
@@ -492,37 +477,19 @@ def limit_is_enough(evidence: Evidence, arena: str) -> Claim:
     )
 
 
-def claims(
-    recalls: Sequence[RecallRow],
-    trainings: Sequence[TrainingRow],
-    teachers: Sequence[RecallRow],
-    rng: np.random.Generator,
-    resamples: int = RESAMPLES,
-) -> list[Claim]:
-    """Measure and judge every claim.
-
-    Args:
-        recalls: Recalls of the imitator, under one noise condition, and of a random policy if available.
-        trainings: Attempts at training episodes, with and without tracking losses.
-        teachers: Forages of the teacher alone, with a time limit well above the thesis's.
-        rng: Draws the resamples.
-        resamples: Resamples for each interval.
-
-    Raises:
-        ValueError: The recalls of the imitator have several noise conditions, or the rows several decisions.
-    """
-    evidence = gather(recalls, trainings, teachers, rng, resamples)
+def claims(evidence: Evidence) -> list[Claim]:
+    """Measure and judge every claim."""
     return [
-        *(improves(evidence, arena) for arena in THESIS_ARENAS),
-        *(gain_shrinks(evidence, arena) for arena in THESIS_ARENAS),
-        generalises(evidence),
-        comparable(evidence),
-        *(areas(evidence, arena) for arena in THESIS_ARENAS),
-        *(around_training(evidence, arena) for arena in THESIS_ARENAS),
-        *(orient_without_food(evidence, arena) for arena in THESIS_ARENAS),
-        failures_by_orient(evidence),
-        rest_is_correct(evidence),
-        losses_cost_attempts(evidence),
-        frequent_without_losses(evidence),
-        *(limit_is_enough(evidence, arena) for arena in THESIS_ARENAS),
+        *(_improves(evidence, arena) for arena in THESIS_ARENAS),
+        *(_gain_shrinks(evidence, arena) for arena in THESIS_ARENAS),
+        _generalises(evidence),
+        _comparable(evidence),
+        *(_areas(evidence, arena) for arena in THESIS_ARENAS),
+        *(_around_training(evidence, arena) for arena in THESIS_ARENAS),
+        *(_orient_without_food(evidence, arena) for arena in THESIS_ARENAS),
+        _failures_by_orient(evidence),
+        _rest_is_correct(evidence),
+        _losses_cost_attempts(evidence),
+        _frequent_without_losses(evidence),
+        *(_limit_is_enough(evidence, arena) for arena in THESIS_ARENAS),
     ]

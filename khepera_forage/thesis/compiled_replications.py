@@ -17,10 +17,11 @@ from khepera_forage.rollouts.compiled.imitators import confidence_levels
 from khepera_forage.rollouts.compiled.recalls import TEACHER as TEACHES
 from khepera_forage.rollouts.compiled.recalls import UNIFORM, Episodes, recall_rows, run_recalls
 from khepera_forage.rollouts.compiled.training import Trained, train_learners
-from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow, TrainingRow
+from khepera_forage.rollouts.rows import IMITATOR, TEACHER, TrainingRow
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
 from khepera_forage.thesis.design import (
+    FOODS,
     LABORATORY,
     LABORATORY_NOISE,
     THESIS,
@@ -28,7 +29,7 @@ from khepera_forage.thesis.design import (
     files_needed,
     noise_conditions,
 )
-from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors, orient_rows
+from khepera_forage.thesis.orient_analysis import arrival_vectors, orient_rows
 from khepera_forage.thesis.replication import Row, baseline_limit, baseline_seeds, replication_seeds
 
 GROUP_SIZE = 100
@@ -44,14 +45,14 @@ def replicate_together(
     decisions: Decisions = DEFAULT_DECISIONS,
     laboratory: Noise = LABORATORY_NOISE,
 ) -> list[Row]:
-    """Replications `first` to `first + count - 1`, each with ten new training files and the recalls of some cells.
+    """Replications `first` to `first + count - 1`, each as by `replication.replicate`.
 
     Args:
         seed: Of the whole reproduction.
         first: A multiple of `GROUP_SIZE`, so that a replication does not depend on the total number.
         count: At most `GROUP_SIZE`.
-        noise: Name of the noise condition, in training and recall.
-        cells: The tables of appendix A to repeat; without any, only the training files.
+        noise: Name of the noise condition.
+        cells: The tables of appendix A to repeat; without any, only ten training files.
         decisions: Of training and recall.
         laboratory: The laboratory's noise, from which the noise condition is derived.
     """
@@ -65,8 +66,8 @@ def replicate_together(
         decisions=decisions,
     )
     recalling = [parts.spawn(len(cells)) for _, parts in seeds]
-    recalls: list[RecallRow] = []
-    orient: list[OrientRow] = []
+    recalls: list[Row] = []
+    orient: list[Row] = []
     for i, cell in enumerate(cells):
         states = np.concatenate([own[i].generate_state(cell.size) for own in recalling]).astype(np.int64)
         experience = _experience(cell, trained, count)
@@ -78,16 +79,10 @@ def replicate_together(
             "seed": states.tolist(),
             "experience_size": np.repeat(sizes, cell.recalls).tolist(),
         }
-        recalls += recall_rows(
-            recalls_of(cell, trained, count, states, sources, decisions),
-            checked_arena(cell.arena, decisions),
-            about,
-            decisions,
-            episodes=cell.episodes,
-            learner=IMITATOR,
-            noise=noise,
-            limit=cell.limit,
-        )
+        played = recalls_of(cell, trained, count, states, sources, decisions)
+        common = {"learner": IMITATOR, "episodes": cell.episodes, "noise": noise, "limit": cell.limit}
+        recalls += recall_rows(played, checked_arena(cell.arena, decisions), about, decisions, **common)
+
         if noise == LABORATORY and cell.arena == CORRIDOR:
             diagonal = arena_map_of(checked_arena(CORRIDOR, decisions)).diagonal
             vectors: Any = arrival_vectors(decisions)
@@ -98,7 +93,7 @@ def replicate_together(
                     orient += orient_rows(next(levels), number, cell.episodes, subset.name, decisions)
     text = decisions_text(decisions)
     attempts = zip(*(column.tolist() for column in trained.attempts), strict=True)
-    trainings = [
+    trainings: list[Row] = [
         TrainingRow(first + learner, file + 1, attempt, trained.seed, noise, *(*values, text))
         for learner, file, attempt, *values in attempts
     ]
@@ -122,30 +117,18 @@ def baselines(
         None,
         np.full(len(seeds), TEACHES if learner == TEACHER else UNIFORM),
         seeds,
-        foods=next(cell.foods for cell in THESIS if cell.arena == arena),
+        foods=FOODS[arena],
         limit=limit,
         noise=laboratory,
         decisions=decisions,
     )
-    about = {
+    own = {
         "replication": np.repeat(range(blocks), forages).tolist(),
         "recall": list(range(forages)) * blocks,
         "seed": seeds.tolist(),
     }
-    return list(
-        recall_rows(
-            played,
-            place,
-            about,
-            decisions,
-            episodes=0,
-            file_id="-",
-            learner=learner,
-            noise=LABORATORY,
-            limit=limit,
-            experience_size=0,
-        )
-    )
+    about = {"learner": learner, "episodes": 0, "file_id": "-", "experience_size": 0}
+    return [*recall_rows(played, place, own, decisions, noise=LABORATORY, limit=limit, **about)]
 
 
 def recalls_of(
@@ -165,9 +148,7 @@ def recalls_of(
     )
 
 
-def _experience(
-    cell: Cell, trained: Trained, count: int
-) -> list[tuple[NDArray[np.int16], NDArray[np.int16]]]:
+def _experience(cell: Cell, trained: Trained, count: int) -> list[tuple[Any, Any]]:
     """State vectors and behaviours of every learner and set of files."""
     together = [
         np.concatenate([trained.vectors_of(learner, file - 1) for file in subset.files])

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.noise import SOURCES, Noise
-from khepera_forage.sim.arenas.thesis import CORRIDOR
+from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
@@ -22,11 +22,7 @@ def training_distance(decisions: Decisions) -> float:
 
 
 class Subset(NamedTuple):
-    """Training files whose experience a learner uses together.
-
-    Attributes:
-        files: Numbers of the files, 1..10.
-    """
+    """Training files, 1..10, whose experience a learner uses together."""
 
     files: tuple[int, ...]
 
@@ -64,28 +60,28 @@ class Cell:
         return self.size * self.foods
 
 
-def _corridor(episodes: int, recalls: int, *files: tuple[int, ...]) -> Cell:
-    return Cell("corridor", episodes, tuple(Subset(f) for f in files), recalls, foods=1, limit=500)
+FOODS = {CORRIDOR: 1, RECTANGLE: 2}
+"""Food objects in each arena (5.4.1.1, 5.4.2.1)."""
+LIMITS = {CORRIDOR: 500, RECTANGLE: 700}
+"""Most steps of a recall in each arena (5.4.1.1, 5.4.2.1)."""
 
 
-def _rectangle(episodes: int, recalls: int, *files: tuple[int, ...]) -> Cell:
-    return Cell("rectangle", episodes, tuple(Subset(f) for f in files), recalls, foods=2, limit=700)
+def _cell(arena: str, recalls: int, *files: tuple[int, ...]) -> Cell:
+    return Cell(arena, len(files[0]), tuple(map(Subset, files)), recalls, FOODS[arena], LIMITS[arena])
 
 
 _ALL = tuple(range(1, FILES + 1))
 
 THESIS = (
-    _corridor(1, 4, (1,), (3,), (6,), (7,), (8,)),
-    _corridor(3, 4, (1, 2, 3), (1, 3, 5), (1, 3, 4), (1, 5, 8), (3, 6, 9)),
-    _corridor(5, 4, (1, 2, 3, 4, 5), (6, 7, 8, 9, 10), (1, 3, 5, 7, 9), (2, 4, 6, 8, 10), (3, 4, 6, 8, 10)),
-    _corridor(10, 10, _ALL),
-    _rectangle(1, 4, (1,), (7,), (8,)),
-    _rectangle(5, 4, (1, 2, 3, 4, 5), (6, 7, 8, 9, 10), (2, 4, 6, 8, 10)),
-    _rectangle(10, 12, _ALL),
+    _cell(CORRIDOR, 4, (1,), (3,), (6,), (7,), (8,)),
+    _cell(CORRIDOR, 4, (1, 2, 3), (1, 3, 5), (1, 3, 4), (1, 5, 8), (3, 6, 9)),
+    _cell(CORRIDOR, 4, _ALL[:5], _ALL[5:], (1, 3, 5, 7, 9), (2, 4, 6, 8, 10), (3, 4, 6, 8, 10)),
+    _cell(CORRIDOR, 10, _ALL),
+    _cell(RECTANGLE, 4, (1,), (7,), (8,)),
+    _cell(RECTANGLE, 4, _ALL[:5], _ALL[5:], (2, 4, 6, 8, 10)),
+    _cell(RECTANGLE, 12, _ALL),
 )
 """Tables A.1 to A.7, in order. A replication is all of them, ten new training files included."""
-ARENAS = tuple(dict.fromkeys(cell.arena for cell in THESIS))
-"""Names of the thesis's arenas, in the order of its tables."""
 
 
 def files_needed(cells: Sequence[Cell]) -> int:
@@ -104,22 +100,18 @@ LABORATORY_NOISE = Noise.laboratory()
 
 
 def noise_conditions(laboratory: Noise = LABORATORY_NOISE) -> dict[str, Noise]:
-    """Noise by name: none, each source alone, the laboratory, and the laboratory without tracking losses.
+    """Noise by name: none, each source of the laboratory's alone, all of them, and all without tracking losses.
 
     Cables only multiply the rate of tracking losses, so they are combined with that source. The names and their order
     do not depend on the laboratory.
-
-    Args:
-        laboratory: All sources of noise together, with their sizes.
     """
     conditions = {NO_NOISE: Noise.none()}
     for source in SOURCES:
+        name, parts = f"only {source}", [source]
         if source == "cables":
-            conditions["only tracking losses, with cables"] = Noise.only(
-                "tracking losses", "cables", laboratory=laboratory
-            )
-        else:
-            conditions[f"only {source}"] = Noise.only(source, laboratory=laboratory)
+            name, parts = "only tracking losses, with cables", ["tracking losses", source]
+        conditions[name] = Noise.only(*parts, laboratory=laboratory)
+
     conditions[NO_LOSSES] = replace(
         laboratory, loss_rate_one_hole=0.0, loss_rate_two_holes=0.0, loss_rate_food=0.0
     )

@@ -2,13 +2,14 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from khepera_forage.envs.arguments import checked_arena
-from khepera_forage.estimates import UNKNOWN, Estimate, Floats, Table, wilson
+from khepera_forage.estimates import UNKNOWN, Estimate, Floats, Table, percent
 from khepera_forage.figures import (
     GREY,
     OURS,
@@ -23,7 +24,7 @@ from khepera_forage.figures import (
 )
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow, common_decisions
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.arenas.thesis import CORRIDOR
+from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
 from khepera_forage.thesis.design import NO_NOISE, training_distance
 from khepera_forage.thesis.tables import CellResult
 from khepera_forage.vision.scene import MM_PER_PIXEL
@@ -33,82 +34,62 @@ if TYPE_CHECKING:
     from matplotlib.collections import QuadMesh
     from matplotlib.figure import Figure
 
+BY_EPISODES = ((2, CORRIDOR, False), (3, CORRIDOR, True), (5, RECTANGLE, False), (6, RECTANGLE, True))
+"""Figures of chapter 5 against the number of episodes: their number, arena, and whether of food or of scores."""
 _BESIDE = 0.4
 """Horizontal distance, in episodes, between the marks of the thesis, ours, and those of version 0.1."""
 _WIDTH = 0.36
 """Of a bar, in episodes."""
-_SCORE_STEP = 1.0
-"""Percent: scores this near to each other are spread sideways."""
 _PALE = 0.35
 """Opacity of bars."""
 
 
-def score_figure(
-    number: str, arena: str, results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()
+def figure_by_episodes(
+    number: int,
+    arena: str,
+    food: bool,
+    results: Sequence[CellResult],
+    v0_1_results: Sequence[CellResult] = (),
 ) -> "Figure":
-    """Average scores against the number of training episodes: figures 5.2 and 5.5."""
-    figure, axes = _episode_axes(f"Figure {number}: recall score in the {arena}")
-    own, old = ([r for r in some if r.cell.arena == arena] for some in (results, v0_1_results))
-    for result, x, ours in _placed(own, old):
-        mark(axes, x, result.score.value, result.score, OURS if ours else GREY)
-        if ours:
-            _experiments(axes, x, result.scores, _SCORE_STEP)
-            axes.plot(x + _BESIDE, result.thesis_score, "D", color=THESIS, ms=8, mec="white", zorder=4)
-    # The multiple of ten, at most 0, below which no score is shown; penalties make scores negative (5.4).
-    shown = [score for r in own for score in (*r.scores, r.thesis_score)]
-    shown += [score for r in (*own, *old) for score in r.score]
-    lowest = 10 * math.floor(min([0.0, *filter(math.isfinite, shown)]) / 10)
-    axes.set_ylim(*padded(lowest, 100))
-    axes.set_yticks(range(lowest, 101, 10))
-    axes.set_ylabel("average score of recall episodes (%)")
-    _legend(axes, bool(v0_1_results), bars=False)
-    return figure
-
-
-def food_figure(
-    number: str, arena: str, results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()
-) -> "Figure":
-    """Food carried home against the number of training episodes: figures 5.3, of 20 objects, and 5.6, of 24."""
-    figure, axes = _episode_axes(f"Figure {number}: food carried home in the {arena}")
-    maximum = 20 if arena == CORRIDOR else 24
-    own, old = ([r for r in some if r.cell.arena == arena] for some in (results, v0_1_results))
-    for result, x, ours in _placed(own, old):
-        scale, colour = maximum / result.cell.available, OURS if ours else GREY
-        food = Estimate(*(scale * value for value in result.food))
-        axes.bar(x, food.value, _WIDTH, color=colour, alpha=_PALE, zorder=1)
-        mark(axes, x, food.value, food, colour)
-        if ours:
-            _experiments(axes, x, [scale * count for count in result.foods], scale)
-            printed = scale * result.thesis_food
-            axes.bar(x + _BESIDE, printed, _WIDTH, color=THESIS, alpha=_PALE, zorder=1)
-            axes.plot(x + _BESIDE, printed, "D", color=THESIS, ms=8, mec="white", zorder=4)
-            if scale != 1:
-                note, place = f"of {result.cell.available},\ntimes {scale:g}", x + _BESIDE + 0.35
-                axes.text(place, 0.2, note, va="bottom", fontsize=SMALL, color=GREY)
-    axes.set_ylim(*padded(0, maximum))
-    axes.set_yticks(range(0, maximum + 1, 4))
-    axes.set_ylabel(f"food objects carried home (of {maximum})")
-    _legend(axes, bool(v0_1_results), bars=True)
-    return figure
-
-
-def _placed(own: Sequence[CellResult], old: Sequence[CellResult]) -> Iterator[tuple[CellResult, float, bool]]:
-    """Each result with its place along the axis, and whether it is ours; those of version 0.1 come first."""
-    for result in old:
-        yield result, result.cell.episodes - _BESIDE, False
-    for result in own:
-        yield result, result.cell.episodes - (0.0 if old else _BESIDE / 2), True
-
-
-def _episode_axes(title: str) -> tuple["Figure", "Axes"]:
+    """Scores, or the food carried home, against the number of training episodes: figures 5.2, 5.3, 5.5 and 5.6."""
     figure = new_figure(6.4, 4.4)
     axes = figure.subplots()
-    axes.set_title(title)
+    axes.set_title(f"Figure 5.{number}: {'food carried home' if food else 'recall score'} in the {arena}")
+    maximum = 20 if arena == CORRIDOR else 24
+    own, old = ([r for r in some if r.cell.arena == arena] for some in (results, v0_1_results))
+    for ours, result in (*product([False], old), *product([True], own)):
+        x = result.cell.episodes - (_BESIDE if not ours else 0.0 if old else _BESIDE / 2)
+        scale, colour = maximum / result.cell.available if food else 1.0, OURS if ours else GREY
+        shown = result.food if food else result.score
+        estimate = shown.ours.times(scale)
+        mark(axes, x, estimate.value, estimate, colour)
+        bars = [(x, estimate.value, colour)]
+        if ours:
+            _experiments(axes, x, [scale * value for value in shown.experiments], scale)
+            beside, printed = x + _BESIDE, scale * shown.thesis
+            axes.plot(beside, printed, "D", color=THESIS, ms=8, mec="white", zorder=4)
+            bars.append((beside, printed, THESIS))
+            if scale != 1:
+                note = f"of {result.cell.available},\ntimes {scale:g}"
+                axes.text(beside + 0.35, 0.2, note, va="bottom", fontsize=SMALL, color=GREY)
+        for place, height, shade in bars if food else ():
+            axes.bar(place, height, _WIDTH, color=shade, alpha=_PALE, zorder=1)
+    # The multiple of ten, at most 0, below which no score is shown; penalties make scores negative (5.4).
+    scores = [score for r in own for score in (*r.score.experiments, r.score.thesis)]
+    scores += [score for r in (*own, *old) for score in r.score.ours]
+    lowest = 0 if food else 10 * math.floor(min([0.0, *filter(math.isfinite, scores)]) / 10)
+    highest, step = (maximum, 4) if food else (100, 10)
+    axes.set_ylim(*padded(lowest, highest))
+    axes.set_yticks(range(lowest, highest + 1, step))
+    axes.set_ylabel(
+        f"food objects carried home (of {maximum})" if food else "average score of recall episodes (%)"
+    )
     axes.set_xlabel("number of training episodes")
     axes.set_xlim(0, 12)
     axes.set_xticks((1, 3, 5, 10))
     grid(axes)
-    return figure, axes
+    _legend(axes, bool(v0_1_results), food)
+    return figure
 
 
 def _experiments(axes: "Axes", x: float, values: Sequence[float], step: float) -> None:
@@ -164,14 +145,7 @@ _ASIDE = 0.32
 
 
 def fig_5_4(recalls: Sequence[RecallRow]) -> "Figure":
-    """A map of success by the food's place, and a curve of success by its distance from home.
-
-    Args:
-        recalls: Rows of the imitator in the corridor; other rows are ignored.
-
-    Raises:
-        ValueError: Rows of different decisions.
-    """
+    """A map of the imitator's success in the corridor by the food's place, and a curve by its distance from home."""
     decisions = common_decisions(recalls)
     corridor = checked_arena(CORRIDOR, decisions)
     foods = food_places(recalls)
@@ -191,10 +165,10 @@ def food_places(recalls: Sequence[RecallRow]) -> Floats:
 
 
 def success_by_distance(foods: Floats) -> list[tuple[float, int, Estimate]]:
-    """For each non-empty bin of distance from home: its middle in pixels, number of food objects, and success."""
+    """For each non-empty bin of distance from home: middle (pixels), number of food objects, success (%)."""
     bins = (np.hypot(foods[:, 0], foods[:, 1]) // BIN).astype(int)
     groups = [(i, foods[bins == i, 2]) for i in np.unique(bins)]
-    return [(BIN * (i + 0.5), len(done), wilson(int(done.sum()), len(done))) for i, done in groups]
+    return [(BIN * (i + 0.5), len(done), percent(int(done.sum()), len(done))) for i, done in groups]
 
 
 def _map(figure: "Figure", axes: "Axes", foods: Floats, corridor: Arena) -> None:
@@ -264,8 +238,7 @@ def _numbers(
 def _curve(axes: "Axes", foods: Floats, corridor: Arena, training: float) -> None:
     """Draw success by distance from home, with Wilson intervals."""
     for middle, _, share in success_by_distance(foods):
-        percent = Estimate(*(100 * value for value in share))
-        mark(axes, MM_PER_PIXEL * middle, percent.value, percent, OURS)
+        mark(axes, MM_PER_PIXEL * middle, share.value, share, OURS)
     axes.plot([], [], "o-", color=OURS, ms=7, mec="white", label="ours with 95 % Wilson interval")
     axes.axvline(MM_PER_PIXEL * training, color=THESIS, lw=1.5, ls="--", label="food in training")
     axes.axvspan(0, corridor.home_radius, color=GREY, alpha=0.15, lw=0, label="home")

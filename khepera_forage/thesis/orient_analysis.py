@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.estimates import Sample, Table, Value, combined, table_of
+from khepera_forage.estimates import Sample, Table, Value, combined, pick, table_of
 from khepera_forage.robots.khepera import ARM_RAISED
 from khepera_forage.rollouts.rows import STATES
 from khepera_forage.task.decisions import Decisions, decisions_text
@@ -48,11 +48,7 @@ class OrientRow:
 
 
 def arrival_vectors(decisions: Decisions) -> NDArray[np.int64]:
-    """The state vectors of a robot that arrives next to food with its arm raised.
-
-    Returns:
-        Shape (places of `PIXELS_BEYOND`, distances to the food, 5).
-    """
+    """State vectors of arriving next to food, shape (places of `PIXELS_BEYOND`, distances to the food, 5)."""
     food_to_home = round(training_distance(decisions))
     farther = decisions.equal_distance == "farther state"
     next_to_food = math.ceil(decisions.next_to_food) - 1 if farther else math.floor(decisions.next_to_food)
@@ -78,7 +74,7 @@ def imitator_levels(imitator: "NearestNeighbourImitator", vectors: NDArray[np.in
 def orient_rows(
     levels: NDArray[np.float64], replication: int, episodes: int, file_id: str, decisions: Decisions
 ) -> list[OrientRow]:
-    """The rows of one imitator, one for each place, from its confidence levels for `arrival_vectors`."""
+    """The rows of one imitator from its confidence levels for `arrival_vectors`, one for each place."""
     text = decisions_text(decisions)
     shown = (Behaviour.ORIENT_WITH_FOOD, Behaviour.MOVE_SLOWLY, Behaviour.SEARCH_FOR_FOOD)
     rows = []
@@ -95,7 +91,7 @@ def orient_table(rows: Sequence[OrientRow], rng: np.random.Generator) -> Table:
     for beyond in PIXELS_BEYOND if episodes else ():
         line: dict[str, Value] = {"pixels beyond": f"{beyond:+d}" if beyond else "0"}
         for count in episodes:
-            cell = [row for row in rows if (row.beyond, row.episodes) == (beyond, count)]
+            cell = pick(rows, beyond=beyond, episodes=count)
             line[f"{count} episodes"] = combined([(1.0, Sample(cell, lambda row: 100 * row.orient))], rng)
         lines.append(line)
     return table_of(

@@ -12,7 +12,7 @@ from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import MIN_REPLICATIONS
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
-from khepera_forage.policies import Policy, Teacher
+from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
 from khepera_forage.policies.policy import UniformPolicy
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
@@ -23,6 +23,7 @@ from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.thesis.design import (
     LABORATORY,
     LABORATORY_NOISE,
+    LIMITS,
     NO_LOSSES,
     NO_NOISE,
     THESIS,
@@ -53,8 +54,7 @@ def baseline_seeds(seed: int, block: int, learner: str, arena: str, forages: int
 
 def baseline_limit(learner: str, arena: str) -> int:
     """Time limit, in steps, of a forage of the teacher or a random policy."""
-    limit = next(cell.limit for cell in THESIS if cell.arena == arena)
-    return limit * TEACHER_LIMIT_FACTOR if learner == TEACHER else limit
+    return LIMITS[arena] * (TEACHER_LIMIT_FACTOR if learner == TEACHER else 1)
 
 
 def replicate(
@@ -64,28 +64,21 @@ def replicate(
     cells: Sequence[Cell] = THESIS,
     decisions: Decisions = DEFAULT_DECISIONS,
 ) -> list[Row]:
-    """Train ten new files, recall with them, and return the rows.
+    """Train new files, and recall with them; without cells only ten training files.
 
-    Args:
-        seed: Of the whole reproduction.
-        number: Of the replication.
-        noise: Name of the noise condition.
-        cells: The tables of appendix A to repeat; without any, only the training files.
-        decisions: Of training and recall.
+    The seed is that of the whole reproduction.
     """
-    from khepera_forage.policies import NearestNeighbourImitator
-
     sources = noise_conditions()[noise]
     training, recalling = replication_seeds(seed, number, noise).spawn(2)
     files: list[Experience] = []
-    trainings: list[TrainingRow] = []
+    trainings: list[Row] = []
     with closing(TrainingEnv(noise=sources, decisions=decisions)) as env:
         for file, own in enumerate(training.spawn(files_needed(cells)), 1):
             experience, attempts = train(env, own, noise, number, file)
             files.append(experience)
             trainings += attempts
-    recalls: list[RecallRow] = []
-    orient: list[OrientRow] = []
+    recalls: list[Row] = []
+    orient: list[Row] = []
     for cell, own in zip(cells, recalling.spawn(len(cells)), strict=True):
         numbers = iter(own.generate_state(cell.size).tolist())
         with closing(recall_env(cell.arena, sources, decisions=decisions)) as alone:
@@ -128,10 +121,9 @@ class JobCounts(NamedTuple):
 
     Attributes:
         replications: Of the whole design under the laboratory's noise.
-        noise_replications: Of `noise_cells` under each other noise condition.
-        baseline_blocks: Blocks of forages of the teacher, and of a random policy, in each arena; may be 0.
+        noise_replications: Of `noise_cells` under each other noise condition; without cells, of the training files.
+        baseline_blocks: Blocks of forages of the teacher, and of a random policy, in each arena.
         block_forages: Forages of the teacher in a block; a random policy has a fifth of them.
-        noise_cells: Cells under each other noise condition; without any, only the training files.
     """
 
     replications: int

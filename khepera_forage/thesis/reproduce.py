@@ -1,6 +1,7 @@
 """All experiments of the thesis, in many replications and on all cores, and the report on them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,10 +11,9 @@ import numpy as np
 from khepera_forage import __version__
 from khepera_forage.envs.arguments import checked_decisions
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
-from khepera_forage.estimates import MIN_REPLICATIONS, RESAMPLES, Table, replications
+from khepera_forage.estimates import MIN_REPLICATIONS, RESAMPLES, Table, pick, replications
 from khepera_forage.extras import require
 from khepera_forage.rollouts.rows import (
-    TEACHER,
     RecallRow,
     TrainingRow,
     common_decisions,
@@ -80,11 +80,11 @@ def reproduce(
         replications: Repetitions of the whole design.
         out: Folder for rows, tables, figures and the report.
         n_jobs: Processes with pymunk; -1 uses all cores. The compiled backend always uses all cores, with threads.
-        quick: Run a small version of all experiments, in under a minute.
+        quick: Run a small version of all experiments.
         backend: `pymunk`, one world at a time, or `compiled`, thousands of worlds at once.
         decisions: Of all experiments; the defaults by default.
-        comparison: Also repeat the thesis's cells under the decisions of version 0.1, in a fifth of the replications,
-            and show them beside the others. Without effect if `decisions` are those of version 0.1.
+        comparison: Also repeat the thesis's cells under the decisions of version 0.1, in a fifth of the replications.
+            Without effect if `decisions` are those of version 0.1.
         fresh: Do not continue a run that was killed in this folder.
 
     Returns:
@@ -119,10 +119,9 @@ def reproduce(
     recalls = rows.of(RecallRow)
     write_report(
         out,
-        recalls=[row for row in recalls if row.noise == LABORATORY and row.learner != TEACHER],
+        recalls=pick(recalls, noise=LABORATORY),
         trainings=rows.of(TrainingRow),
-        teachers=[row for row in recalls if row.learner == TEACHER],
-        noise_rows=[row for row in recalls if row.episodes == 10],
+        noise_rows=pick(recalls, episodes=10),
         orient_rows=rows.of(OrientRow),
         rng=np.random.default_rng(seed),
         backend=backend,
@@ -149,7 +148,6 @@ def write_report(
     folder: Path,
     recalls: Sequence[RecallRow],
     trainings: Sequence[TrainingRow],
-    teachers: Sequence[RecallRow],
     noise_rows: Sequence[RecallRow],
     rng: np.random.Generator,
     resamples: int = RESAMPLES,
@@ -161,22 +159,20 @@ def write_report(
 
     Args:
         folder: Created if it does not exist.
-        recalls: Recalls of the imitator and of a random policy.
-        trainings: Attempts at training episodes, under any noise conditions.
-        teachers: Forages of the teacher alone.
-        noise_rows: Recalls of the imitator in some cells, under each noise condition; may be empty.
+        recalls: Of imitator, random policy and teacher.
+        trainings: Under any noise conditions.
+        noise_rows: Recalls of the imitator in some cells, under each noise condition.
         rng: Draws the resamples of every interval.
         resamples: Resamples for each interval.
-        orient_rows: The orient analysis, under the laboratory's noise; may be empty.
+        orient_rows: The orient analysis, under the laboratory's noise.
         backend: The backend that simulated the rows.
-        v0_1_recalls: Recalls of the imitator in the same cells under the decisions of version 0.1, to show beside the
-            others; may be empty.
+        v0_1_recalls: Recalls of the imitator in the same cells under the decisions of version 0.1.
 
     Raises:
         ValueError: The recalls of the imitator have several noise conditions, or the rows several decisions, or
             `v0_1_recalls` have others than version 0.1.
     """
-    common_decisions(recalls, trainings, teachers, noise_rows, orient_rows)
+    common_decisions(recalls, trainings, noise_rows, orient_rows)
     v0_1_decisions = common_decisions(v0_1_recalls)
     if v0_1_recalls and v0_1_decisions != Decisions.v0_1():
         raise ValueError(
@@ -184,18 +180,18 @@ def write_report(
             "allowed: the decisions of version 0.1"
         )
     for_cells, for_claims, for_tables, for_orient, for_v0_1 = rng.spawn(5)
-    evidence = gather(recalls, trainings, teachers, for_tables, resamples)
+    evidence = gather(recalls, trainings, for_tables, resamples)
     results = tables.cell_results(recalls, for_cells, resamples)
     old = tables.cell_results(v0_1_recalls, for_v0_1, resamples) if v0_1_recalls else []
     noise = tables.noise_table(noise_rows, evidence)
-    measured = claims(recalls, trainings, teachers, for_claims, resamples)
+    measured = claims(replace(evidence, rng=for_claims))
     parts: list[str | Table | Picture] = [
         _introduction(evidence, backend, v0_1_recalls),
         tables.cell_table(results, old),
-        _picture("figure_5_2", figures.score_figure("5.2", "corridor", results, old)),
-        _picture("figure_5_3", figures.food_figure("5.3", "corridor", results, old)),
-        _picture("figure_5_5", figures.score_figure("5.5", "rectangle", results, old)),
-        _picture("figure_5_6", figures.food_figure("5.6", "rectangle", results, old)),
+        *(
+            _picture(f"figure_5_{kind[0]}", figures.figure_by_episodes(*kind, results, old))
+            for kind in figures.BY_EPISODES
+        ),
         tables.joint_table(results, recalls),
         tables.claim_table(measured),
         tables.rule_table(measured),

@@ -2,9 +2,9 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from itertools import repeat
+from collections.abc import Callable, Iterable, Sequence
+from itertools import zip_longest
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,12 @@ from khepera_forage.estimates import (
     UNKNOWN,
     Column,
     Estimate,
-    PercentileRank,
     Sample,
     Table,
     Value,
     combined,
     percentile_rank,
+    pick,
     replications,
     table_of,
 )
@@ -27,48 +27,48 @@ from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.task.states import State
 from khepera_forage.thesis import appendix_a
-from khepera_forage.thesis.claims import Claim, Evidence, attempts_per_episode, of_arena, steps_needed
-from khepera_forage.thesis.design import NO_NOISE, THESIS, Cell, noise_conditions
+from khepera_forage.thesis.claims import Claim, Evidence, attempts_per_episode, steps_needed
+from khepera_forage.thesis.design import LIMITS, NO_NOISE, THESIS, Cell, noise_conditions
 from khepera_forage.thesis.inference.summary import usable_lines
 
 
-@dataclass(frozen=True, slots=True)
-class CellResult:
+class Measured(NamedTuple):
+    """A figure of the thesis, and ours.
+
+    Attributes:
+        ours: Our mean.
+        experiments: One of each complete replication, which is an experiment of the thesis's size.
+    """
+
+    thesis: float
+    ours: Estimate
+    experiments: Sequence[float]
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Percentile and tail of the thesis's figure among our experiments."""
+        return percentile_rank(self.thesis, self.experiments)
+
+
+class CellResult(NamedTuple):
     """One table of appendix A and our replications of it.
 
     Attributes:
         thesis_printed: The thesis's printed mean score, in percent.
-        thesis_score: The mean of the scores in the thesis's lines; it differs where the printed mean is wrong.
-        thesis_food: Food objects carried home in the thesis, of `cell.available`.
-        food: Our mean number of food objects carried home, per experiment of the thesis's size.
-        scores: Our mean score in each complete replication, an experiment of the thesis's size.
-        foods: Food objects carried home in each complete replication.
+        score: Mean score, in percent; the thesis's is that of its lines, which differs where the printed mean is wrong.
+        food: Food objects carried home in an experiment of the thesis's size.
     """
 
     cell: Cell
     thesis_printed: float
-    thesis_score: float
-    thesis_food: int
-    score: Estimate
-    food: Estimate
-    scores: tuple[float, ...]
-    foods: tuple[int, ...]
+    score: Measured
+    food: Measured
     recalls: int
-
-    @property
-    def score_rank(self) -> PercentileRank:
-        """The rank of the thesis's mean score among our experiments."""
-        return percentile_rank(self.thesis_score, self.scores)
-
-    @property
-    def food_rank(self) -> PercentileRank:
-        """The rank of the thesis's food count among our experiments."""
-        return percentile_rank(self.thesis_food, self.foods)
 
 
 def in_cell(rows: Iterable[RecallRow], cell: Cell) -> list[RecallRow]:
     """The recall episodes of the imitator in one cell."""
-    return [r for r in rows if (r.learner, r.arena, r.episodes) == (IMITATOR, cell.arena, cell.episodes)]
+    return pick(rows, learner=IMITATOR, arena=cell.arena, episodes=cell.episodes)
 
 
 def cell_results(
@@ -84,54 +84,38 @@ def cell_results(
         for row in rows:
             experiments[row.replication].append(row)
         whole = [group for group in experiments.values() if len(group) == cell.size]
+        scores = [sum(row.score for row in group) / cell.size for group in whole]
+        foods = [sum(row.delivered for row in group) for group in whole]
         table = appendix_a.table_of(cell.arena, cell.episodes)
         results.append(
             CellResult(
-                cell=cell,
-                thesis_printed=float(table.average),
-                thesis_score=appendix_a.mean_score(appendix_a.rows_of(table)),
-                thesis_food=table.collected,
-                score=score,
-                food=food,
-                scores=tuple(sum(row.score for row in group) / cell.size for group in whole),
-                foods=tuple(sum(row.delivered for row in group) for group in whole),
-                recalls=len(rows),
+                cell,
+                float(table.average),
+                Measured(appendix_a.mean_score(table), score, scores),
+                Measured(table.collected, food, foods),
+                len(rows),
             )
         )
     return results
 
 
-def _pairs(
-    results: Sequence[CellResult], v0_1_results: Sequence[CellResult]
-) -> Iterator[tuple[CellResult, CellResult | None]]:
-    """Each cell's result, and that of version 0.1 if there is any."""
-    return zip(results, v0_1_results or repeat(None, len(results)), strict=True)
-
-
 def cell_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()) -> Table:
     """Mean score and food count of each cell in the thesis, in our replications, and in those of version 0.1 if any."""
     rows: list[dict[str, Value]] = []
-    for r, old in _pairs(results, v0_1_results):
-        row: dict[str, Value] = {
-            "arena": r.cell.arena,
-            "episodes": r.cell.episodes,
-            "thesis: score (%)": r.thesis_printed,
-            "from its lines (%)": r.thesis_score,
-            "ours: score (%)": r.score,
-            "score percentile": r.score_rank.percentile,
-            "score tail": r.score_rank.tail,
-        }
-        if old:
-            row |= {"v0.1: score (%)": old.score, "v0.1: score percentile": old.score_rank.percentile}
-        row |= {
-            "thesis: food": f"{r.thesis_food} of {r.cell.available}",
-            "ours: food": r.food,
-            "food percentile": r.food_rank.percentile,
-            "food tail": r.food_rank.tail,
-        }
-        if old:
-            row |= {"v0.1: food": old.food, "v0.1: food percentile": old.food_rank.percentile}
-        rows.append(row | {"experiments": len(r.scores), "recalls": r.recalls})
+    for r, old in zip_longest(results, v0_1_results):
+        rows.append(
+            {
+                "arena": r.cell.arena,
+                "episodes": r.cell.episodes,
+                "thesis: score (%)": r.thesis_printed,
+                "from its lines (%)": r.score.thesis,
+                **_measured("score", " (%)", r.score, old and old.score),
+                "thesis: food": f"{r.food.thesis} of {r.cell.available}",
+                **_measured("food", "", r.food, old and old.food),
+                "experiments": len(r.score.experiments),
+                "recalls": r.recalls,
+            }
+        )
     digits = dict.fromkeys(("thesis: score (%)", "from its lines (%)", "score tail", "food tail"), 2)
     percentiles = ("score percentile", "food percentile", "v0.1: score percentile", "v0.1: food percentile")
     return table_of(
@@ -147,20 +131,22 @@ def cell_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResult]
     )
 
 
-def joint_table(results: Sequence[CellResult], recalls: Sequence[RecallRow]) -> Table:
-    """The thesis's results taken together, among our experiments.
+def _measured(name: str, unit: str, own: Measured, old: Measured | None) -> dict[str, Value]:
+    row: dict[str, Value] = {f"ours: {name}{unit}": own.ours}
+    row[f"{name} percentile"], row[f"{name} tail"] = own.rank
+    if old:
+        row |= {f"v0.1: {name}{unit}": old.ours, f"v0.1: {name} percentile": old.rank[0]}
+    return row
 
-    Args:
-        results: One for each cell of the thesis's design; without all of them, or with few experiments, the table is
-            empty.
-        recalls: Of the imitator, under one noise condition.
-    """
+
+def joint_table(results: Sequence[CellResult], recalls: Sequence[RecallRow]) -> Table:
+    """The thesis's results taken together, among our experiments; empty without all cells, or with few experiments."""
     rows: list[tuple[Value, ...]] = []
-    counts = {len(r.scores) for r in results}
+    counts = {len(r.score.experiments) for r in results}
     if len(results) == len(THESIS) and len(counts) == 1 and counts.pop() > 3 * len(THESIS):
-        foods = [np.divide((r.thesis_food, *r.foods), r.cell.available) for r in results]
+        foods = [np.divide((r.food.thesis, *r.food.experiments), r.cell.available) for r in results]
         # One line for each experiment, the thesis's first; scores of all cells, then shares of the food.
-        means = np.array([(r.thesis_score, *r.scores) for r in results] + foods).T
+        means = np.array([(r.score.thesis, *r.score.experiments) for r in results] + foods).T
         scores, shares = np.hsplit(means, 2)
         for arena in THESIS_ARENAS:
             own = scores[:, [r.cell.arena == arena for r in results]]
@@ -186,17 +172,15 @@ def joint_table(results: Sequence[CellResult], recalls: Sequence[RecallRow]) -> 
 def _joint(name: str, values: Sequence[float] | NDArray[np.float64]) -> tuple[Value, ...]:
     """A line of the joint table, from the thesis's value and ours."""
     thesis, *ours = map(float, values)
-    rank = percentile_rank(thesis, ours)
-    return name, thesis, float(np.mean(ours)) if ours else math.nan, rank.percentile, rank.tail
+    return name, thesis, float(np.mean(ours)) if ours else math.nan, *percentile_rank(thesis, ours)
 
 
 def _steps(arena: str, recalls: Sequence[RecallRow]) -> tuple[Value, ...]:
     """The median number of steps of the successful recalls in an arena."""
     lines = [line for cell in THESIS if cell.arena == arena for line in usable_lines(cell)]
     own: dict[int, list[int]] = {-1: [line.total for line in lines if not line.points]}
-    for row in of_arena(recalls, arena):
-        if row.learner == IMITATOR and not row.failed:
-            own.setdefault(row.replication, []).append(row.steps)
+    for row in pick(recalls, arena=arena, learner=IMITATOR, failed=False):
+        own.setdefault(row.replication, []).append(row.steps)
     return _joint(f"median steps of successful recalls, {arena}", [*map(np.median, own.values())])
 
 
@@ -215,12 +199,12 @@ def summary_table(results: Sequence[CellResult], v0_1_results: Sequence[CellResu
         ),
         [
             (
-                *(r.cell.arena, r.cell.episodes, r.thesis_score, r.score.value),
-                *((old.score.value,) if old else ()),
-                *(f"{r.thesis_food} of {r.cell.available}", r.food.value),
-                *((old.food.value,) if old else ()),
+                *(r.cell.arena, r.cell.episodes, r.score.thesis, r.score.ours.value),
+                *((old.score.ours.value,) if old else ()),
+                *(f"{r.food.thesis} of {r.cell.available}", r.food.ours.value),
+                *((old.food.ours.value,) if old else ()),
             )
-            for r, old in _pairs(results, v0_1_results)
+            for r, old in zip_longest(results, v0_1_results)
         ],
     )
 
@@ -276,34 +260,35 @@ def errata_table() -> Table:
 
 def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:
     """The score under each source of noise alone, and under all together."""
-    lines: list[tuple[Value, ...]] = []
+    lines: list[dict[str, Value]] = []
     for cell in _cells_of(rows):
         own = in_cell(rows, cell)
-        noiseless = _score([row for row in own if row.noise == NO_NOISE])
+        noiseless = _score(pick(own, noise=NO_NOISE))
         for noise in _ordered({row.noise for row in own}):
-            score = _score([row for row in own if row.noise == noise])
+            score = _score(pick(own, noise=noise))
             food = Sample(score.rows, lambda row: 100 * row.delivered, lambda row: row.foods)
             cost = UNKNOWN if noise == NO_NOISE else evidence.difference(noiseless, score)
             attempts = evidence.mean(attempts_per_episode(evidence, noise))
             lines.append(
-                (
-                    *(noise, f"{cell.arena}, {cell.episodes}"),
-                    *(evidence.mean(score), cost, evidence.mean(food), attempts),
-                    *(len(replications(score.rows)), len(score.rows)),
-                )
+                {
+                    "noise": noise,
+                    "arena, episodes": f"{cell.arena}, {cell.episodes}",
+                    "score (%)": evidence.mean(score),
+                    "cost (points)": cost,
+                    "food (%)": evidence.mean(food),
+                    "attempts per episode": attempts,
+                    "replications": len(replications(score.rows)),
+                    "recalls": len(score.rows),
+                }
             )
-    return Table(
+    return table_of(
         "noise",
         "Effect of each source of noise",
         "The same experiments without noise, with one source of noise, and with all sources together, in training and "
         "in recall. The cost is the score without noise minus the score with it. Attempts are counted per complete "
         "training episode. Intervals: 95 % over replications.",
-        (
-            *(Column("noise"), Column("arena, episodes"), Column("score (%)", 1, estimate=True)),
-            *(Column("cost (points)", 1, estimate=True), Column("food (%)", 0, estimate=True)),
-            *(Column("attempts per episode", 2, estimate=True), Column("replications"), Column("recalls")),
-        ),
         lines,
+        {"food (%)": 0, "attempts per episode": 2},
     )
 
 
@@ -311,8 +296,8 @@ def training_table(evidence: Evidence) -> Table:
     """Attempts per complete training episode, and properties of complete episodes (5.3.1)."""
     lines: list[dict[str, Value]] = []
     for noise in _ordered({row.noise for row in evidence.trainings}):
-        rows = [row for row in evidence.trainings if row.noise == noise]
-        done = [row for row in rows if row.complete]
+        rows = pick(evidence.trainings, noise=noise)
+        done = pick(rows, complete=True)
         reasons = Counter(row.reason for row in rows if not row.complete)
         listed = "; ".join(f"{reason}: {count}" for reason, count in reasons.most_common())
         lines.append(
@@ -341,8 +326,8 @@ def teacher_table(evidence: Evidence) -> Table:
     shares = {"5 %": 0.05, "median": 0.5, "95 %": 0.95, "longest": 1.0}
     lines: list[dict[str, Value]] = []
     for arena in THESIS_ARENAS:
-        rows = of_arena(evidence.teachers, arena)
-        limit = next(cell.limit for cell in THESIS if cell.arena == arena)
+        rows = pick(evidence.teachers, arena=arena)
+        limit = LIMITS[arena]
         steps = sorted(map(steps_needed, rows))
         lines.append(
             {
@@ -391,7 +376,7 @@ def state_table(evidence: Evidence) -> Table:
     """The learner's errors by state."""
     lines: list[dict[str, Value]] = []
     for arena in THESIS_ARENAS:
-        rows = of_arena(evidence.recalls, arena)
+        rows = pick(evidence.recalls, arena=arena)
         modes = Counter(row.failure_mode for row in rows if row.failed)
         for state in list(State)[:STATES]:
             lines.append(
@@ -439,6 +424,4 @@ def _wrong_in(state: State) -> Callable[[RecallRow], float]:
 
 
 def _ordered(names: set[str]) -> list[str]:
-    """Names of noise conditions in the order of `noise_conditions`, unknown ones last."""
-    known = list(noise_conditions())
-    return sorted(names, key=lambda name: (known.index(name) if name in known else len(known), name))
+    return [name for name in noise_conditions() if name in names]

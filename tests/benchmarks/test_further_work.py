@@ -79,6 +79,16 @@ def test_table_is_that_of_the_rows(out: Path, name: str) -> None:
     assert sum(int(line["rows"]) for line in table) == len(rows_of(out, name))
 
 
+def test_lines_are_sorted_by_numbers_and_text_keeps_the_order_of_the_rows(out: Path) -> None:
+    table = read(out / "spatial_variety" / "table_recalls.csv")
+    assert [tuple(line.values())[:3] for line in table] == [
+        (condition, arena, episodes)
+        for condition in ("one set-up", "food moved", "start and food moved")
+        for arena in ("corridor", "rectangle")
+        for episodes in "12"
+    ]
+
+
 def places_of(out: Path, name: str) -> dict[tuple[str, str], set[tuple[str, ...]]]:
     """The seeds of the recalls in each replication and arena, under every condition and after every amount."""
     seeds: dict[tuple[str, str], set[tuple[str, ...]]] = {}
@@ -282,28 +292,23 @@ def test_the_argument_for_weights_holds_on_the_training_line() -> None:
     assert level(FIXED["home ×4"]) == 0.0
 
 
-def test_food_nearness_and_at_home_by_hand() -> None:
+def test_redesigned_vector_and_its_distances_by_hand() -> None:
     assert new.REACH == 15
-    assert new.food_nearness(RAW) == pytest.approx(15 / 45)
-    assert new.food_nearness(RAW._replace(food_x=55.0)) == 0.5
-    assert new.food_nearness(RAW._replace(food_seen=False)) == 0.0
-    for food_seen in (True, False):
-        assert new.food_nearness(RAW._replace(object_presence=255, food_seen=food_seen)) == 1.0
-    assert [new.redesigned(RAW._replace(x=x))[1] for x in (40.0, 89.9, 90.0)] == [0, 0, new.SCALE]
-    assert new.redesigned(RAW) == (0, 0, 0, 215, 333)
-
-
-def test_distances_of_the_redesigned_vector() -> None:
     here = new.redesigned(RAW)
-
-    def away(**changes: Any) -> float:
-        return float(distance(here, new.redesigned(RAW._replace(**changes)), new.SCALE))
-
-    assert away(home_x=45.0) == 1
-    assert away(food_type=2) == 1
-    assert away(arm=226) == pytest.approx(11 / 55)
-    assert away(food_seen=False) == pytest.approx(1 / 3, abs=1e-3)
-    assert away(object_presence=255) == pytest.approx(1 + 2 / 3, abs=1e-3)
+    assert here == (0, 0, 0, 215, 333)
+    assert [new.redesigned(RAW._replace(x=x))[1] for x in (40.0, 89.9, 90.0)] == [0, 0, new.SCALE]
+    for changes, nearness, away in (
+        ({"home_x": 45.0}, 1 / 3, 1),
+        ({"food_type": 2}, 1 / 3, 1),
+        ({"arm": 226}, 1 / 3, 11 / 55),
+        ({"food_x": 55.0}, 1 / 2, 1 / 6),
+        ({"food_seen": False}, 0, 1 / 3),
+        ({"object_presence": 255}, 1, 1 + 2 / 3),
+        ({"object_presence": 255, "food_seen": False}, 1, 1 + 2 / 3),
+    ):
+        raw = RAW._replace(**changes)
+        assert new.food_nearness(raw) == pytest.approx(nearness)
+        assert float(distance(here, new.redesigned(raw), new.SCALE)) == pytest.approx(away, abs=1e-3)
 
 
 def test_recorded_moments_are_those_of_the_experience_file() -> None:

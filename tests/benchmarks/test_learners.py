@@ -116,23 +116,18 @@ def test_steps_to_success_are_those_of_the_median_replication() -> None:
         assert curve.steps_to_success.value == steps
 
 
-def test_rows_of_other_learners_in_the_folder_are_kept(tmp_path: Path) -> None:
-    arguments = ("--seeds", "1", "--jobs", "1")
-    quick_here("learners", tmp_path, "--only", "teacher", *arguments)
-    quick_here("learners", tmp_path, "--only", "random", *arguments)
-    assert {row["learner"] for row in read(tmp_path / "rows.csv")} == {"teacher", "random"}
-    assert {line["learner"] for line in read(tmp_path / "table_learners.csv")} == {
-        "the teacher",
-        "random behaviours",
-    }
-
-
-def test_learners_of_earlier_runs_must_be_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rows_of_other_learners_in_the_folder_are_kept_but_must_be_known(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(LEARNERS, "mine", LEARNERS["tree"])
-    arguments = ("--seeds", "1", "--jobs", "1")
-    quick_here("learners", tmp_path, "--only", "mine", *arguments)
+    run = ("--seeds", "1", "--jobs", "1")
+    for name in ("mine", "teacher"):
+        quick_here("learners", tmp_path, "--only", name, *run)
+    assert {row["learner"] for row in read(tmp_path / "rows.csv")} == {"teacher", "mine"}
+    table = read(tmp_path / "table_learners.csv")
+    assert {line["learner"] for line in table} == {"the teacher", "decision tree"}
     monkeypatch.delitem(LEARNERS, "mine")
-    told = refused("learners", "--only", "teacher", "--seed", "1", "--out", str(tmp_path), *arguments)
+    told = refused("learners", "--only", "teacher", "--seed", "1", "--out", str(tmp_path), *run)
     assert "learner is 'mine'; allowed: teacher, random, imitator" in told
 
 

@@ -5,11 +5,10 @@ from pathlib import Path
 import pytest
 
 from khepera_forage.cli.main import main
-from khepera_forage.study import WorkUnit
-from khepera_forage.task.decisions import Decisions
+from khepera_forage.study import Job
 from khepera_forage.thesis import reproduce as reproduction
-from khepera_forage.thesis.replication import JobCounts, Row
-from tests.thesis.synthetic import OneRowJob, one_row_jobs
+from khepera_forage.thesis.replication import Row
+from tests.thesis.synthetic import one_row_jobs
 
 
 @pytest.fixture(autouse=True)
@@ -48,26 +47,21 @@ def test_reproduce_without_comparison_has_only_our_results(
     assert not (tmp_path / "recalls_v0.1.csv").exists()
 
 
-class Interrupted(OneRowJob):
-    """A job during which the program is killed."""
-
-    key = "two"
-
-    def run(self) -> list[Row]:
-        raise KeyboardInterrupt
-
-
 def test_reproduction_that_was_killed_continues(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def killed(seed: int, counts: JobCounts, decisions: Decisions) -> list[WorkUnit]:
-        return [OneRowJob(decisions), Interrupted(decisions)]
+    def interrupted() -> list[Row]:
+        if not resumed:
+            raise KeyboardInterrupt
+        return []
 
-    monkeypatch.setattr(reproduction, "compiled_jobs", killed)
+    resumed: list[bool] = []
+    second = Job("two", interrupted, ())
+    monkeypatch.setattr(reproduction, "compiled_jobs", lambda *given: [*one_row_jobs(*given), second])
     with pytest.raises(KeyboardInterrupt):
         reproduction.reproduce(0, 1, tmp_path, backend="compiled", comparison=False)
     assert not (tmp_path / "thesis.md").exists()
-    monkeypatch.setattr(Interrupted, "run", lambda job: [])
+    resumed.append(True)
     reproduction.reproduce(0, 1, tmp_path, backend="compiled", comparison=False)
     assert "1 of 2 units are done already" in capsys.readouterr().out
     assert not list(tmp_path.glob("units*")), "the next run starts from nothing"

@@ -7,13 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from khepera_forage.rollouts.row_files import RowWriter, read_rows, write_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.task.states import State
-from tests.thesis.synthetic import attempts, counts, failed, recall, reproduction, training
+from tests.thesis.synthetic import counts, failed, recall, training
 
 NEXT, SEARCH = State.NEXT_TO_FOOD, State.SEARCH
 MORE = {"steps": 201, "rounds_by_state": (201,) + (0,) * 9}
@@ -67,8 +66,12 @@ def test_recall_row_has_derived_properties() -> None:
 
 
 def test_written_rows_are_read_equal(tmp_path: Path) -> None:
-    rows = reproduction(1, np.random.default_rng(1))
-    tries = attempts(1, np.random.default_rng(2), "laboratory", 0.5)
+    rows = [
+        recall(),
+        failed(start_x=-1 / 3),
+        recall(arena="rectangle", food_delivered=(True, False), food_x=(0.1, 2.0), food_y=(1e-9, 3.0)),
+    ]
+    tries = [training(), training(attempt=2, reason='separated, "too long"')]
     write_rows(tmp_path / "recalls.csv", RecallRow, rows)
     write_rows(tmp_path / "trainings.csv", TrainingRow, tries)
     assert read_rows(tmp_path / "recalls.csv", RecallRow) == rows

@@ -101,7 +101,7 @@ def test_score_is_equation_5_1_and_agrees_with_appendix_a() -> None:
     assert (penalty(0, 2), penalty(1, 2), penalty(2, 2)) == (20.0, 5.0, 0.0)
     assert penalty(0, 0) == 0.0, "poison never counts as uncollected"
     agreeing = 0
-    for row in appendix_a.recalls():
+    for row in appendix_a.RECALLS:
         share = 100 * row.correct / row.total
         if int(share) == row.percent and row.score == row.percent - row.points:  # a row without an error
             foods = 1 if row.arena == "corridor" else 2

@@ -1,17 +1,17 @@
-"""Synthetic reproductions that the tests of tables, figures and the report share."""
+"""A small reproduction that the tests of tables, figures and the report share."""
 
 import numpy as np
 import pytest
 
 from khepera_forage import study
-from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
+from khepera_forage.estimates import pick
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from khepera_forage.study import Rows
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis import reproduce as reproduction
-from khepera_forage.thesis.design import (
-    LABORATORY,
-    NO_LOSSES,
-    THESIS,
-    noise_conditions,
-)
+from khepera_forage.thesis.claims import Evidence, gather
+from khepera_forage.thesis.design import LABORATORY, noise_conditions
+from khepera_forage.thesis.replication import JobCounts, compiled_jobs
 from khepera_forage.thesis.tables import CellResult, cell_results
 from tests.thesis import synthetic
 
@@ -30,42 +30,34 @@ def one_job(monkeypatch: pytest.MonkeyPatch, no_pictures: None) -> None:
     monkeypatch.setattr(reproduction, "compiled_jobs", synthetic.one_row_jobs)
 
 
-@pytest.fixture(scope="module")
-def recalls() -> list[RecallRow]:
-    rng = np.random.default_rng(1)
-    chance = synthetic.cell_rows(THESIS[6], REPLICATIONS, rng, 0.3, lambda distance: 0.02, learner=RANDOM)
-    return synthetic.reproduction(REPLICATIONS, rng) + chance
+@pytest.fixture(scope="session")
+def rows() -> Rows:
+    pytest.importorskip("numba")
+    conditions = tuple(name for name in noise_conditions() if name != LABORATORY)
+    counts = JobCounts(REPLICATIONS, REPLICATIONS, conditions, REPLICATIONS, 10)
+    return Rows(row for job in compiled_jobs(3, counts, DEFAULT_DECISIONS) for row in job.run())
 
 
-@pytest.fixture(scope="module")
-def trainings() -> list[TrainingRow]:
-    rng = np.random.default_rng(2)
-    return [
-        row
-        for noise, complete in ((LABORATORY, 0.6), (NO_LOSSES, 0.9))
-        for row in synthetic.attempts(REPLICATIONS, rng, noise, complete)
-    ]
+@pytest.fixture(scope="session")
+def recalls(rows: Rows) -> list[RecallRow]:
+    return pick(rows.of(RecallRow), noise=LABORATORY)
 
 
-@pytest.fixture(scope="module")
-def teachers() -> list[RecallRow]:
-    rng = np.random.default_rng(3)
-    return synthetic.teachers(REPLICATIONS, rng, "corridor", 110) + synthetic.teachers(
-        REPLICATIONS, rng, "rectangle", 900
-    )
+@pytest.fixture(scope="session")
+def trainings(rows: Rows) -> list[TrainingRow]:
+    return rows.of(TrainingRow)
 
 
-@pytest.fixture(scope="module")
-def noise_rows() -> list[RecallRow]:
-    rng = np.random.default_rng(4)
-    return [
-        row
-        for i, noise in enumerate(noise_conditions())
-        for cell in (THESIS[3], THESIS[6])
-        for row in synthetic.cell_rows(cell, REPLICATIONS, rng, 0.85 - 0.02 * i, lambda d: 0.7, noise=noise)
-    ]
+@pytest.fixture(scope="session")
+def noise_rows(rows: Rows) -> list[RecallRow]:
+    return pick(rows.of(RecallRow), episodes=10)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
+def evidence(recalls: list[RecallRow], trainings: list[TrainingRow]) -> Evidence:
+    return gather(recalls, trainings, np.random.default_rng(1), 200)
+
+
+@pytest.fixture(scope="session")
 def results(recalls: list[RecallRow]) -> list[CellResult]:
     return cell_results(recalls, np.random.default_rng(5))

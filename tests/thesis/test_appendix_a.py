@@ -1,8 +1,11 @@
 """The thesis's tables as printed, their averages and their errata."""
 
+import csv
+import zipfile
 from collections import Counter
 from decimal import Decimal
 from itertools import groupby
+from pathlib import Path
 
 import pytest
 
@@ -10,56 +13,14 @@ from khepera_forage.rollouts.row_files import parse_rows
 from khepera_forage.thesis import appendix_a
 from khepera_forage.thesis.appendix_a import errata
 
-ERRATA = [
-    ("A.1", "line 2, g1", "score", "78% -20: 50", "58"),
-    ("A.1", "line 2, g1", "penalty", "-20 after 249 steps", "500 steps, or no penalty"),
-    ("A.1", "line 3, g1", "percent", "197/249 (78%)", "79%"),
-    ("A.1", "line 3, g1", "score", "78% -: 90", "78; with the percentage recomputed, 79"),
-    ("A.1", "line 4, g1", "percent", "198/249 (78%)", "79%"),
-    ("A.1", "line 4, g1", "score", "78% -20: 45", "58; with the percentage recomputed, 59"),
-    ("A.1", "line 4, g1", "penalty", "-20 after 249 steps", "500 steps, or no penalty"),
-    ("A.1", "line 7, g3", "score", "32% -20: 27", "12"),
-    ("A.1", "line 7, g3", "penalty", "-20 after 490 steps", "500 steps, or no penalty"),
-    ("A.1", "line 8, g3", "score", "32% -: 82", "32"),
-    ("A.1", "lines 1-4, g1", "series", "195 to 198, each of 249 (78%)", "a separate count for each line"),
-    ("A.1", "lines 6-8, g3", "series", "159 to 161, each of 490 (32%)", "a separate count for each line"),
-    ("A.2", "line 9, g134", "rounding", "306/472 (65%)", "64%"),
-    ("A.2", "total average", "average", "66.75", "67.55"),
-    (
-        "A.3",
-        "line 2, g12345",
-        "share",
-        "122/45",
-        "no more correct behaviours than steps, at most 500 steps",
-    ),
-    ("A.3", "line 14, g246810", "score", "78% -20: 50", "58"),
-    ("A.4", "line 9, g12345678910", "percent", "248/500 (75%)", "49%"),
-    (
-        "A.4",
-        "line 9, g12345678910",
-        "penalty",
-        "none after 500 steps",
-        "a penalty, or food delivered in the very last step",
-    ),
-    ("A.5", "line 3, g1", "percent", "477/700 (86%)", "68%"),
-    ("A.5", "line 3, g1", "score", "86% -20: 48", "66; with the percentage recomputed, as printed"),
-    ("A.5", "line 6, g7", "percent", "378/687 (54%)", "55%"),
-    ("A.5", "line 9, g8", "rounding", "460/698 (66%)", "65%"),
-    ("A.5", "total average", "average", "44.5", "44.25"),
-    ("A.5", "total average", "text", "44.25 in chapter 5", "44.5, as in the table"),
-    ("A.7", "line 6, g12345678910", "percent", "535/700 (75%)", "76%"),
-    ("A.7", "line 6, g12345678910", "score", "75% -5: 71", "70; with the percentage recomputed, as printed"),
-    ("A.7", "line 7, g12345678910", "percent", "503/700 (54%)", "71%"),
-    ("A.7", "line 7, g12345678910", "score", "54% -20: 51", "34; with the percentage recomputed, as printed"),
-    ("A.7", "line 9, g12345678910", "score", "79% -5: 72", "74"),
-]
-"""Reviewed by hand against the printed tables."""
+PUBLISHED = Path(__file__).parents[2] / "docs" / "published" / "thesis.zip"
+"""Its errata were reviewed by hand against the printed tables."""
 
 
 def test_recalls_are_the_lines_of_the_tables() -> None:
-    lines = Counter(row.table for row in appendix_a.recalls())
+    lines = Counter(row.table for row in appendix_a.RECALLS)
     assert lines == {"A.1": 20, "A.2": 20, "A.3": 20, "A.4": 10, "A.5": 12, "A.6": 12, "A.7": 12}
-    first, last = appendix_a.recalls()[0], appendix_a.recalls()[-1]
+    first, last = appendix_a.RECALLS[0], appendix_a.RECALLS[-1]
     assert (first.file_id, first.correct, first.total, first.percent, first.penalty, first.score) == (
         ("g1", 195, 249, 78, "-", 78)
     )
@@ -70,21 +31,24 @@ def test_recalls_are_the_lines_of_the_tables() -> None:
 
 def test_set_averages_are_the_means_of_their_lines() -> None:
     """All 21 printed set averages are correct to the last decimal."""
-    assert len(appendix_a.sets()) == 21
-    for (table, file_id), group in groupby(appendix_a.recalls(), key=lambda row: (row.table, row.file_id)):
-        printed = [s.average for s in appendix_a.sets() if (s.table, s.file_id) == (table, file_id)]
+    assert len(appendix_a.SETS) == 21
+    for (table, file_id), group in groupby(appendix_a.RECALLS, key=lambda row: (row.table, row.file_id)):
+        printed = [s.average for s in appendix_a.SETS if (s.table, s.file_id) == (table, file_id)]
         scores = [Decimal(row.score) for row in group]
         assert printed in ([], [sum(scores) / len(scores)])
         assert bool(printed) != (table in ("A.4", "A.7")), "only A.4 and A.7 print no set averages"
 
 
 def test_errata_are_the_reviewed_list() -> None:
-    assert [tuple(erratum) for erratum in errata()] == ERRATA
+    with zipfile.ZipFile(PUBLISHED) as archive:
+        _, *reviewed = csv.reader(archive.read("errata.csv").decode().splitlines())
+    assert [list(erratum) for erratum in errata()] == reviewed
+    assert len(reviewed) == 29
 
 
 def test_errata_follow_changes_of_the_tables(monkeypatch: pytest.MonkeyPatch) -> None:
     """A corrected line removes its erratum, and an altered line adds one."""
-    rows = list(appendix_a.recalls())
+    rows = list(appendix_a.RECALLS)
     assert rows[53].table == "A.3"
     assert rows[53].line == 14
     header = "table,line,arena,episodes,file_id,correct,total,percent,penalty,score\n"
@@ -94,7 +58,7 @@ def test_errata_follow_changes_of_the_tables(monkeypatch: pytest.MonkeyPatch) ->
     rows[54:55] = parse_rows(
         header + "A.3,15,corridor,5,g246810,125,500,25,-20,5\n", "altered", appendix_a.PrintedRecall
     )
-    monkeypatch.setattr(appendix_a, "recalls", lambda: tuple(rows))
+    monkeypatch.setattr(appendix_a, "RECALLS", tuple(rows))
     changed = {(s.place, s.kind) for s in errata() if s.table == "A.3"}
     assert ("line 14, g246810", "score") not in changed
     assert {("g246810", "average"), ("total average", "average"), ("food collected", "food")} <= changed

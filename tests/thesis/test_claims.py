@@ -1,263 +1,163 @@
-"""The thesis's claims: each can be supported, not supported or undecided; and the rules of the verdicts."""
+"""The thesis's claims: their effects are those of the rows, and the rules give the verdicts."""
 
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
-from itertools import product
-from typing import Any
+import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from khepera_forage.estimates import UNKNOWN, Estimate
+from khepera_forage.estimates import UNKNOWN, Estimate, pick
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
+from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import State
 from khepera_forage.thesis.claims import (
-    Claim,
+    AFTER_ORIENT,
     Rule,
     Verdict,
     above,
     at_most,
+    below,
     beyond,
     claims,
+    gather,
     percent,
     percent_change,
     points,
     within,
 )
 from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, training_distance
-from tests.thesis.synthetic import counts, failed, recall, training
+from tests.thesis.synthetic import failed, recall
 
-REPLICATIONS = 8
-NAMES = (
-    *("improves corridor", "improves rectangle", "shrinks corridor", "shrinks rectangle", "generalises"),
-    *("comparable", "areas corridor", "areas rectangle", "around corridor", "around rectangle"),
-    *("orient without food corridor", "orient without food rectangle", "failures", "rest", "losses"),
-    *("frequent", "limit corridor", "limit rectangle"),
-)
-"""Names of the claims in the order of the report."""
-Level = Callable[[int], float]
-"""A number for each replication."""
 SUPPORTED, NOT, UNDECIDED = Verdict.SUPPORTED, Verdict.NOT_SUPPORTED, Verdict.UNDECIDED
+ARENAS = ("corridor", "rectangle")
 
 
-def always(value: float) -> Level:
-    return lambda replication: value
+def rng() -> np.random.Generator:
+    return np.random.default_rng(3)
 
 
-def alternating(low: float, high: float) -> Level:
-    """`low` in even replications and `high` in odd ones."""
-    return lambda replication: (low, high)[replication % 2]
-
-
-def claim_from(
-    name: str,
-    recalls: Sequence[RecallRow] = (),
-    trainings: Sequence[TrainingRow] = (),
-    teachers: Sequence[RecallRow] = (),
-) -> Claim:
-    return claims(recalls, trainings, teachers, np.random.default_rng(3), 400)[NAMES.index(name)]
-
-
-def recalls_with_scores(arena: str, levels: dict[int, Level]) -> list[RecallRow]:
-    """One recall with this score for each replication and cell."""
-    return [
-        recall(arena=arena, replication=i, episodes=episodes, steps=100, correct=int(level(i)))
-        for episodes, level in levels.items()
-        for i in range(REPLICATIONS)
+def delivered(rows: Sequence[RecallRow], least: float = 0, most: float = math.inf) -> float:
+    """The share of the food between two distances from home that was delivered."""
+    done = [
+        done
+        for row in rows
+        for distance, done in zip(row.food_home_distances, row.food_delivered, strict=True)
+        if least <= distance < most
     ]
+    return float(np.mean(done))
 
 
-def recalls_with_success(distance: float, level: Level, each: int = 10, **changes: Any) -> list[RecallRow]:
-    """Recalls with food at this distance from home; this share of them deliver it."""
-    return [
-        (recall if number < each * level(i) else failed)(
-            replication=i, recall=number, food_x=(-distance,), **changes
+def effects(rows: list[RecallRow], trainings: list[TrainingRow], training: float) -> list[float]:
+    """The effect of each claim in the order of the report, computed plainly."""
+    own = {arena: pick(rows, arena=arena, learner="imitator") for arena in ARENAS}
+    score = {
+        (a, n): np.mean([r.score for r in pick(own[a], episodes=n)])
+        for a in ARENAS
+        for n in (1, 3, 5, 10)
+        if (a, n) != ("rectangle", 3)
+    }
+    shrinking = [
+        (score[a, n] - score[a, 1]) / (n - 1) - (score[a, 10] - score[a, 5]) / 5
+        for a, n in (("corridor", 3), ("rectangle", 5))
+    ]
+    lost = pick(own["corridor"], failed=True)
+    after = [(r.rounds_by_state[s], r.wrong_by_state[s]) for r in own["corridor"] for s in AFTER_ORIENT]
+    spent, wrong = np.sum(after, axis=0)
+    tries = {noise: pick(trainings, noise=noise) for noise in (LABORATORY, NO_LOSSES)}
+    complete = {noise: np.mean([row.complete for row in own]) for noise, own in tries.items()}
+    steps = [
+        np.quantile(
+            [math.inf if row.failed else row.steps for row in pick(rows, arena=arena, learner=TEACHER)],
+            0.95,
+            method="inverted_cdf",
         )
-        for i, number in product(range(REPLICATIONS), range(each))
+        for arena in ARENAS
+    ]
+    return [
+        *(score[arena, 10] - score[arena, 1] for arena in ARENAS),
+        *shrinking,
+        delivered(pick(own["rectangle"], episodes=10))
+        - delivered(pick(rows, arena="rectangle", learner=RANDOM)),
+        score["corridor", 10] - score["rectangle", 10],
+        *(delivered(own[a], 0, training) - delivered(own[a], training) for a in ARENAS),
+        *(around(own[a], training) for a in ARENAS),
+        *(np.mean([row.orient_without_food > 0 for row in own[a]]) for a in ARENAS),
+        np.mean([row.failure_mode == State.NEXT_TO_FOOD for row in lost]),
+        1 - wrong / spent,
+        1 / complete[LABORATORY] - 1 / complete[NO_LOSSES],
+        complete[NO_LOSSES],
+        *steps,
     ]
 
 
-def attempts_per_file(noise: str, level: Level) -> list[TrainingRow]:
-    """Episodes that need this many attempts each, three for each replication."""
-    return [
-        training(
-            replication=i,
-            file=file,
-            attempt=number,
-            noise=noise,
-            reason="" if number == level(i) else "separated",
-        )
-        for i, file in product(range(REPLICATIONS), range(1, 4))
-        for number in range(1, int(level(i)) + 1)
-    ]
+def around(rows: Sequence[RecallRow], training: float) -> float:
+    """How much more is delivered within 6 pixels of the training distance than elsewhere."""
+    near, other = list[bool](), list[bool]()
+    for row in rows:
+        for distance, done in zip(row.food_home_distances, row.food_delivered, strict=True):
+            (near if abs(distance - training) <= 6 else other).append(done)
+    return float(np.mean(near) - np.mean(other))
 
 
-def generalises(learner: Level, chance: Level | None = None) -> list[RecallRow]:
-    rows = recalls_with_success(40, learner, arena="rectangle")
-    return rows + (recalls_with_success(40, chance, arena="rectangle", learner=RANDOM) if chance else [])
-
-
-def sides(arena: str, near: Level, far: Level) -> list[RecallRow]:
-    """Recalls with food nearer to home than in training, and further away."""
-    return recalls_with_success(25, near, arena=arena) + recalls_with_success(70, far, arena=arena)
-
-
-def both_sides(corridor: tuple[float, float], rectangle: tuple[float, float]) -> list[RecallRow]:
-    return sides("corridor", *map(always, corridor)) + sides("rectangle", *map(always, rectangle))
-
-
-def around(arena: str, decisions: Decisions, there: Level) -> list[RecallRow]:
-    """Food at the training distance, and where success has a chance of one half."""
-    distance = training_distance(decisions)
-    more: dict[str, Any] = {"arena": arena, "decisions": decisions_text(decisions)}
-    rows = recalls_with_success(distance + 5.9, there, **more)
-    for elsewhere in (distance - 6.1, distance + 6.1):
-        rows += recalls_with_success(elsewhere, always(0.5), **more)
-    return rows
-
-
-def orients(arena: str, share: Level) -> list[RecallRow]:
-    return [
-        recall(arena=arena, replication=i, recall=number, orient_without_food=3 * (number < 10 * share(i)))
-        for i, number in product(range(REPLICATIONS), range(10))
-    ]
-
-
-def missed(share: Level) -> list[RecallRow]:
-    """This share of the failures had most wrong rounds next to food; deliveries do not count."""
-    often, seldom = (counts({State.NEXT_TO_FOOD: n, State.SEARCH: 200 - n}) for n in (150, 50))
-    return [
-        failed(replication=i, recall=number, wrong_by_state=often if number < 10 * share(i) else seldom)
-        for i, number in product(range(REPLICATIONS), range(10))
-    ] + [recall(replication=i, recall=10 + i) for i in range(REPLICATIONS)]
-
-
-def wrong_after_orient(wrong: Level) -> list[RecallRow]:
-    """So many of 100 rounds with food in hand are wrong; wrong rounds of SEARCH do not count."""
-    return [
-        recall(
-            replication=i,
-            correct=150 - int(wrong(i)),
-            wrong_by_state=counts({State.FOOD_IN_HAND: int(wrong(i)), State.SEARCH: 50}),
-            rounds_by_state=counts({State.FOOD_IN_HAND: 100, State.SEARCH: 100}),
-        )
-        for i in range(REPLICATIONS)
-    ]
-
-
-def forages(arena: str, limit: int, over: Level) -> list[RecallRow]:
-    steps = [limit + int(over(i)) for i in range(REPLICATIONS)]
-    return [
-        recall(arena=arena, learner=TEACHER, episodes=0, replication=i, steps=s, correct=s, limit=3000)
-        for i, s in enumerate(steps)
-    ]
-
-
-Case = tuple[str, dict[str, Callable[[], Sequence[Any]]], Verdict]
-
-
-def graded(claim: str, rows: Callable[[Level], Any], *levels: Level, kind: str = "recalls") -> Iterator[Case]:
-    """Levels that support a claim, contradict it, and leave it undecided."""
-    for level, verdict in zip(levels, (SUPPORTED, NOT, UNDECIDED), strict=True):
-        yield claim, {kind: partial(rows, level)}, verdict
-
-
-def cases() -> Iterator[Case]:
-    for arena, limit in (("corridor", 500), ("rectangle", 700)):
-
-        def scores(ten: Level, arena: str = arena) -> list[RecallRow]:
-            return recalls_with_scores(arena, {1: alternating(45, 55), 10: ten})
-
-        yield from graded(f"improves {arena}", scores, always(70), always(30), alternating(30, 70))
-        for levels, verdict in (
-            ((always(40), always(60), alternating(61, 62), always(65)), SUPPORTED),
-            ((always(40), always(41), alternating(42, 43), always(90)), NOT),
-            ((alternating(20, 60), always(45), always(45), always(50)), UNDECIDED),
-        ):
-            found = dict(zip((1, 3, 5, 10), levels, strict=True))
-            yield f"shrinks {arena}", {"recalls": partial(recalls_with_scores, arena, found)}, verdict
-        for decisions in (DEFAULT_DECISIONS, Decisions(food_to_home=220)):
-            there = partial(around, arena, decisions)
-            yield from graded(f"around {arena}", there, always(0.9), always(0.1), alternating(0.1, 0.9))
-        orienting = partial(orients, arena)
-        shares = always(0.5), always(0.0), alternating(0.0, 0.3)
-        yield from graded(f"orient without food {arena}", orienting, *shares)
-        # One forage of eight a step too long: the quantile depends on the resample.
-        over: tuple[Level, ...] = (always(0), always(400), lambda replication: replication == 1)
-        yield from graded(f"limit {arena}", partial(forages, arena, limit), *over, kind="teachers")
-    for learner, chance, verdict in (
-        (always(0.6), always(0.1), SUPPORTED),
-        (always(0.1), always(0.3), NOT),
-        (alternating(0.1, 0.3), always(0.2), UNDECIDED),
-        (always(0.6), None, UNDECIDED),
-    ):
-        yield "generalises", {"recalls": partial(generalises, learner, chance)}, verdict
-    for corridor, verdict in (
-        (alternating(60, 64), SUPPORTED),
-        (always(80), NOT),
-        (always(30), NOT),
-        (alternating(60, 80), UNDECIDED),
-    ):
-
-        def arenas(corridor: Level = corridor) -> list[RecallRow]:
-            rectangle = recalls_with_scores("rectangle", {10: alternating(59, 61)})
-            return recalls_with_scores("corridor", {10: corridor}) + rectangle
-
-        yield "comparable", {"recalls": arenas}, verdict
-    for near, far, verdict in (
-        (always(0.9), always(0.2), SUPPORTED),
-        (always(0.2), always(0.9), SUPPORTED),
-        (always(0.5), always(0.5), NOT),
-        (alternating(0.2, 1.0), always(0.5), UNDECIDED),
-    ):
-        yield "areas corridor", {"recalls": partial(sides, "corridor", near, far)}, verdict
-    # The rectangle follows the direction of the corridor.
-    for best, verdict in (((0.8, 0.3), SUPPORTED), ((0.3, 0.8), NOT), ((0.5, 0.5), NOT)):
-        yield "areas rectangle", {"recalls": partial(both_sides, (0.9, 0.2), best)}, verdict
-        yield "areas rectangle", {"recalls": partial(both_sides, (0.2, 0.9), (best[1], best[0]))}, verdict
-    yield from graded("failures", missed, always(0.8), always(0.2), alternating(0.2, 0.8))
-    yield from graded("rest", wrong_after_orient, always(2), always(30), alternating(2, 18))
-
-    def losses(laboratory: Level) -> list[TrainingRow]:
-        return attempts_per_file(LABORATORY, laboratory) + attempts_per_file(NO_LOSSES, always(2))
-
-    def without(attempts: Level) -> list[TrainingRow]:
-        return attempts_per_file(NO_LOSSES, attempts) + attempts_per_file(LABORATORY, always(5))
-
-    yield from graded("losses", losses, always(3), always(1), alternating(1, 3), kind="trainings")
-    yield from graded("frequent", without, always(1), always(3), alternating(1, 3), kind="trainings")
-
-
-@pytest.mark.parametrize(("name", "rows", "verdict"), list(cases()))
-def test_claim_has_its_verdict(
-    name: str, rows: dict[str, Callable[[], Sequence[Any]]], verdict: Verdict
+@pytest.mark.parametrize("decisions", [Decisions(), Decisions(food_to_home=220)], ids=["default", "other"])
+def test_effects_are_those_of_the_rows(
+    decisions: Decisions, recalls: list[RecallRow], trainings: list[TrainingRow]
 ) -> None:
-    assert claim_from(name, **{kind: make() for kind, make in rows.items()}).verdict is verdict
+    text = decisions_text(decisions)
+    rows = [replace(row, decisions=text) for row in recalls]
+    tries = [replace(row, decisions=text) for row in trainings]
+    found = claims(gather(rows, tries, rng(), 200))
+    wanted = effects(rows, tries, training_distance(decisions))
+    for claim, value in zip(found, wanted, strict=True):
+        assert claim.estimate.value == pytest.approx(value), claim.name
+        assert claim.estimate.low <= claim.estimate.value <= claim.estimate.high, claim.name
+    assert len({claim.name for claim in found}) == len(found)
+
+
+def test_rules_were_fixed_before_there_were_data() -> None:
+    rules = [claim.rule for claim in claims(gather([], [], rng()))]
+    assert rules == [
+        *[above(0.0)] * 5,
+        within(10.0),
+        *(beyond(0.1), above(0.1)),
+        *[above(0.0)] * 2,
+        *[above(0.1)] * 2,
+        *(above(0.5), above(0.9), above(0.0), above(0.5)),
+        *(at_most(500), at_most(700)),
+    ]
+
+
+@pytest.mark.parametrize(("nearer", "rule"), [(False, below(-0.1)), (True, above(0.1))])
+def test_rectangle_must_have_the_direction_of_the_corridor(nearer: bool, rule: Rule) -> None:
+    near, far = (recall, failed) if nearer else (failed, recall)
+    rows = [near(food_x=(-25.0,)), far(food_x=(-70.0,))]
+    (claim,) = (
+        c
+        for c in claims(gather(rows, [], rng()))
+        if "in training (rectangle)" in c.name and "nearer" in c.name
+    )
+    assert claim.rule == rule
 
 
 def test_effects_are_in_the_units_of_the_claims() -> None:
-    rows = recalls_with_scores("corridor", {1: always(40), 10: always(70)})
-    single = claim_from("improves corridor", [row for row in rows if row.replication == 0])
-    assert (single.effect, single.verdict) == ("+30.0 points", UNDECIDED)
-    assert claim_from("generalises", generalises(always(0.6))).effect == "-"
-    lost = [failed(learner=TEACHER, episodes=0, replication=i, steps=400, limit=400) for i in range(5)]
-    limit = claim_from("limit corridor", teachers=lost)
-    assert (limit.effect, limit.verdict) == ("∞ [∞, ∞] steps", NOT)
+    rows = [recall(episodes=n, steps=100, correct=score) for n, score in ((1, 40), (10, 70))]
+    rows += [failed(learner=TEACHER, episodes=0, replication=i, steps=400, limit=400) for i in range(5)]
+    found = claims(gather(rows, [], rng()))
+    assert (found[0].effect, found[0].verdict) == ("+30.0 points", UNDECIDED)
+    assert (found[-2].effect, found[-2].verdict) == ("∞ [∞, ∞] steps", NOT)
 
 
 def test_claims_without_rows_are_undecided() -> None:
-    judged = claims([], [], [], np.random.default_rng(1))
-    assert {claim.verdict for claim in judged} == {UNDECIDED}
-    assert {claim.effect for claim in judged} == {"-"}
-    assert len({claim.name for claim in judged}) == len(judged) == len(NAMES)
-    assert all("nan" not in claim.sentence for claim in judged)
+    for claim in claims(gather([], [], rng())):
+        assert (claim.verdict, claim.effect) == (UNDECIDED, "-")
+        assert "nan" not in claim.sentence
 
 
 def test_claims_from_two_noise_conditions_are_an_error() -> None:
     rows = [recall(), recall(noise="none", recall=1)]
     with pytest.raises(ValueError, match=r"noise conditions \['laboratory', 'none'\]; allowed: one"):
-        claims(rows, [], [], np.random.default_rng(1))
+        gather(rows, [], rng())
 
 
 @pytest.mark.parametrize(

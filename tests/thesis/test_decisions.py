@@ -8,21 +8,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_hex
 
 from khepera_forage.envs.backends import COMPILED
-from khepera_forage.figures import GREY, OURS
 from khepera_forage.rollouts.row_files import read_rows, write_rows
-from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow
+from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.task import decisions as decisions_module
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.design import LABORATORY, THESIS
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
 from khepera_forage.thesis.reproduce import PAGE, SUMMARY, V0_1_RECALLS, write_report
-from khepera_forage.thesis.tables import CellResult, cell_results
-from tests.thesis import synthetic
-from tests.thesis.synthetic import BY_EPISODES, recall, training
+from tests.thesis.synthetic import recall, training
 
 V0_1 = Decisions.v0_1()
 OTHER = replace(V0_1, next_to_food=22, food_to_home=200)
@@ -36,12 +32,11 @@ def test_arrival_vectors_follow_the_decisions() -> None:
     assert arrival_vectors(OTHER)[0, :, [1, 4]].T.tolist() == [[50, 20], [51, 21], [52, 22]]
 
 
-@pytest.mark.parametrize("table", ["recalls", "trainings", "teachers", "noise_rows", "orient_rows"])
+@pytest.mark.parametrize("table", ["recalls", "trainings", "noise_rows", "orient_rows"])
 def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) -> None:
-    rows: dict[str, list[Any]] = {
+    rows: dict[str, Any] = {
         "recalls": [recall()],
         "trainings": [training()],
-        "teachers": [recall(learner=TEACHER)],
         "noise_rows": [recall()],
         "orient_rows": [OrientRow(0, 1, "g1", 0, 1.0, 0.0, 0.0)],
     }
@@ -49,15 +44,7 @@ def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) 
     with pytest.raises(
         ValueError, match=r"rows of different decisions: food_to_home is .*; next_to_food is"
     ) as error:
-        write_report(
-            tmp_path,
-            rows["recalls"],
-            rows["trainings"],
-            rows["teachers"],
-            rows["noise_rows"],
-            np.random.default_rng(0),
-            orient_rows=rows["orient_rows"],
-        )
+        write_report(tmp_path, **rows, rng=np.random.default_rng(0))
     assert str(error.value).endswith("allowed: rows of the same decisions in one report")
     assert not list(tmp_path.iterdir())
 
@@ -86,48 +73,37 @@ def test_reproduction_refuses_a_folder_with_rows_of_other_decisions(name: str, t
 
 
 @pytest.mark.usefixtures("one_job")
-def test_rows_of_an_older_version_are_of_its_decisions(tmp_path: Path) -> None:
-    path = tmp_path / "recalls.csv"
-    write_rows(path, RecallRow, [recall()])
-    path.write_text(path.read_text().replace(",decisions\n", "\n").replace(",\n", "\n"))
-    with pytest.raises(ValueError, match="has rows of other decisions: food_to_home is 180, not 200"):
-        reproduce(tmp_path, OTHER)
-    path.write_text(path.read_text().split("\n")[0] + "\n")
-    reproduce(tmp_path, OTHER)
-
-
-@pytest.mark.usefixtures("one_job")
-@pytest.mark.parametrize("text", ["", "v0.1"])
-def test_rows_keep_their_decisions_under_other_defaults(
-    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("written", "message"),
+    [
+        (None, ": food_to_home is 180, not 200"),
+        ("", ": food_to_home is 180, not 200"),
+        ("v0.1", ": food_to_home is 180, not 200"),
+        ("next_to_food=near", "2: decision next_to_food is 'near'; allowed: a number"),
+    ],
+)
+def test_rows_keep_their_decisions(
+    written: str | None, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Also those of version 0.1, which wrote no decisions, under other defaults, or that are damaged."""
     monkeypatch.setitem(decisions_module.VERSIONS, "v1", OTHER)
-    write_rows(tmp_path / "recalls.csv", RecallRow, [recall(decisions=text)])
-    with pytest.raises(ValueError, match="food_to_home is 180, not 200") as error:
-        reproduce(tmp_path, OTHER)
-    assert "(now v1)" in str(error.value)
-
-
-@pytest.mark.usefixtures("one_job")
-def test_reproduction_refuses_a_damaged_row(tmp_path: Path) -> None:
     path = tmp_path / "recalls.csv"
     write_rows(path, RecallRow, [recall(decisions=TEXT)])
-    path.write_text(path.read_text().replace(TEXT, "next_to_food=near"))
-    with pytest.raises(
-        ValueError, match=re.escape(f"{path}:2: decision next_to_food is 'near'; allowed: a number")
-    ):
+    text = path.read_text()
+    path.write_text(
+        text.replace(TEXT, written or "")
+        if written is not None
+        else text.replace(",decisions\n", "\n").replace(f",{TEXT}", "")
+    )
+    with pytest.raises(ValueError, match=re.escape(message)):
         reproduce(tmp_path, OTHER)
+    path.write_text(text.partition("\n")[0] + "\n")
+    reproduce(tmp_path, OTHER)
 
 
 def test_reproduction_refuses_something_else_than_decisions(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"decisions is 17; allowed: a khepera_forage\.Decisions, or None"):
         reproduction.reproduce(0, 1, tmp_path, decisions=17)  # type: ignore[arg-type]
-
-
-@pytest.fixture(scope="module")
-def v0_1_results() -> list[CellResult]:
-    rows = synthetic.reproduction(5, np.random.default_rng(11))
-    return cell_results(rows, np.random.default_rng(12), resamples=200)
 
 
 @pytest.mark.usefixtures("no_pictures")
@@ -166,15 +142,11 @@ def test_page_table_and_summary_have_both_decisions(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("one_job")
-@pytest.mark.parametrize(("decisions", "comparison"), [(V0_1, True), (NEXT, False), (V0_1, False)])
-def test_reproduction_without_comparison(decisions: Decisions, comparison: bool, tmp_path: Path) -> None:
-    page = reproduction.reproduce(
-        0, 1, tmp_path, backend=COMPILED, decisions=decisions, comparison=comparison
-    )
+def test_version_0_1_is_not_compared_with_itself(tmp_path: Path) -> None:
+    assert "For comparison" not in reproduce(tmp_path, V0_1).read_text()
     assert not (tmp_path / V0_1_RECALLS).exists()
-    assert "For comparison" not in page.read_text()
-    assert "v0.1" not in (tmp_path / "table_cells.csv").read_text()
-    assert "v0.1" not in (tmp_path / SUMMARY).read_text()
+    for name in ("table_cells.csv", SUMMARY):
+        assert "v0.1" not in (tmp_path / name).read_text()
 
 
 @pytest.mark.usefixtures("one_job")
@@ -197,34 +169,15 @@ def test_reproduction_replaces_only_rows_of_version_0_1(tmp_path: Path) -> None:
 def test_report_refuses_other_rows_as_those_of_version_0_1(tmp_path: Path) -> None:
     rows, rng = [recall(decisions=NEXT_TEXT)], np.random.default_rng(0)
     with pytest.raises(ValueError, match="v0_1_recalls have other decisions: next_to_food is 22, not 20; "):
-        write_report(tmp_path, rows, [], [], [], rng, v0_1_recalls=rows)
+        write_report(tmp_path, rows, [], [], rng, v0_1_recalls=rows)
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.usefixtures("no_pictures")
 def test_comparison_does_not_change_the_other_results(tmp_path: Path, recalls: list[RecallRow]) -> None:
-    rows = synthetic.reproduction(5, np.random.default_rng(11))
+    rows = [replace(row, decisions="v0.1") for row in recalls]
     for name, v0_1_recalls in (("alone", []), ("beside", rows)):
         rng = np.random.default_rng(9)
-        write_report(tmp_path / name, recalls, [], [], [], rng, resamples=200, v0_1_recalls=v0_1_recalls)
+        write_report(tmp_path / name, recalls, [], [], rng, resamples=200, v0_1_recalls=v0_1_recalls)
     claims = [(tmp_path / name / "table_claims.csv").read_bytes() for name in ("alone", "beside")]
     assert claims[0] == claims[1]
-
-
-def test_figures_show_version_0_1_in_grey_left_of_ours(
-    results: list[CellResult], v0_1_results: list[CellResult]
-) -> None:
-    for draw, arena, maximum in BY_EPISODES:
-        (axes,) = draw(results, v0_1_results).axes
-        marks = [(to_hex(line.get_color()).upper(), line) for line in axes.lines if line.get_marker() == "o"]
-        grey, ours = (
-            np.array([np.hstack(line.get_data()) for colour, line in marks if colour == wanted])
-            for wanted in (GREY, OURS)
-        )
-        mine = [r for r in v0_1_results if r.cell.arena == arena]
-        values = [r.food.value * maximum / r.cell.available if maximum else r.score.value for r in mine]
-        assert grey[:, 1].tolist() == pytest.approx(values)
-        assert (grey[:, 0] < ours[:, 0]).all()
-        legend = axes.get_legend()
-        assert legend is not None
-        assert "version 0.1, mean and 95 % interval" in [text.get_text() for text in legend.get_texts()]

@@ -20,8 +20,8 @@ from khepera_forage.thesis.design import (
 
 @pytest.mark.parametrize(
     ("cell", "table"),
-    list(zip(THESIS, appendix_a.tables(), strict=True)),
-    ids=[t.table for t in appendix_a.tables()],
+    list(zip(THESIS, appendix_a.TABLES, strict=True)),
+    ids=[t.table for t in appendix_a.TABLES],
 )
 def test_cell_equals_its_table(cell: Cell, table: appendix_a.PrintedTable) -> None:
     assert (cell.arena, cell.episodes) == (table.arena, table.episodes)
@@ -35,7 +35,7 @@ def test_cell_equals_its_table(cell: Cell, table: appendix_a.PrintedTable) -> No
 
 
 def test_replication_has_106_recalls() -> None:
-    assert sum(cell.size for cell in THESIS) == len(appendix_a.recalls()) == 106
+    assert sum(cell.size for cell in THESIS) == len(appendix_a.RECALLS) == 106
 
 
 def test_noise_conditions_contain_the_sources_in_their_names() -> None:

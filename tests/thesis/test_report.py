@@ -2,23 +2,28 @@
 
 import csv
 from collections.abc import Callable
-from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.collections import PathCollection
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from PIL import Image
 
+from khepera_forage.estimates import pick
+from khepera_forage.figures import GREY, OURS
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.thesis.claims import gather
+from khepera_forage.thesis import figures
+from khepera_forage.thesis.claims import Evidence
 from khepera_forage.thesis.design import training_distance
 from khepera_forage.thesis.figures import (
     BIN,
     fig_5_4,
+    figure_by_episodes,
     food_places,
     noise_figure,
     success_by_distance,
@@ -32,10 +37,14 @@ from tests.figure_checks import (
     lay_out,
     legends_of,
 )
-from tests.thesis import synthetic
-from tests.thesis.synthetic import BY_EPISODES, failed, recall
+from tests.thesis.synthetic import failed, recall
 
 Draw = Callable[..., Figure]
+BY_EPISODES = [
+    (partial(figure_by_episodes, *kind), kind[1], maximum)
+    for kind, maximum in zip(figures.BY_EPISODES, (None, 20, None, 24), strict=True)
+]
+"""Figures with their arena, and the food objects in it."""
 
 
 def test_success_by_distance_ignores_other_arenas_and_policies() -> None:
@@ -46,7 +55,7 @@ def test_success_by_distance_ignores_other_arenas_and_policies() -> None:
     ]
     ignored = [recall(arena="rectangle"), recall(learner=RANDOM)]
     near, far = success_by_distance(food_places(rows + ignored))
-    assert (near[0], near[1], near[2].value) == (BIN * 3.5, 2, 0.5)
+    assert (near[0], near[1], near[2].value) == (BIN * 3.5, 2, 50)
     assert (far[1], far[2].value) == (1, 0.0)
     assert BIN * 4 <= training_distance(Decisions.v0_1()) < BIN * 5
 
@@ -63,10 +72,32 @@ def test_figures_show_the_thesis_and_our_means(results: list[CellResult]) -> Non
         assert thesis == pytest.approx(values, abs=0.01)
         mine = [r for r in results if r.cell.arena == arena]
         if scale is None:
-            assert ours == pytest.approx([r.score.value for r in mine])
+            assert ours == pytest.approx([r.score.ours.value for r in mine])
         else:
-            assert ours == pytest.approx([scale * r.food.value / r.cell.available for r in mine])
+            assert ours == pytest.approx([scale * r.food.ours.value / r.cell.available for r in mine])
             assert axes.get_ylim()[1] >= scale
+
+
+def test_figures_show_version_0_1_in_grey_left_of_ours(
+    results: list[CellResult], recalls: list[RecallRow]
+) -> None:
+    v0_1_results = cell_results(pick(recalls, replication=0), np.random.default_rng(12))
+    for draw, arena, maximum in BY_EPISODES:
+        (axes,) = draw(results, v0_1_results).axes
+        marks = [(to_hex(line.get_color()).upper(), line) for line in axes.lines if line.get_marker() == "o"]
+        grey, ours = (
+            np.array([np.hstack(line.get_data()) for colour, line in marks if colour == wanted])
+            for wanted in (GREY, OURS)
+        )
+        mine = [r for r in v0_1_results if r.cell.arena == arena]
+        values = [
+            r.food.ours.value * maximum / r.cell.available if maximum else r.score.ours.value for r in mine
+        ]
+        assert grey[:, 1].tolist() == pytest.approx(values)
+        assert (grey[:, 0] < ours[:, 0]).all()
+        legend = axes.get_legend()
+        assert legend is not None
+        assert "version 0.1, mean and 95 % interval" in [text.get_text() for text in legend.get_texts()]
 
 
 def test_figures_without_rows_can_be_drawn() -> None:
@@ -76,15 +107,11 @@ def test_figures_without_rows_can_be_drawn() -> None:
 
 
 def test_report_has_page_tables_and_figures(
-    tmp_path: Path,
-    recalls: list[RecallRow],
-    trainings: list[TrainingRow],
-    teachers: list[RecallRow],
-    noise_rows: list[RecallRow],
+    tmp_path: Path, recalls: list[RecallRow], trainings: list[TrainingRow], noise_rows: list[RecallRow]
 ) -> None:
     folder = tmp_path / "results"
     rng = np.random.default_rng(6)
-    write_report(folder, recalls, trainings, teachers, noise_rows, rng, resamples=200)
+    write_report(folder, recalls, trainings, noise_rows, rng, resamples=200)
     assert all(path.stat().st_size > 0 for path in folder.iterdir())
     page = (folder / PAGE).read_text(encoding="utf-8")
     pictures = sorted(path.name for path in folder.glob("*.png"))
@@ -94,7 +121,7 @@ def test_report_has_page_tables_and_figures(
         with Image.open(folder / picture) as image:
             assert min(image.size) > 400
     assert (
-        "6 replications, 636 recall episodes of the imitator, noise: laboratory, decisions: v0.1, "
+        "6 replications, 636 recall episodes of the imitator, noise: laboratory, decisions: v1, "
         "backend: pymunk." in page
     )
     assert "nan" not in page
@@ -105,9 +132,8 @@ def test_report_has_page_tables_and_figures(
     assert float(claims[0]["value: low"]) <= float(claims[0]["value"]) <= float(claims[0]["value: high"])
 
 
-def test_report_on_one_replication_has_no_supported_claim(tmp_path: Path) -> None:
-    rows = synthetic.reproduction(1, np.random.default_rng(7))
-    write_report(tmp_path, rows, [], [], [], np.random.default_rng(8), resamples=200)
+def test_report_on_one_replication_has_no_supported_claim(tmp_path: Path, recalls: list[RecallRow]) -> None:
+    write_report(tmp_path, pick(recalls, replication=0), [], [], np.random.default_rng(8), resamples=200)
     page = (tmp_path / PAGE).read_text(encoding="utf-8")
     assert "1 replication, 106 recall episodes" in page
     assert "| undecided |" in page
@@ -118,7 +144,13 @@ def test_report_on_one_replication_has_no_supported_claim(tmp_path: Path) -> Non
 @pytest.mark.parametrize(("draw", "scale"), [(figure, scale) for figure, _, scale in BY_EPISODES])
 def test_all_experiments_are_shown(draw: Draw, scale: int | None, results: list[CellResult]) -> None:
     """Penalties make the score of an experiment negative (5.4); many experiments may have the same result."""
-    low = [replace(r, scores=(-13.0, 100.0) + (50.0,) * 30, foods=(0, r.cell.available)) for r in results]
+    low = [
+        r._replace(
+            score=r.score._replace(experiments=(-13.0, 100.0) + (50.0,) * 30),
+            food=r.food._replace(experiments=(0, r.cell.available)),
+        )
+        for r in results
+    ]
     for figure in (draw(results), draw(low), draw(results, results)):
         (axes,) = figure.axes
         check_points_are_shown(axes)
@@ -142,9 +174,8 @@ def test_figures_by_episodes_are_readable(draw: Draw, compared: bool, results: l
     check_readable(lay_out(draw(results, results if compared else ())))
 
 
-def test_noise_figure_is_readable(noise_rows: list[RecallRow], trainings: list[TrainingRow]) -> None:
-    figure = noise_figure(noise_table(noise_rows, gather([], trainings, [], np.random.default_rng(1))))
-    lay_out(figure)
+def test_noise_figure_is_readable(noise_rows: list[RecallRow], evidence: Evidence) -> None:
+    figure = lay_out(noise_figure(noise_table(noise_rows, evidence)))
     check_readable(figure)
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["mean and 95 % interval", "without noise"]

@@ -1,22 +1,17 @@
 """Results of cells, and the tables of the report, from synthetic rows."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from khepera_forage.estimates import UNKNOWN, Column, Estimate, Table
-from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from khepera_forage.estimates import Column, Estimate, Table, pick
+from khepera_forage.rollouts.rows import TEACHER, RecallRow
 from khepera_forage.task.states import State
 from khepera_forage.thesis import appendix_a
-from khepera_forage.thesis.claims import gather
-from khepera_forage.thesis.design import (
-    LABORATORY,
-    NO_NOISE,
-    noise_conditions,
-)
+from khepera_forage.thesis.claims import Evidence, gather
+from khepera_forage.thesis.design import FOODS, LABORATORY, NO_NOISE, noise_conditions
 from khepera_forage.thesis.tables import (
     CellResult,
     cell_results,
@@ -34,22 +29,21 @@ from tests.thesis.synthetic import counts, failed, recall, training
 
 def test_cell_results_equal_means_over_the_rows(recalls: list[RecallRow], results: list[CellResult]) -> None:
     third = results[2]
-    rows = [r for r in recalls if (r.arena, r.episodes) == ("corridor", 5)]
+    rows = pick(recalls, arena="corridor", episodes=5)
     assert third.recalls == len(rows) == 20 * REPLICATIONS
-    assert third.score.value == pytest.approx(np.mean([r.score for r in rows]))
-    assert third.food.value == pytest.approx(20 * np.mean([r.delivered for r in rows]))
-    assert third.scores[1] == pytest.approx(np.mean([r.score for r in rows if r.replication == 1]))
-    assert third.foods[1] == sum(r.delivered for r in rows if r.replication == 1)
-    assert third.score.low < third.score.value < third.score.high
-    assert (third.thesis_printed, third.thesis_score, third.thesis_food) == (68.2, 68.2, 12)
+    assert third.score.ours.value == pytest.approx(np.mean([r.score for r in rows]))
+    assert third.food.ours.value == pytest.approx(20 * np.mean([r.delivered for r in rows]))
+    assert third.score.experiments[1] == pytest.approx(np.mean([r.score for r in rows if r.replication == 1]))
+    assert third.food.experiments[1] == sum(r.delivered for r in rows if r.replication == 1)
+    assert third.score.ours.low < third.score.ours.value < third.score.ours.high
+    assert (third.thesis_printed, third.score.thesis, third.food.thesis) == (68.2, 68.2, 12)
 
 
 def test_cell_results_rank_among_complete_replications_only(recalls: list[RecallRow]) -> None:
-    last = max(i for i, r in enumerate(recalls) if (r.arena, r.episodes) == ("corridor", 10))
-    short = recalls[:last] + recalls[last + 1 :]
-    result = cell_results(short, np.random.default_rng(1))[3]
+    last = pick(recalls, arena="corridor", episodes=10)[-1]
+    result = cell_results([row for row in recalls if row is not last], np.random.default_rng(1))[3]
     assert result.recalls == 10 * REPLICATIONS - 1
-    assert len(result.scores) == result.score_rank.experiments == REPLICATIONS - 1
+    assert len(result.score.experiments) == REPLICATIONS - 1
 
 
 def test_cell_table_has_printed_and_recomputed_scores(results: list[CellResult]) -> None:
@@ -58,7 +52,7 @@ def test_cell_table_has_printed_and_recomputed_scores(results: list[CellResult])
     assert second["thesis: score (%)"] == 66.75
     assert second["from its lines (%)"] == pytest.approx(67.55)
     assert second["thesis: food"] == "11 of 20"
-    assert [row[:2] for row in table.rows] == [(t.arena, t.episodes) for t in appendix_a.tables()]
+    assert [row[:2] for row in table.rows] == [(t.arena, t.episodes) for t in appendix_a.TABLES]
 
 
 def test_table_as_markdown_csv_and_text() -> None:
@@ -92,22 +86,13 @@ def test_table_as_markdown_csv_and_text() -> None:
         Table("stem", "Title", "Note.", table.columns, [("a",)])
 
 
-def test_noise_table_has_the_cost_of_each_condition(
-    noise_rows: list[RecallRow], trainings: list[TrainingRow]
-) -> None:
-    evidence = gather([], trainings, [], np.random.default_rng(1))
-    table = noise_table(noise_rows, evidence)
-    names = list(noise_conditions())
-    assert [row[0] for row in table.rows] == names * 2
-    score = {row[0]: row[2] for row in table.rows if row[1] == "corridor, 10"}
-    cost = {row[0]: row[3] for row in table.rows if row[1] == "corridor, 10"}
-    noiseless, noisy, difference = score[NO_NOISE], score[LABORATORY], cost[LABORATORY]
-    assert isinstance(noiseless, Estimate)
-    assert isinstance(noisy, Estimate)
-    assert isinstance(difference, Estimate)
-    assert difference.value == pytest.approx(noiseless.value - noisy.value)
-    assert 0 < difference.low < difference.value < difference.high
-    assert repr(cost[NO_NOISE]) == repr(UNKNOWN)
+def test_noise_table_has_the_cost_of_each_condition(noise_rows: list[RecallRow], evidence: Evidence) -> None:
+    lines: dict[str, Any] = {f"{row[0]}, {row[1]}": row for row in noise_table(noise_rows, evidence).rows}
+    assert list(lines) == [f"{name}, {arena}, 10" for arena in FOODS for name in noise_conditions()]
+    noiseless, noisy = (lines[f"{name}, corridor, 10"] for name in (NO_NOISE, LABORATORY))
+    assert noisy[3].value == pytest.approx(noiseless[2].value - noisy[2].value)
+    assert noisy[3].low < noisy[3].value < noisy[3].high
+    assert math.isnan(noiseless[3].value)
 
 
 def test_training_table_counts_attempts_by_noise() -> None:
@@ -117,7 +102,7 @@ def test_training_table_counts_attempts_by_noise() -> None:
         training(file=2),
         training(file=2, noise="none"),
     ]
-    table = training_table(gather([], rows, [], np.random.default_rng(1)))
+    table = training_table(gather([], rows, np.random.default_rng(1)))
     assert [row[0] for row in table.rows] == ["none", LABORATORY]
     laboratory = table.rows[1]
     assert laboratory[1] == pytest.approx((1.5, math.nan, math.nan), nan_ok=True)
@@ -126,9 +111,12 @@ def test_training_table_counts_attempts_by_noise() -> None:
 
 
 def test_teacher_table_has_quantiles_of_steps() -> None:
-    rows = [recall(steps=s, correct=s, limit=2000, recall=s, ties=0, conflicts=0) for s in range(41, 61)]
-    rows.append(failed(steps=2000, limit=2000))
-    corridor, rectangle = teacher_table(gather([], [], rows, np.random.default_rng(1))).rows
+    rows = [
+        recall(steps=s, correct=s, limit=2000, recall=s, ties=0, conflicts=0, learner=TEACHER)
+        for s in range(41, 61)
+    ]
+    rows.append(failed(steps=2000, limit=2000, learner=TEACHER))
+    corridor, rectangle = teacher_table(gather(rows, [], np.random.default_rng(1))).rows
     assert corridor[:7] == ("corridor", 21, 42, 51, 60, math.inf, 500)
     assert corridor[7] == pytest.approx((100 * 20 / 21, math.nan, math.nan), nan_ok=True)
     assert rectangle[1] == 0
@@ -147,7 +135,7 @@ def test_tables_of_ties_and_states_are_shares_of_steps() -> None:
             rounds_by_state=counts({State.NEXT_TO_FOOD: 80, State.SEARCH: 220}),
         ),
     ]
-    evidence = gather(rows, [], [], np.random.default_rng(1))
+    evidence = gather(rows, [], np.random.default_rng(1))
     (tie,) = ties_table(evidence).rows
     assert [estimate.value for estimate in tie[2:] if isinstance(estimate, Estimate)] == [800, 10.0, 3.0]
     states = {row[1]: row for row in state_table(evidence).rows if row[0] == "corridor"}
@@ -162,11 +150,12 @@ def test_joint_table_takes_results_together(results: list[CellResult]) -> None:
     rng = np.random.default_rng(0)
     common = rng.normal(size=200)
     many = [
-        replace(
-            r,
-            thesis_score=60.0 if r.cell.arena == "corridor" else 40.0,
-            scores=tuple((50 + 5 * common + 0.5 * rng.normal(size=200)).tolist()),
-            foods=tuple(rng.integers(r.cell.available, size=200).tolist()),
+        r._replace(
+            score=r.score._replace(
+                thesis=60.0 if r.cell.arena == "corridor" else 40.0,
+                experiments=(50 + 5 * common + 0.5 * rng.normal(size=200)).tolist(),
+            ),
+            food=r.food._replace(experiments=rng.integers(r.cell.available, size=200).tolist()),
         )
         for r in results
     ]

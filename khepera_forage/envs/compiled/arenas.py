@@ -12,13 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.compilation import rule
-from khepera_forage.envs.arena_pool import ArenaPool
-from khepera_forage.envs.arguments import FoodOdds, food_odds, timing_of, whole_number
+from khepera_forage.envs.arguments import ArenaPool, Settings, food_odds, timing_of, whole_number
 from khepera_forage.envs.layouts import arena_map_of, floor_of
 from khepera_forage.geometry.paths import CELLS, Corner, PathTables, Spot
-from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.records import array_of, dtype_of
-from khepera_forage.robots.model import KHEPERA, model_of
 from khepera_forage.sim.arena import MOST_FOODS, Arena
 from khepera_forage.sim.compiled.world import constants_dtype, corner_dtype, wall_dtype
 from khepera_forage.sim.layout_checks import cable_anchor, check_seen
@@ -210,44 +207,27 @@ def _records(rows: Any, kind: np.dtype[Any]) -> NDArray[Any]:
     return np.array(list(map(tuple, rows)), kind)
 
 
-def settings_of(
-    foods: int,
-    limit: int,
-    noise: Noise | str | None,
-    food_types: FoodOdds,
-    decisions: Decisions,
-    holes: int,
-    wheel_speed: float = 1.0,
-    robot: str = KHEPERA.name,
+def settings_record(
+    settings: Settings, foods: int, limit: int, holes: int, wheel_speed: float = 1.0
 ) -> NDArray[Any]:
     """The settings of worlds, as an array of one record.
 
     Args:
+        settings: From the user.
         foods: Food objects in each world, 1 to 16.
         limit: Steps after which an episode ends.
-        noise: The laboratory's troubles by default.
-        food_types: One type, or odds by type.
-        decisions: Of the task.
         holes: Of the robot's marker.
         wheel_speed: Share of the commanded speed that wheels reach.
-        robot: Kind of robot.
 
     Raises:
         ValueError: An argument out of range.
     """
     whole_number("foods", foods, 1, MOST_FOODS)
-    record = np.zeros(1, settings_dtype)
-    model = model_of(robot)
-    record["constants"] = array_of(
-        constants_of(checked_noise(noise), timing_of(decisions), wheel_speed, model)
-    )
-    values: Any = decisions.values(model.has_gripper)
-    record["decisions"] = np.array([tuple(values)], decisions_dtype)
-    record["odds"], record["limit"], record["holes"] = (
-        food_odds(food_types, model.has_gripper),
-        whole_number("limit", limit, 1),
-        holes,
-    )
+    record, (_, noise, food_types, decisions, model) = np.zeros(1, settings_dtype), settings
+    record["constants"] = array_of(constants_of(noise, timing_of(decisions), wheel_speed, model))
+    record["decisions"] = np.array([tuple(decisions.values(model.has_gripper))], decisions_dtype)  # type: ignore[arg-type]
+    record["odds"] = food_odds(food_types, model.has_gripper)
+    record["limit"], record["holes"] = whole_number("limit", limit, 1), holes
     return record
 
 

@@ -10,9 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.compilation import entry, share_out
 from khepera_forage.counter_rng import key_of, keys_of
-from khepera_forage.envs.arena_pool import ArenaPool, Arenas
-from khepera_forage.envs.arguments import COMPILED, FoodOdds, checked_decisions, timing_of, whole_number
-from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_of
+from khepera_forage.envs.arguments import COMPILED, ArenaPool, Settings, timing_of, whole_number
+from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_record
 from khepera_forage.envs.compiled.step import (
     WorldRecords,
     begin,
@@ -27,8 +26,6 @@ from khepera_forage.envs.compiled.step import (
 from khepera_forage.envs.layouts import arena_map_of, given_places, no_room
 from khepera_forage.envs.recalls import Forager
 from khepera_forage.geometry.paths import ChosenWaypoint
-from khepera_forage.noise import Noise
-from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.sensing import marker_region
@@ -49,13 +46,9 @@ class CompiledBatch:
 
     Args:
         num_worlds: How many.
-        arena: As for the environments.
+        settings: From the user.
         foods: Food objects in each, 1 to 16.
         limit: Steps after which an episode ends.
-        noise: The laboratory's troubles by default.
-        food_types: One type, or odds by type.
-        decisions: Ours by default.
-        robot: Kind of robot.
 
     Attributes:
         worlds: Their records.
@@ -65,24 +58,11 @@ class CompiledBatch:
         ValueError: An argument out of range.
     """
 
-    def __init__(
-        self,
-        num_worlds: int,
-        arena: Arenas = "corridor",
-        foods: int = 1,
-        limit: int = 500,
-        noise: Noise | str | None = "laboratory",
-        food_types: FoodOdds = None,
-        decisions: Decisions | None = None,
-        robot: str = KHEPERA.name,
-    ) -> None:
+    def __init__(self, num_worlds: int, settings: Settings, foods: int, limit: int) -> None:
         self.num_worlds = whole_number("num_worlds", num_worlds, 1)
-        self.decisions = checked_decisions(decisions)
-        self.foods, self.limit = foods, limit
-        self._settings = settings_of(
-            foods, limit, noise, food_types, self.decisions, self.decisions.recall_marker, robot=robot
-        )
-        pool = ArenaPool(arena, self.decisions)
+        self.settings, self.foods, self.limit = settings, foods, limit
+        self._record = settings_record(settings, foods, limit, settings.decisions.recall_marker)
+        pool = ArenaPool(settings.arena, settings.decisions)
         self.largest_diagonal = pool.diagonal
         self._arenas = PreparedArenas(pool)
         self._places = np.zeros(self.num_worlds, np.int64)
@@ -185,7 +165,7 @@ class CompiledBatch:
         given: tuple[NDArray[Any], NDArray[Any]],
     ) -> tuple[Any, ...]:
         """Those of `_step_worlds` after the first two."""
-        blocks, settings = self._arenas.blocks, self._settings
+        blocks, settings = self._arenas.blocks, self._record
         return *worlds, blocks, places, settings, actions, waiting, *given, self._free
 
     def _next_arenas(self, worlds: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -264,18 +244,8 @@ class CompiledRecalls:
     backend = COMPILED
     layout: Layout
 
-    def __init__(
-        self,
-        arena: Arenas,
-        foods: int,
-        limit: int,
-        noise: Noise | str | None,
-        food_types: FoodOdds,
-        decisions: Decisions,
-        robot: str = KHEPERA.name,
-    ) -> None:
-        self._batch = CompiledBatch(1, arena, foods, limit, noise, food_types, decisions, robot)
-        self._noise, self._decisions = noise, decisions
+    def __init__(self, settings: Settings, foods: int, limit: int) -> None:
+        self._batch = CompiledBatch(1, settings, foods, limit)
         self.diagonal = self._batch.largest_diagonal
         self._actions = {count: np.zeros((1, count)) for count in (1, 4)}
         self._enter()
@@ -283,7 +253,7 @@ class CompiledRecalls:
     @property
     def forager(self) -> Forager:
         """The robot at its task, as it is now."""
-        return forager_of(self._batch.world(0), self.arena, self._decisions)
+        return forager_of(self._batch.world(0), self.arena, self._batch.settings.decisions)
 
     def seed(self, seed: int) -> None:
         """Make the episodes that follow repeatable, bit for bit."""
@@ -315,7 +285,7 @@ class CompiledRecalls:
         """Make arena and bodies those of the world."""
         self.arena = self._batch.arenas[0]
         self._steppers = {count: self._batch.stepper(actions) for count, actions in self._actions.items()}
-        self.world = bodies_of(self._batch.world(0), self.arena, self._noise, self._decisions)
+        self.world = bodies_of(self._batch.world(0), self.arena, self._batch.settings)
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"_steppers": {}}
@@ -333,13 +303,7 @@ def state_of(world: WorldRecords) -> ForagerState:
 
 
 def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forager:
-    """The robot of a compiled world at its task, as it is now.
-
-    Args:
-        world: Its records.
-        arena: Its arena.
-        decisions: Of the task.
-    """
+    """The robot of a compiled world at its task, as it is now."""
     robot, now = SimulatedKhepera(world.robots, 0), state_of(world)
     food = KnownFood(
         now.tracker,
@@ -357,18 +321,11 @@ def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forag
     return forager
 
 
-def bodies_of(
-    world: WorldRecords, arena: Arena, noise: Noise | str | None, decisions: Decisions
-) -> CompiledWorld:
-    """Bodies and camera of a compiled world, which show its records as they are now.
-
-    Args:
-        world: Its records; nothing is shown before the first episode.
-        arena: Its arena.
-        noise: Of its devices.
-        decisions: Of the task.
-    """
-    bodies = CompiledWorld([arena], (decisions.recall_marker,), noise, timing=timing_of(decisions))
+def bodies_of(world: WorldRecords, arena: Arena, settings: Settings) -> CompiledWorld:
+    """Bodies and camera of a compiled world, which show its records as they are now; none before the first episode."""
+    _, noise, _, decisions, model = settings
+    timing = timing_of(decisions)
+    bodies = CompiledWorld([arena], (decisions.recall_marker,), noise, timing=timing, model=model)
     if world.robots["holes"].all():
         bodies.show_only(world.robots, world.foods, world.tracks)
     return bodies

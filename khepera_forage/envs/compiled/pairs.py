@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import keys_of, random_bits
-from khepera_forage.envs.arguments import FoodOdds, checked_arena, checked_decisions, whole_number
-from khepera_forage.envs.compiled.arenas import arena_at, arena_block, ground_of, map_of, settings_of
+from khepera_forage.envs.arguments import FoodOdds, Settings, checked_arena, whole_number
+from khepera_forage.envs.compiled.arenas import arena_at, arena_block, ground_of, map_of, settings_record
 from khepera_forage.envs.compiled.batch import given_records
 from khepera_forage.envs.compiled.step import (
     WorldRecords,
@@ -30,7 +30,7 @@ from khepera_forage.envs.compiled.step import (
 )
 from khepera_forage.envs.layouts import arena_map_of, arenas_with_marks, no_room_on_marks
 from khepera_forage.envs.training_episode import observation_box
-from khepera_forage.noise import Noise, checked_noise
+from khepera_forage.noise import Noise
 from khepera_forage.records import dtype_of
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import Arena, copies
@@ -75,14 +75,10 @@ class Sides(NamedTuple):
 
 def paired_sides(
     robots: int,
-    arena: Arena | str,
-    noise: Noise | str | None,
-    food_types: FoodOdds,
+    settings: Settings,
     max_cycles: int,
     patience: int | None,
-    options: Mapping[str, Any] | None,
-    decisions: Decisions,
-    robot: str = KHEPERA.name,
+    options: Mapping[str, Any] | None = None,
 ) -> tuple[tuple[Arena, ...], Sides, NDArray[Any]]:
     """The copies of an arena, one a robot; what their worlds have in common; and one `AttemptState` record.
 
@@ -91,7 +87,8 @@ def paired_sides(
     Raises:
         ValueError: An argument out of range, arenas out of sight, or marks that nothing can stand on.
     """
-    noise = checked_noise(noise)
+    noise, decisions = settings.noise, settings.decisions
+    arena: Any = settings.arena
     arenas = tuple(arenas_with_marks(copies(checked_arena(arena, decisions), robots), options or {}))
     check_seen(arenas)
     check_layout(
@@ -100,10 +97,7 @@ def paired_sides(
     foods, anchor = len(arenas[0].foods), cable_anchor(arenas)
     blocks = [arena_block(side, anchor) for side in arenas]
     # The teacher has the marker of one hole.
-    settings = [
-        settings_of(foods, max_cycles, noise, food_types, decisions, min(i + 1, 2), robot=robot)
-        for i in range(robots)
-    ]
+    records = [settings_record(settings, foods, max_cycles, holes=min(i + 1, 2)) for i in range(robots)]
     marks = [given_records(side.start, side.foods, foods) for side in arenas]
     attempt = np.zeros(1, dtype_of(AttemptState))
     attempt["limit"] = max_cycles
@@ -115,7 +109,7 @@ def paired_sides(
     sides = Sides(
         np.concatenate(blocks),
         np.cumsum([0, *map(len, blocks[:-1])]),
-        np.concatenate(settings),
+        np.concatenate(records),
         np.concatenate([mark for mark, _ in marks]),
         np.stack([food_marks for _, food_marks in marks]),
     )
@@ -283,10 +277,10 @@ class PairedBatch:
         self.num_envs = whole_number("num_envs", num_envs, 1)
         self.max_cycles = whole_number("max_cycles", max_cycles, 1)
         robots = whole_number("num_learners", num_learners, 1) + 1
-        self.decisions, self._noise = checked_decisions(decisions), checked_noise(noise)
+        self._settings = Settings.of(arena, noise, food_types, decisions, robot)
+        self.decisions = self._settings.decisions
         self.possible_agents = ["teacher_0", *(f"learner_{i}" for i in range(robots - 1))]
-        settings = arena, self._noise, food_types, self.max_cycles, patience, None, self.decisions, robot
-        self._arenas, self._sides, attempt = paired_sides(robots, *settings)
+        self._arenas, self._sides, attempt = paired_sides(robots, self._settings, self.max_cycles, patience)
         self._worlds = new_worlds(self.num_envs * robots, len(self._arenas[0].foods))
         self._attempts = np.repeat(attempt, self.num_envs)
         self._pairings = np.zeros((self.num_envs, robots), pairing_dtype)
@@ -396,7 +390,7 @@ class PairedBatch:
             least=_LEAST,
         )
         if not self._free.all():
-            raise no_room_on_marks(self._arenas[0], self._noise)
+            raise no_room_on_marks(self._arenas[0], self._settings.noise)
 
     def _of_robots(self, values: NDArray[Any]) -> NDArray[Any]:
         """A field of records of robots, shape (pairs, robots)."""

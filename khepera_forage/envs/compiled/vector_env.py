@@ -12,8 +12,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
-from khepera_forage.envs.arena_pool import Arenas
-from khepera_forage.envs.arguments import COMPILED, FoodOdds, whole_number
+from khepera_forage.envs.arguments import COMPILED, Arenas, FoodOdds, Settings, whole_number
 from khepera_forage.envs.backends import check_compiled
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.compiled.batch import CompiledBatch, bodies_of, forager_of
@@ -82,21 +81,22 @@ class RecallVectorEnv(VectorEnv):
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode is {render_mode!r}; allowed for a batch: None, 'rgb_array'")
         self.num_envs = whole_number("num_envs", num_envs, 1)
-        self.batch = CompiledBatch(self.num_envs, arena, foods, limit, noise, food_types, decisions, robot)
+        settings = Settings.of(arena, noise, food_types, decisions, robot)
+        self.batch = CompiledBatch(self.num_envs, settings, foods, limit)
         modes = [mode.value for mode in AutoresetMode]
         if autoreset_mode not in (*modes, *AutoresetMode):
             raise ValueError(
                 f"autoreset_mode is {autoreset_mode!r}; allowed: AutoresetMode, or {', '.join(map(repr, modes))}"
             )
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        duration = self.batch.decisions.round_duration
+        duration = settings.decisions.round_duration
         self.metadata = {
             "autoreset_mode": self.autoreset_mode,
             "render_modes": ["rgb_array"],
             "render_fps": 1 / duration,
         }
         self.render_mode = render_mode
-        self._screen, self._noise = Screen(render_mode, duration), noise
+        self._screen = Screen(render_mode, duration)
         single = self._single(arena=arena, foods=foods, limit=limit, decisions=decisions)
         self.single_observation_space, self.single_action_space = (
             single.observation_space,
@@ -220,9 +220,9 @@ class RecallVectorEnv(VectorEnv):
     def view(self, world: int) -> View:
         """What a picture of one world shows."""
         batch = self.batch
-        records, arena, decisions = batch.world(world), batch.arenas[world], batch.decisions
-        bodies = bodies_of(records, arena, self._noise, decisions)
-        forager = forager_of(records, arena, decisions)
+        records, arena = batch.world(world), batch.arenas[world]
+        bodies = bodies_of(records, arena, batch.settings)
+        forager = forager_of(records, arena, batch.settings.decisions)
         return recall_view(arena, bodies, forager, batch.limit, None, None)
 
     def get_attr(self, name: str) -> tuple[Any, ...]:
@@ -243,10 +243,8 @@ class RecallVectorEnv(VectorEnv):
         of_all = {
             "action_space": self.single_action_space,
             "observation_space": self.single_observation_space,
-            **{
-                name: getattr(self.batch, name)
-                for name in ("foods", "limit", "decisions", "largest_diagonal")
-            },
+            **{name: getattr(self.batch, name) for name in ("foods", "limit", "largest_diagonal")},
+            "decisions": self.batch.settings.decisions,
             **{name: getattr(self, name) for name in ("backend", "metadata", "render_mode", "spec")},
         }
         if name in of_arenas:

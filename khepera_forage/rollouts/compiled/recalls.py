@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import DRAW_POLICY, draw, keys_of, upper
-from khepera_forage.envs.arena_pool import ArenaPool, Arenas
-from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
-from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_of
+from khepera_forage.envs.arguments import ArenaPool, Arenas, FoodOdds, Settings, whole_number
+from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_record
 from khepera_forage.envs.compiled.batch import given_records
 from khepera_forage.envs.compiled.step import (
     WorldRecords,
@@ -146,12 +145,10 @@ class Recalls:
         wheel_speed: float = 1.0,
         decisions: Decisions | None = None,
     ) -> None:
-        decisions = checked_decisions(decisions)
-        self._foods = foods
-        self._settings = settings_of(
-            foods, limit, noise, food_types, decisions, decisions.recall_marker, wheel_speed
-        )
-        self._arenas = PreparedArenas(ArenaPool(arena, decisions))
+        settings = Settings.of(arena, noise, food_types, decisions)
+        marker = settings.decisions.recall_marker
+        self._foods, self._settings = foods, settings_record(settings, foods, limit, marker, wheel_speed)
+        self._arenas = PreparedArenas(ArenaPool(arena, settings.decisions))
 
     def run(
         self, memories: Memories | None, memory_of_episode: ArrayLike, seed: int | NDArray[np.int64] = 0

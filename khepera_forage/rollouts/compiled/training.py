@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import keys_of, random_bits
-from khepera_forage.envs.arguments import FoodOdds, checked_decisions, whole_number
+from khepera_forage.envs.arguments import FoodOdds, Settings, whole_number
 from khepera_forage.envs.compiled.pairs import (
     Sides,
     carry_out_pair,
@@ -19,7 +19,7 @@ from khepera_forage.envs.compiled.pairs import (
 from khepera_forage.envs.compiled.step import WorldRecords, new_worlds
 from khepera_forage.envs.layouts import no_room_on_marks
 from khepera_forage.experience import Experience
-from khepera_forage.noise import Noise, checked_noise
+from khepera_forage.noise import Noise
 from khepera_forage.policies.policy import HEARD
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.sim.arena import Arena
@@ -163,10 +163,11 @@ def train_learners(
         IncompleteTrainingError: No attempt at a training episode was complete.
     """
     n, episodes = whole_number("n", n, 1), whole_number("episodes", episodes, 1)
-    decisions, noise = checked_decisions(decisions), checked_noise(noise)
+    settings = Settings.of(arena, noise, food_types, decisions)
+    decisions = settings.decisions
     limit = whole_number("max_cycles", max_cycles, 1)
     most = decisions.most_attempts if attempts is None else whole_number("attempts", attempts, 1)
-    arenas, sides, terms = paired_sides(2, arena, noise, food_types, limit, patience, options, decisions)
+    arenas, sides, terms = paired_sides(2, settings, limit, patience, options)
     learner_keys = keys_of(np.uint64(whole_number("seed", seed, 0)) + np.arange(n, dtype=np.uint64))
     keys = random_bits(learner_keys[:, None], np.arange(1, episodes + 1, dtype=np.uint64)).ravel()
     bytes_each = limit * ((HEARD + 1) * 2 + 4) + most * attempt_dtype.itemsize
@@ -191,7 +192,7 @@ def train_learners(
             least=_LEAST,
         )
         if not free.all():
-            raise no_room_on_marks(arenas[0], noise)
+            raise no_room_on_marks(arenas[0], settings.noise)
         done = records[: some.size][np.arange(most) < made[:, None]]
         last = done[np.cumsum(made) - 1]
         if not last["complete"].all():

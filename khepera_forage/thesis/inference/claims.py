@@ -6,14 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from khepera_forage.envs.backends import COMPILED
-from khepera_forage.estimates import Table, Value, percent, table_of
-from khepera_forage.rollouts.rows import TEACHER, RecallRow, TrainingRow
+from khepera_forage.estimates import Floats, Table, Value, percent, table_of
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.study import Arguments, Job, Rows, collect
 from khepera_forage.task.decisions import decisions_text
-from khepera_forage.thesis.claims import Claim, Verdict, claims
+from khepera_forage.thesis.claims import Claim, Verdict, claims, gather
 from khepera_forage.thesis.design import NO_LOSSES
-from khepera_forage.thesis.inference.posterior import Floats
 from khepera_forage.thesis.inference.prior import LabModel, laboratory_text
 from khepera_forage.thesis.replication import compiled_jobs, job_counts
 
@@ -23,7 +22,7 @@ LABORATORIES, QUICK_LABORATORIES = 80, 2
 """Drawn from the prior, and as many from the posterior."""
 REPLICATIONS, QUICK_REPLICATIONS = 50, 5
 """Of the thesis's design under each."""
-CLAIMS = tuple(claims([], [], [], np.random.default_rng(0), resamples=1))
+CLAIMS = tuple(claims(gather([], [], np.random.default_rng(0))))
 """Every claim without rows: its words, section and unit."""
 
 
@@ -45,15 +44,10 @@ class LaboratoryClaims:
 
 
 def claims_of(laboratory: LabModel, seed: int, replications: int) -> list[Claim]:
-    """Measure every claim of the thesis under one laboratory, always in the same order.
+    """Measure every claim of the thesis under one laboratory, by a reproduction on the compiled backend.
 
-    The jobs are those of a reproduction on the compiled backend. Of the other noise conditions only the laboratory
-    without tracking losses is needed, and of that only the training files.
-
-    Args:
-        laboratory: Decisions and noise.
-        seed: Of all experiments and of the intervals.
-        replications: Of the whole design. With few there are no intervals, and claims that need one are undecided.
+    Of the other noise conditions only the laboratory without tracking losses is needed, and of that only the training
+    files. The seed is that of all experiments and of the intervals.
 
     Raises:
         IncompleteTrainingError: No attempt at some training episode was complete.
@@ -63,14 +57,8 @@ def claims_of(laboratory: LabModel, seed: int, replications: int) -> list[Claim]
         noise_replications=replications, noise_conditions=(NO_LOSSES,), noise_cells=()
     )
     rows = Rows(row for job in compiled_jobs(seed, counts, *laboratory) for row in job.run())
-    recalls = rows.of(RecallRow)
-    return claims(
-        recalls=[row for row in recalls if row.learner != TEACHER],
-        trainings=rows.of(TrainingRow),
-        teachers=[row for row in recalls if row.learner == TEACHER],
-        rng=np.random.default_rng(seed),
-        resamples=RESAMPLES,
-    )
+    rng = np.random.default_rng(seed)
+    return claims(gather(rows.of(RecallRow), rows.of(TrainingRow), rng, RESAMPLES))
 
 
 def measure(seed: int, number: int, laboratory: LabModel, replications: int) -> list[LaboratoryClaims]:
@@ -108,11 +96,9 @@ def measured(
 
 
 def claim_table(*samples: Sequence[LaboratoryClaims]) -> Table:
-    """In what share of laboratories each claim holds.
+    """In what share of laboratories each claim holds: of a sample of the prior, and of one of the posterior.
 
-    Args:
-        *samples: Under a sample of the prior, and under one of the posterior. The intervals are those of independent
-            draws: they are too narrow if few different laboratories make up a sample.
+    The intervals are those of independent draws: they are too narrow if few different laboratories make up a sample.
     """
     known = [[row for row in rows if not row.reason] for rows in samples]
     lines: list[dict[str, Value]] = []

@@ -11,7 +11,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy import stats
 
-from khepera_forage.estimates import UNKNOWN, Estimate, Table, Value, table_of
+from khepera_forage.estimates import Estimate, Floats, Table, Value, table_of
 from khepera_forage.figures import GREY, OURS, SMALL, WIDTH, grid, legend, new_figure
 from khepera_forage.noise import Noise
 from khepera_forage.study import Arguments, Page, Picture
@@ -20,9 +20,9 @@ from khepera_forage.thesis.inference.claims import claim_table, measured
 from khepera_forage.thesis.inference.posterior import (
     CLASSES,
     Determined,
-    Floats,
     Posterior,
     PriorCheck,
+    central,
     effective_number,
     infer,
     quantiles,
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 EXPERIMENTS, QUICK_EXPERIMENTS = 500, 4
 """Replications under the decisions of version 0.1, and under the defaults."""
-CENTRAL = (0.5, 0.025, 0.975)
+
 PARTS, PERMUTATIONS, QUESTIONS = 5, 200, 3
 """Classes of a number, of equal weight; for the upper end of chance; questions that are asked."""
 ENOUGH = 10 * PARTS
@@ -56,11 +56,10 @@ _NOISE_UNITS = {"placement_error": "mm", "placement_heading_error": "degrees", "
 
 
 class Predictions(NamedTuple):
-    """What one or many laboratories predict for experiments of the thesis's size.
+    """What one or many laboratories predict for experiments of the thesis's size, each with a weight.
 
     Attributes:
         experiments: Statistics, shape (experiments, statistics); they may be missing.
-        weights: One an experiment.
     """
 
     name: str
@@ -69,11 +68,7 @@ class Predictions(NamedTuple):
 
     def interval(self, column: int) -> Estimate:
         """Median and central 95 % of a statistic."""
-        values = self.experiments[:, column]
-        known = np.isfinite(values)
-        if not self.weights[known].sum() > 0:
-            return UNKNOWN
-        return Estimate(*quantiles(values[known], self.weights[known], CENTRAL))
+        return central(self.experiments[:, column], self.weights)
 
     def rank(self, column: int) -> float:
         """Percentile of the thesis's value of a statistic."""
@@ -92,10 +87,10 @@ def page(given: Arguments, drawn: Drawn) -> Page:
         Predictions(name, replicate(LabModel(own, Noise.laboratory()), given.seed, each), np.ones(each))
         for name, own in under.items()
     ]
-    count, experiments, width = drawn.statistics.shape
+    _, experiments, width = drawn.statistics.shape
     inferred = Predictions(
         "posterior",
-        drawn.statistics.reshape(count * experiments, width).astype(np.float64),
+        drawn.statistics.reshape(-1, width).astype(np.float64),
         np.repeat(posterior.weights / experiments, experiments),
     )
     found = explained(posterior, drawn.statistics, np.random.default_rng(given.seed))
@@ -378,10 +373,8 @@ def tested_columns() -> list[int]:
 def predicted(statistics: Floats) -> NDArray[np.bool_]:
     """Whether the thesis's value lies within the central 95 % of a set's own experiments, shape (sets, statistics).
 
-    The central 95 % are those of a normal distribution with the experiments' mean and standard deviation.
-
-    Args:
-        statistics: Shape (sets, experiments, statistics); they may be missing.
+    The central 95 % are those of a normal distribution with mean and standard deviation of the experiments' statistics,
+    shape (sets, experiments, statistics), which may be missing.
     """
     count = statistics.shape[1]
     known = np.isfinite(statistics)

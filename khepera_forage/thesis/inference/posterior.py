@@ -28,10 +28,9 @@ from scipy import stats
 from scipy.sparse import csr_array
 from sklearn.ensemble import RandomForestRegressor
 
-from khepera_forage.estimates import Estimate, bootstrap, holm, percent, ratio
+from khepera_forage.estimates import UNKNOWN, Estimate, Floats, bootstrap, holm, percent, ratio
 from khepera_forage.thesis.inference.prior import LabModel, Prior, PriorRange
 
-Floats = NDArray[np.float64]
 TREES = 200
 LEAST_LEAF = 5
 """Fewest experiments in a leaf, of those that the tree was grown with."""
@@ -54,7 +53,7 @@ class Parameter:
     """A field that the prior draws, and its values in some sets.
 
     Attributes:
-        alternatives: Its named alternatives; empty if it is a number.
+        alternatives: Named ones; empty if the field is a number.
         values: One a set; an alternative is its place among the alternatives.
     """
 
@@ -118,6 +117,14 @@ def rank(values: Floats, weights: Floats, value: float) -> float:
     return float(100.0 * below / weights.sum()) if weights.sum() > 0 else float("nan")
 
 
+def central(values: Floats, weights: Floats) -> Estimate:
+    """Median and central 95 % of values that may be missing."""
+    known = np.isfinite(values)
+    if not weights[known].sum() > 0:
+        return UNKNOWN
+    return Estimate(*quantiles(values[known], weights[known], (0.5, 0.025, 0.975)))
+
+
 def effective_number(weights: Floats) -> float:
     """How many sets of equal weight are as many (Kish's effective sample size)."""
     return float(weights.sum() ** 2 / (weights**2).sum())
@@ -126,17 +133,14 @@ def effective_number(weights: Floats) -> float:
 def forest_weights(
     statistics: Floats, targets: Floats, queries: Floats, seed: int, trees: int = TREES
 ) -> Floats:
-    """How much each simulated set counts for some experiments, by a forest on the experiments under the sets.
+    """How much each simulated set counts for some experiments, shape (queries, sets); each row's sum is 1.
 
     Args:
-        statistics: Shape (sets, experiments, statistics); they may be missing (nan).
+        statistics: Of the experiments under the sets, shape (sets, experiments, statistics); they may be missing (nan).
         targets: What the trees predict, shape (sets, columns).
         queries: Statistics of experiments, shape (queries, statistics).
         seed: Of the forest.
-        trees: Number of trees.
-
-    Returns:
-        Shape (queries, sets); each row's sum is 1.
+        trees: Their number.
     """
     sets, experiments, _ = statistics.shape
     rows = np.ascontiguousarray(statistics.reshape(sets * experiments, -1), dtype=np.float32)
@@ -173,7 +177,7 @@ class Coverage:
     """Of one decision.
 
     Attributes:
-        ranks: Of the true values in their posteriors, 0 to 1, shape (held-out sets,).
+        ranks: Of the true values in their posteriors, 0 to 1, one a held-out set.
         half: Percent of true values in the 50 % interval: the shortest one of a number, the central one of an
             alternative.
         most: The same for 90 %.
@@ -192,11 +196,7 @@ class Coverage:
 
     @property
     def determined(self) -> Determined:
-        """Whether experiments of this size determine the decision, by the upper end of the error's interval.
-
-        A decision whose posteriors are wrong, or were validated with too few sets, is not determined, even if the
-        error is small.
-        """
+        """By the upper end of the error's interval; never if posteriors are wrong, or validated with too few sets."""
         if not self.error.high < 1.0:
             return Determined.NO
         if not (np.isfinite(self.equal_ranks) and self.corrected >= 0.05):
@@ -214,7 +214,7 @@ def calibrate(
         weights: Posteriors: weights of these sets, shape (held-out sets, learned sets), each row's sum is 1.
         true: The decision in the held-out sets.
         rng: Orders alternatives with equal ranks at random; draws resamples.
-        guesses: The same weights without any tables.
+        guesses: Like `weights`, without any tables.
     """
     # Weight below the true value, and a random share of the weight at it: uniform if the posterior is right.
     ranks = np.empty(len(true.values))
@@ -299,12 +299,9 @@ def prior_check(statistics: NDArray[np.float32], observed: Floats, rng: Generato
     sets, experiments, width = statistics.shape
     flat = statistics.reshape(-1, width).astype(np.float64)
     even = np.ones(len(flat))
-    intervals, ranks = [], []
-    for column, value in zip(flat.T, observed, strict=True):
-        known = np.isfinite(column)
-        found = quantiles(column[known], even[known], (0.5, 0.025, 0.975)) if known.any() else [np.nan] * 3
-        intervals.append(Estimate(*found))
-        ranks.append(rank(column, even, float(value)) if np.isfinite(value) else np.nan)
+    intervals = [central(column, even) for column in flat.T]
+    pairs = zip(flat.T, observed, strict=True)
+    ranks = [rank(column, even, float(value)) if np.isfinite(value) else np.nan for column, value in pairs]
     middle = np.array([interval.value for interval in intervals])
     spread = np.nanstd(flat, axis=0)
     spread[~(spread > 0)] = 1.0
@@ -328,11 +325,10 @@ def prior_check(statistics: NDArray[np.float32], observed: Floats, rng: Generato
 
 @dataclass(frozen=True, slots=True)
 class Posterior:
-    """Weights of admissible sets, given the tables of an experiment.
+    """Weights of admissible sets, 1 together, given the tables of an experiment.
 
     Attributes:
         parameters: What the prior draws, in all admissible sets.
-        weights: One an admissible set, 1 together.
         calibrations: One a parameter, in the same order.
         held_out: Number of sets that the calibration tried to recover from forests without them.
         check: How the experiment compares with the simulated ones.
@@ -359,7 +355,7 @@ def infer(
         statistics: The fitted ones of these sets, shape (sets, experiments, statistics).
         observed: The same statistics of the experiment.
         seed: Of the forest.
-        trees: Of the forest.
+        trees: Their number.
 
     Raises:
         ValueError: Fewer than three sets.

@@ -1,12 +1,14 @@
 """The prior: which laboratories a builder in 2001 could have had, before the thesis's results are looked at.
 
-Every range and every share has a source. Values that are not here are those of version 0.1, under which the
-prior was written, or the laboratory's of `Noise`.
+Every range and every share has a source (`prior.toml`). Values that are not there are those of version 0.1, under which
+the prior was written, or the laboratory's of `Noise`.
 """
 
 import json
+import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from importlib import resources
 from typing import Any, NamedTuple
 
 from numpy.random import Generator
@@ -18,7 +20,6 @@ from khepera_forage.task.decisions import FIELDS, Decisions
 
 _TRIES = 10_000
 """Draws after which no laboratory satisfies the rules that connect decisions."""
-_SPEEDS = "robot drivers of the time: KSIM2 10, WSU 9, FHV at most 15, NIC-IF 20 units"
 
 
 class PriorRange(NamedTuple):
@@ -36,10 +37,6 @@ class Shares(NamedTuple):
     source: str
 
 
-def _equal(source: str, *alternatives: Any) -> Shares:
-    return Shares(dict.fromkeys(alternatives, 1.0 / len(alternatives)), source)
-
-
 class LabModel(NamedTuple):
     """What a replication of the thesis needs to know: how it is read, and how inaccurate its devices and hands are."""
 
@@ -54,7 +51,7 @@ def laboratory_text(laboratory: LabModel) -> str:
 
 
 def laboratory_from_text(text: str) -> LabModel:
-    """The laboratory that a text of `laboratory_text` describes; decisions that it leaves out are those of version 0.1.
+    """The laboratory of a text; decisions that it leaves out are those of version 0.1.
 
     Raises:
         ValueError: Not of this form, an unknown field, or a value that is not allowed.
@@ -68,12 +65,7 @@ def laboratory_from_text(text: str) -> LabModel:
 
 @dataclass(frozen=True, slots=True)
 class Prior:
-    """Independent distributions of decisions and sizes of noise.
-
-    Attributes:
-        decisions: By the name of a field of `Decisions`.
-        noise: By the name of a field of `Noise`; ranges only.
-    """
+    """Independent distributions of fields of `Decisions` and of `Noise`, by name."""
 
     decisions: Mapping[str, PriorRange | Shares]
     noise: Mapping[str, PriorRange]
@@ -110,11 +102,7 @@ class Prior:
 
 
 def _decisions(values: Mapping[str, Any]) -> Decisions:
-    """Decisions with these values, rounded if they are counts.
-
-    Raises:
-        ValueError: Start, food and home do not fit the arenas, or the robot would move slowly faster than it searches.
-    """
+    """Decisions with these values, rounded if they are counts; a ValueError if they contradict each other."""
     whole = {name: round(value) if FIELDS[name].kind is int else value for name, value in values.items()}
     decisions = Decisions.from_changes(whole, Decisions.v0_1())
     for name in THESIS_ARENAS:
@@ -131,91 +119,20 @@ def _value(part: PriorRange | Shares, rng: Generator) -> Any:
     return list(part.of)[rng.choice(len(part.of), p=list(part.of.values()))]
 
 
-PRIOR = Prior(
-    decisions={
-        "round_duration": PriorRange(
-            0.08,
-            0.4,
-            "a robot's six exchanges are about 120 bytes: 0.14 s at 9600 baud, 0.03 s at 38400, for two robots one "
-            "after the other (4.5); a frame takes 0.02 to 0.04 s",
-        ),
-        "arm_travel_time": PriorRange(
-            0.1, 1.0, "WART 0.1 s, KNET and Webots wait 1 s; less than a round is like a round"
-        ),
-        "jaw_travel_time": PriorRange(0.1, 2.0, "WART 0.1 s, KNET waits 0.6 s, Webots 2 s"),
-        "start_to_wall": PriorRange(60, 150, "a robot with its raised gripper at one end of the corridor"),
-        "food_to_home": PriorRange(
-            120, 300, "outside the home, and before the start, in a corridor of 650 mm"
-        ),
-        "home_to_wall": PriorRange(50, 150, "a home at the other end, whole within the corridor"),
-        "home_radius": PriorRange(
-            50, 110, "one food object with the robot in front of it, up to the corridor's width"
-        ),
-        "start_aside": PriorRange(
-            -45, 45, "the picture of figure 5.1 is lost; a gripper's width from the walls"
-        ),
-        "food_aside": PriorRange(-45, 45, "as the start"),
-        "home_aside": PriorRange(-45, 45, "as the start"),
-        "food_beside_robot": _equal(
-            "4.2.2: covered food is not detected when the camera redetects; not said when it does",
-            "seen at its last place",
-            "unseen",
-            "unseen until the arm is down",
-        ),
-        "redetection_time": PriorRange(
-            0, 5, "0 is at once, in every frame, to a person who starts the redetection"
-        ),
-        "no_food_distance": _equal("not said", "diagonal of the arena", "last one known"),
-        "held_food": _equal(
-            "not said",
-            "candidate at its last place",
-            "no candidate",
-            "candidate in the gripper",
-            "hides all food",
-        ),
-        "next_to_food": PriorRange(
-            12, 24, "from where the fingers enclose food, to where they just clear it"
-        ),
-        "close_to_food": PriorRange(22, 50, "beyond next, within half a corridor"),
-        "equal_distance": _equal("table 4.2 leaves it out", "nearer state", "farther state"),
-        "search_speed": PriorRange(6, 15, _SPEEDS),
-        "home_speed": PriorRange(6, 15, _SPEEDS),
-        "slow_speed": PriorRange(3, 10, f'"slowly" beside search; {_SPEEDS}'),
-        "orient_speed": PriorRange(2, 6, "a tenth of a finger in a control period"),
-        "retreat_speed": PriorRange(3, 8, "as MOVE SLOWLY, backwards"),
-        "turn_speed": PriorRange(3, 8, "a turn of 5 to 14 degrees in 0.1 s"),
-        "quick_turn_speed": PriorRange(5, 12, "a turn of 9 to 21 degrees in 0.1 s"),
-        "search_without_food": _equal("4.2: SEARCH FOR FOOD, no more", "small circle", "wander"),
-        "beside_food": _equal("not said", "back off", "turn away", "drive on"),
-        "back_off_distance": PriorRange(
-            10,
-            19,
-            "from food that touches the body, to the reach of the infra-reds: 50 mm between body and food",
-        ),
-        "orienting": _equal("3.7 names arm, jaw and barrier", "lowered before food", "lowered over food"),
-        "arm_after_orienting": _equal("not said", "raised", "as it is"),
-        "aimed": PriorRange(2, 10, "orientations are whole degrees; open fingers leave 10 mm on either side"),
-        "astray": PriorRange(15, 45, "beyond aimed; from there a finger sweeps food away"),
-        "missed_distance": PriorRange(8, 11, "food that touches the body, to food beyond the barrier"),
-        "release_depth": PriorRange(3, 10, "inside the home, so that jitter does not undo it"),
-        "rounds_after_training": PriorRange(
-            0, 50, "never before the end; an operator who sees that both are done, and stops two robots"
-        ),
-        "distance_arithmetic": Shares(
-            {"32-bit floats": 0.5, "64-bit floats": 0.25, "exact": 0.25},
-            'a C program\'s "float number" (4.6.1)',
-        ),
-        "food_to_walls": PriorRange(40, 60, "the open gripper, 55 mm wide, with its fingers of 4 mm"),
-        "recall_marker": _equal("3.5 has both robots' markers", 1, 2),
-    },
-    noise={
-        "placement_error": PriorRange(
-            0, 25, '"with a bit of effort a small displacement" (4.5.2): up to a robot\'s radius'
-        ),
-        "placement_heading_error": PriorRange(0, 15, "as the displacement, by eye"),
-        "position_jitter": PriorRange(
-            0.05, 0.5, "from our tracker to a bare threshold on an analog picture (docs/tracker.md)"
-        ),
-    },
-)
+def _part(source: str, **values: Any) -> Any:
+    """A part of the prior, as a line of the file has it."""
+    if "range" in values:
+        least, most = values["range"]
+        return PriorRange(least, most, source)
+    equal = values.get("equal", ())
+    return Shares(values.get("shares") or dict.fromkeys(equal, 1 / len(equal)), source)
+
+
+def _read(name: str) -> Prior:
+    content = tomllib.loads(resources.files(__package__).joinpath(name).read_text(encoding="utf-8"))
+    parts = {kind: {key: _part(**line) for key, line in lines.items()} for kind, lines in content.items()}
+    return Prior(**parts)
+
+
+PRIOR = _read("prior.toml")
 """What could have been, by our sources."""

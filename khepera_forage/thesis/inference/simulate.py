@@ -24,7 +24,7 @@ from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.study import Arguments, Job, RowStore, in_processes
 from khepera_forage.thesis.compiled_replications import recalls_of
-from khepera_forage.thesis.design import THESIS, files_needed
+from khepera_forage.thesis.design import FOODS, LIMITS, THESIS, files_needed
 from khepera_forage.thesis.inference.posterior import Parameter, parameters_of
 from khepera_forage.thesis.inference.prior import (
     PRIOR,
@@ -62,8 +62,6 @@ COMPLETE = 0.5
 """"Quite frequent" (5.3.1): share of attempts at a training episode that are complete, at least."""
 ATTEMPTS = 40
 """At an episode, after which training is hopeless: with half of them complete, fewer than one in 10^12 gets there."""
-ARENAS = {cell.arena: (cell.foods, cell.limit) for cell in THESIS}
-"""Food objects and limit by arena (5.4.1.1, 5.4.2.1)."""
 CHUNK, QUICK_CHUNK = 100, 4
 """Sets drawn in one unit of work."""
 CHUNKS_A_PROCESS = 4
@@ -78,13 +76,13 @@ def reason_against(laboratory: LabModel, seed: int) -> str:
     What costs least is looked at first, until there is a reason. Near a threshold more recalls are simulated.
     """
     rng = np.random.default_rng(seed)
-    for arena in ARENAS:
+    for arena in FOODS:
         delivered, fastest = _teacher(laboratory, arena, rng)
         if delivered < DELIVERED:
             return f"the teacher fails in the {arena}"
         if fastest > LUCK * FASTEST[arena]:
             return f"too slow in the {arena}"
-    for arena in ARENAS:
+    for arena in FOODS:
         without = np.zeros(0)
         while _undecided(without, WITHOUT, TRIES):
             forages = _forages(laboratory, arena, WITHOUT_ORIENTING, len(without) or TRIES, rng)
@@ -105,7 +103,7 @@ def _teacher(laboratory: LabModel, arena: str, rng: Generator) -> tuple[float, f
         slow < fastest <= CLOSE * slow and len(delivered) < MOST * FORAGES
     ):
         forages = _forages(laboratory, arena, TEACHER, len(delivered) or FORAGES, rng)
-        delivered = np.append(delivered, forages.delivered / ARENAS[arena][0])
+        delivered = np.append(delivered, forages.delivered / FOODS[arena])
         fastest = min(fastest, float(forages.steps.min()))
     return float(delivered.mean()), fastest
 
@@ -121,14 +119,13 @@ def _undecided(values: NDArray[np.float64], threshold: float, first: int) -> boo
 
 def _forages(laboratory: LabModel, arena: str, policy: int, count: int, rng: Generator) -> Episodes:
     """Forages from random starts, each with a seed of its own."""
-    foods, limit = ARENAS[arena]
     return run_recalls(
         checked_arena(arena, laboratory.decisions),
         None,
         np.full(count, policy),
         int(rng.integers(2**62)),
-        foods=foods,
-        limit=limit,
+        foods=FOODS[arena],
+        limit=LIMITS[arena],
         noise=laboratory.noise,
         decisions=laboratory.decisions,
     )
@@ -147,10 +144,9 @@ def _attempts(laboratory: LabModel, episodes: int, rng: Generator) -> NDArray[np
 
 @dataclass(frozen=True, slots=True)
 class SetRow:
-    """One set of decisions from the prior.
+    """One set of decisions and noise from the prior.
 
     Attributes:
-        laboratory: Decisions and noise as text.
         reason: Why it is not admissible; empty if it is.
         statistics: Of the experiments under it, one after the other; empty if it is not admissible.
     """
@@ -162,10 +158,7 @@ class SetRow:
 
 
 def simulate(seed: int, number: int, experiments: int) -> SetRow:
-    """Draw a set from the prior, check it, and replicate the thesis under it if it is admissible.
-
-    The set depends on the seed of all sets and on its number alone.
-    """
+    """Draw the set of a number from the prior, check it, and replicate the thesis under it if it is admissible."""
     rng = np.random.default_rng((seed, number))
     laboratory = PRIOR.draw(rng)
     first = int(rng.integers(2**62))
@@ -191,19 +184,16 @@ def replicate(laboratory: LabModel, seed: int, experiments: int) -> NDArray[np.f
         numbers = seeds.generate_state(experiments * cell.size).astype(np.int64)
         played = recalls_of(cell, trained, experiments, numbers, noise, decisions)
         shape = (experiments, len(cell.subsets), cell.recalls)
-        arrays = (played.correct, played.steps, played.delivered, played.penalty)
-        cells.append(
-            of_recalls(cell, CellRecalls(*(array.astype(np.float64).reshape(shape) for array in arrays)))
-        )
+        own = (getattr(played, name).astype(np.float64).reshape(shape) for name in CellRecalls._fields)
+        cells.append(of_recalls(cell, CellRecalls(*own)))
     return with_slopes(cells)
 
 
 class Sets(NamedTuple):
-    """Admissible sets, and the fitted statistics of the experiments under them.
+    """Admissible sets among the draws, and the experiments under them.
 
     Attributes:
-        statistics: Shape (sets, experiments, fitted statistics); they may be missing.
-        draws: Sets that were drawn to find as many admissible ones.
+        statistics: The fitted ones, shape (sets, experiments, statistics); they may be missing.
     """
 
     parameters: list[Parameter]
@@ -248,7 +238,8 @@ class Drawn(NamedTuple):
 
     Attributes:
         reasons: Why each set is not admissible; empty if it is.
-        statistics: Of the admissible sets, shape (sets, experiments, statistics).
+        laboratories: The admissible sets.
+        statistics: Of these, shape (sets, experiments, statistics).
     """
 
     reasons: list[str]

@@ -7,25 +7,24 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.estimates import Floats, pick
 from khepera_forage.rollouts.row_files import parse_rows
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
 from khepera_forage.thesis import appendix_a
 from khepera_forage.thesis.appendix_a import PrintedRecall
-from khepera_forage.thesis.design import ARENAS, LABORATORY, THESIS, Cell
+from khepera_forage.thesis.design import FOODS, LABORATORY, THESIS, Cell
 from khepera_forage.toml_table import naming, text_of
-
-Floats = NDArray[np.float64]
 
 
 class CellSummary(NamedTuple):
-    """One table of appendix A in numbers; of ours, each is an array with one element an experiment.
+    """One table of appendix A in numbers, one element an experiment; not a number where there is nothing to measure.
 
     Attributes:
         food: Share of the food that was brought home.
-        right_failed: Mean share of correct steps in recalls that left food, percent. Not a number without any.
+        right_failed: Mean share of correct steps in recalls that left food, percent.
         right_successful: The same for recalls that left none.
-        steps_successful: Median steps of recalls that left none. Not a number without any.
-        spread: Standard deviation of the mean scores with each set of training files. Not a number with one set.
+        steps_successful: Median steps of recalls that left none.
+        spread: Standard deviation of the mean scores with each set of training files.
     """
 
     score: Floats
@@ -39,7 +38,7 @@ class CellSummary(NamedTuple):
 STATISTICS = CellSummary._fields
 NAMES = tuple(f"{cell.arena} {cell.episodes} {statistic}" for cell in THESIS for statistic in STATISTICS)
 """Names of the statistics of all cells, in their order."""
-SLOPES = tuple(f"{arena} slope of {statistic}" for arena in ARENAS for statistic in ("score", "food"))
+SLOPES = tuple(f"{arena} slope of {statistic}" for arena in FOODS for statistic in ("score", "food"))
 """From the fewest training episodes of an arena to the most."""
 ALL = (*NAMES, *SLOPES)
 """All statistics, in their order."""
@@ -61,14 +60,10 @@ class CellRecalls(NamedTuple):
     penalty: Floats
 
     def usable(self, limit: int) -> NDArray[np.bool_]:
-        """Whether a line neither contradicts itself nor only counts up the line printed before it.
+        """Whether a line neither contradicts itself nor only counts up the line printed before it (see `errata`).
 
-        A line contradicts itself if its steps are impossible, or do not agree with its penalty. Lines that count up
-        one by one in the same number of steps, as filling down in a spreadsheet makes them, are left out but for the
-        first (see `errata`).
-
-        Args:
-            limit: Time limit in steps.
+        A line contradicts itself if its steps are impossible under the limit, or do not agree with its penalty. Of
+        lines that count up one by one in the same number of steps, as a spreadsheet fills down, the first is usable.
         """
         possible = (self.steps > 0) & (self.steps <= limit) & (self.correct <= self.steps)
         possible &= (self.penalty > 0) == (self.steps >= limit)
@@ -79,10 +74,9 @@ class CellRecalls(NamedTuple):
 
 
 def of_recalls(cell: Cell, recalls: CellRecalls) -> CellSummary:
-    """The summary of recalls of a cell: the thesis's, or ours.
+    """The summary of recalls of a cell: food of all lines, everything else of the usable ones.
 
-    Food is counted in all lines, everything else in the usable ones. Scores are computed as the thesis does: the
-    percentage is cut off, and the penalty subtracted (5.4).
+    Scores are computed as the thesis does: the percentage is cut off, and the penalty subtracted (5.4).
     """
     usable, failed = recalls.usable(cell.limit), recalls.penalty > 0
     right = 100.0 * recalls.correct / np.maximum(recalls.steps, 1.0)
@@ -134,14 +128,14 @@ def usable_lines(cell: Cell) -> list[PrintedRecall]:
 def with_slopes(cells: Sequence[CellSummary]) -> Floats:
     """All statistics of experiments, shape (experiments, len(ALL)), of one summary for each cell of `THESIS`."""
     columns = [value for summary in cells for value in summary]
-    for arena in ARENAS:
+    for arena in FOODS:
         own = [summary for cell, summary in zip(THESIS, cells, strict=True) if cell.arena == arena]
         columns += [own[-1].score - own[0].score, own[-1].food - own[0].food]
     return np.stack(columns, axis=1)
 
 
 def thesis_statistics() -> Floats:
-    """Those of the thesis itself, in the order of `NAMES` and `SLOPES`."""
+    """All statistics of the thesis itself."""
     cells = [of_recalls(cell, printed_recalls(cell, printed_lines(cell))) for cell in THESIS]
     return np.asarray(with_slopes(cells)[0])
 
@@ -158,34 +152,28 @@ def tables_statistics(path: Path) -> Floats:
     The file has the columns of `appendix_a.csv`, or it is `recalls.csv` of `khepera-forage reproduce`, of which the
     first replication under the laboratory's noise counts. The rectangle's tables are not needed.
 
-    Args:
-        path: A CSV file.
-
     Raises:
         ValueError: Another form, or a table of the corridor without the thesis's number of recalls.
     """
     with naming(path):
         text = text_of(path)
+    rows: list[Any] = []
     if text.startswith("table,"):
-        printed = parse_rows(text, str(path), PrintedRecall)
-        lines = [
-            (r.arena, r.episodes, r.file_id, (r.correct, r.total, r.delivered(1), r.points)) for r in printed
-        ]
+        rows = parse_rows(text, str(path), PrintedRecall)
+        numbers = [(row.correct, row.total, row.delivered(1), row.points) for row in rows]
     else:
-        rows = [
-            r
-            for r in parse_rows(text, str(path), RecallRow)
-            if (r.learner, r.noise) == (IMITATOR, LABORATORY)
-        ]
-        lines = [
-            (r.arena, r.episodes, r.file_id, (r.correct, r.steps, r.delivered, r.penalty))
-            for r in rows
-            if r.replication == rows[0].replication
-        ]
+        rows = pick(parse_rows(text, str(path), RecallRow), learner=IMITATOR, noise=LABORATORY)
+        rows = pick(rows, replication=rows[0].replication) if rows else []
+        numbers = [(row.correct, row.steps, row.delivered, row.penalty) for row in rows]
+    places = [(row.arena, row.episodes, row.file_id) for row in rows]
     cells = []
     for cell in THESIS:
         found = [
-            [numbers for *place, numbers in lines if place == [cell.arena, cell.episodes, subset.name]]
+            [
+                own
+                for own, at in zip(numbers, places, strict=True)
+                if at == (cell.arena, cell.episodes, subset.name)
+            ]
             for subset in cell.subsets
         ]
         if cell.arena == "corridor" and {len(own) for own in found} != {cell.recalls}:
