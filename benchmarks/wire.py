@@ -25,7 +25,6 @@ from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.estimates import Table, Value, pick, quantiles, table_of
 from khepera_forage.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
 from khepera_forage.lab.clock import WallClock
-from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_RAISED,
@@ -36,6 +35,7 @@ from khepera_forage.robots.khepera import (
     RobotLost,
     Senses,
 )
+from khepera_forage.robots.real_robot import Fleet
 from khepera_forage.robots.serial.line import LineTooSlow
 from khepera_forage.robots.serial.protocol import BAUD_RATES, seconds_on_wire
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera

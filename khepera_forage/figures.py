@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from khepera_forage.estimates import Estimate
-from khepera_forage.files import NamingFile
+from khepera_forage.files import naming_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,7 +48,7 @@ def save(figure: "Figure", path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.set_dpi(DPI)
     figure.set_facecolor("white")
-    with NamingFile(path):
+    with naming_file(path):
         # `Figure.savefig` would draw everything once more, only for the layout.
         FigureCanvasAgg(figure).print_png(path)  # type: ignore[no-untyped-call]
 

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from io import FileIO
 from pathlib import Path
-from types import TracebackType
 
 
 def utf8(data: bytes) -> bytes:
@@ -21,45 +20,32 @@ def utf8(data: bytes) -> bytes:
     return data.removeprefix(codecs.BOM_UTF8)
 
 
-class NamingFile:
+@contextmanager
+def naming_file(path: str | os.PathLike[str], partial: Path | None = None) -> Iterator[None]:
     """A block whose errors of the operating system name a file, as that of a full disk does not.
 
     Args:
         path: The file that the block writes.
         partial: What the block writes in its place first; errors name `path` instead.
     """
-
-    def __init__(self, path: str | os.PathLike[str], partial: Path | None = None) -> None:
-        self._path, self._unnamed = Path(path), ("None", str(partial))
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if isinstance(error, OSError) and error.errno is not None and str(error.filename) in self._unnamed:
-            raise OSError(error.errno, error.strerror, str(self._path)) from error
+    try:
+        yield
+    except OSError as error:
+        if error.errno is None or str(error.filename) not in ("None", str(partial)):
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from error
 
 
 def write_all(file: FileIO, data: bytes, path: Path) -> None:
-    """Write all bytes at the end of a file or, after an error, none, so that the file ends with a complete line.
+    """Write whole lines at the end of a file without a buffer or, after an error, which names its path, nothing.
 
     A pipe or a device keeps what it has taken.
-
-    Args:
-        file: The file, without a buffer.
-        data: Whole lines.
-        path: Its path, for the error.
-
-    Raises:
-        OSError: The bytes cannot be written. The error names the file.
     """
     end: int | None = None
     with suppress(OSError):
         end = file.tell()
     try:
-        with NamingFile(path):
+        with naming_file(path):
             if file.write(data) != len(data):  # what is left of a full disk
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     except BaseException:
@@ -85,7 +71,7 @@ def replacing(path: Path) -> Iterator[Path]:
     target = Path(os.path.realpath(path))
     partial = target.with_name(f".{target.stem}.{os.getpid()}.part{path.suffix}")
     try:
-        with NamingFile(path, partial):
+        with naming_file(path, partial):
             yield partial
             with suppress(FileNotFoundError):
                 shutil.copymode(target, partial)

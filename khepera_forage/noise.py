@@ -4,9 +4,7 @@ No figure here was fitted to the thesis's result tables. "Assumption" marks a fi
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from itertools import chain
 from typing import Any
 
 SOURCES: dict[str, tuple[str, ...]] = {
@@ -100,10 +98,10 @@ class Noise:
         for source in sources:
             if source not in SOURCES:
                 raise ValueError(f"noise source {source!r} is unknown; allowed: {', '.join(SOURCES)}")
-        others = [_quiet(source) for source in SOURCES if source not in sources]
-        return replace(
-            cls.laboratory() if laboratory is None else laboratory, **dict(chain.from_iterable(others))
-        )
+        quiet = {name: 0 for source in SOURCES.keys() - set(sources) for name in SOURCES[source]}
+        if "cable_loss_factor" in quiet:
+            quiet["cable_loss_factor"] = 1
+        return replace(laboratory or cls.laboratory(), **quiet)
 
     def scaled(self, share: float) -> "Noise":
         """Errors that are `share` times as large. How long a loss lasts and what a cable adds stay the same.
@@ -129,14 +127,7 @@ class Noise:
 
 
 def checked_noise(noise: Any) -> Noise:
-    """The noise that a user asked for.
-
-    Args:
-        noise: A `Noise`, `"laboratory"`, `"none"`, or None for the laboratory's.
-
-    Raises:
-        ValueError: Anything else.
-    """
+    """The noise that a user asked for: a `Noise`, `"laboratory"`, `"none"`, or None for the laboratory's."""
     if isinstance(noise, Noise):
         return noise
     if noise is None or noise == "laboratory":
@@ -144,9 +135,3 @@ def checked_noise(noise: Any) -> Noise:
     if noise == "none":
         return Noise.none()
     raise ValueError(f"noise is {noise!r}; allowed: a Noise, 'laboratory' or 'none'")
-
-
-def _quiet(source: str) -> Iterator[tuple[str, Any]]:
-    """The fields of a source with the values that switch it off."""
-    for name in SOURCES[source]:
-        yield name, 1 if name == "cable_loss_factor" else 0

@@ -40,7 +40,7 @@ from joblib import Parallel, delayed
 
 from khepera_forage.estimates import Table
 from khepera_forage.figures import save
-from khepera_forage.files import NamingFile, replacing
+from khepera_forage.files import naming_file, replacing
 from khepera_forage.option_values import OneLineParser, given_path, processes, progress, whole_number
 from khepera_forage.rollouts.row_files import write_rows
 from khepera_forage.task.decision_versions import CURRENT
@@ -248,7 +248,7 @@ class RowStore:
     def add(self, key: str, rows: Sequence[Any]) -> None:
         """Keep the rows of a unit."""
         self.finished[key] = list(rows)
-        with NamingFile(self._path), self._path.open("ab") as file:
+        with naming_file(self._path), self._path.open("ab") as file:
             file.write(self._line(key))
 
     def write_tables(self, order: Sequence[str]) -> None:
@@ -396,7 +396,7 @@ def write(folder: Path, name: str, page: Page) -> None:
 
 def write_text(path: Path, text: str) -> None:
     """Write a file; an error names it."""
-    with NamingFile(path):
+    with naming_file(path):
         path.write_text(text, encoding="utf-8")
 
 

@@ -19,11 +19,7 @@ Reader = Callable[[str, Any], Any]
 
 
 def content_of(toml: str, parse_float: Callable[[str], Any] = float) -> dict[str, Any]:
-    """The content of a text; `Decimal` as `parse_float` keeps all digits.
-
-    Raises:
-        ValueError: The text is not TOML; the message has the line.
-    """
+    """The content of a text, or a ValueError with the line; `Decimal` as `parse_float` keeps all digits."""
     try:
         return tomllib.loads(toml, parse_float=parse_float)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -31,12 +27,7 @@ def content_of(toml: str, parse_float: Callable[[str], Any] = float) -> dict[str
 
 
 def text_of(path: Path) -> str:
-    """The text of a file.
-
-    Raises:
-        ValueError: It is not UTF-8.
-        OSError: The file cannot be read.
-    """
+    """The text of a file; a ValueError if it is not UTF-8."""
     try:
         return utf8(path.read_bytes()).decode()
     except UnicodeDecodeError as error:

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from khepera_forage.cli.train import ATTEMPTS
 from khepera_forage.envs.arguments import timing_of
 from khepera_forage.envs.laboratories import load_settings
-from khepera_forage.lab.clock import SimulatedClock
 from khepera_forage.lab.operator import Operator
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.serial.line import LineTooSlow
@@ -148,14 +147,14 @@ def laboratory(
     camera = VirtualCamera()
     # OpenCV is below our code: the video source itself is the real one.
     with patch.object(cv2, "VideoCapture", lambda _: Capture(camera)), _opened(path, operator, seed) as lab:
-        simulated = lab.clock
+        wait = lab.clock.wait
 
-        def advance() -> None:
-            simulated.wait()
+        def wait_and_expose() -> None:
+            wait()
             camera.expose(lab.frame_source.newest()[0])
 
-        lab.clock = SimulatedClock(lab.settings.period, advance)
-        yield lab, camera
+        with patch.object(lab.clock, "wait", wait_and_expose):
+            yield lab, camera
 
 
 def _opened(path: Path, operator: Operator, seed: int) -> VirtualLaboratory:

@@ -53,11 +53,8 @@ _CHOICE = (
 class Findings(NamedTuple):
     """What environments find in an arena.
 
-    Attributes:
-        refusal: Why they do not accept it; empty if they do.
-        to_food: Shortest paths from the start to each food object that can be reached.
-        to_home: Shortest paths from each food object to the home, likewise.
-        narrow: Parts of the floor in which a robot cannot turn.
+    The refusal is empty if they accept it. There are shortest paths from the start to each food object that can be
+    reached, and from there to the home, and the parts of the floor in which a robot cannot turn.
     """
 
     refusal: str = ""

@@ -55,13 +55,7 @@ def _size(text: str) -> tuple[int, int]:
 def open_source(
     arguments: argparse.Namespace, paced: bool, size: tuple[int, int] | None = None
 ) -> "FrameSource":
-    """Open the picture source of `--source`.
-
-    Args:
-        arguments: As parsed with `SOURCE`.
-        paced: Whether a virtual camera delivers frames in real time, and a file plays at its own speed.
-        size: Of the frames, unless `--size` is given.
-    """
+    """The picture source of `--source`, which keeps real time if it is `paced`; `size` is that without `--size`."""
     require("khepera-forage camera", "camera")
     if arguments.source == VIRTUAL:
         refuse_ignored(arguments, ["--size", "--rate", "--exposure", "--focus"], "with a camera")

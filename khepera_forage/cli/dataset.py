@@ -4,34 +4,63 @@ import argparse
 import os
 import re
 import shutil
-from collections.abc import Mapping, Sequence, Set
-from contextlib import closing
+from collections import Counter
+from collections.abc import Sequence, Set
 from typing import Any
 
 import numpy as np
 
+from khepera_forage import __version__
 from khepera_forage.cli import options
 from khepera_forage.cli.options import command, flag, option
 from khepera_forage.envs.arena_settings import settings_of
 from khepera_forage.envs.paired_arenas_v1 import raw_env
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.experience import Experience
-from khepera_forage.experience.data_card import CARD, Origin, data_card
 from khepera_forage.experience.experience import experience_files
+from khepera_forage.experience.text_format import header_decisions_text
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
 from khepera_forage.option_values import given_path, progress, whole_number
-from khepera_forage.rollouts.raw_episodes import LearnerRecorder, RawEpisode, teacher_alone
-from khepera_forage.rollouts.training import train
+from khepera_forage.rollouts.raw_episodes import RawEpisode, recorded
 from khepera_forage.sim.arena import Arena
-from khepera_forage.task.states import FoodType
+from khepera_forage.task.states import FoodType, StateVector
 
+CARD = "README.md"
+"""Name of the card's file in the folder of the dataset."""
 FOLDER_VARIABLE = "MINARI_DATASETS_PATH"
 EPISODES = 10
 SIMULATED = """Teacher and learner were simulated in copies of the arena {arena}, with pymunk and the noise of the
 thesis's laboratory. The teacher of section 4.4 foraged for {food}, and the learner listened."""
-ALONE = """The teacher of section 4.4 was simulated alone in the arena {arena}, with pymunk and the noise of the
+TEACHER_ONLY = """The teacher of section 4.4 was simulated alone in the arena {arena}, with pymunk and the noise of the
 thesis's laboratory. It foraged for {food}, from random places."""
+MEANINGS = {
+    "object_presence": "1 if an object is in the gripper's light barrier, else 0",
+    "robot_home_distance": "distance from home, in pixels of 5 mm",
+    "food_type": "0 unknown, 1 pickable, 2 pushable, 3 poisonous",
+    "arms_height": "position of the arm: 255 is down, 215 is raised",
+    "robot_food_distance": "distance from the nearest food, in pixels of 5 mm",
+}
+"""Of the attributes of `StateVector`."""
+TAUGHT = """Experience of a learner robot that was taught to forage by imitation: at every step what it perceived, and
+what it heard of the teacher, or did."""
+ALONE = "Episodes of the teacher, which forages alone."
+RAW = """An observation is the raw data (thesis, 4.2.2), and an action the motors as applied: left wheel, right wheel,
+arm and jaw, each -1..1, both as in `CorridorWheels-v1`. Every round is in the data. `infos["heard"]` is the behaviour
+heard, or executed, in it (thesis, table 4.1; 10 is silence). Those that occur:"""
+REWARDS = """Rewards are those of the environment: -1/limit a round, +1 for food that the robot delivers, -1 for poison
+that it brings home. With state vectors, rounds in which nothing was heard count for the step before."""
+VECTORS = """An observation is the state vector (thesis, 4.3):
+
+| attribute | meaning |
+|---|---|
+{attributes}
+
+An action is a behaviour (thesis, table 4.1). Those that occur:"""
+STEERS = (
+    "The learner steers to stay beside the teacher: the data are not those of a robot that forages alone."
+)
+UNKNOWN_REWARDS = "Rewards are 0, because experience files contain none."
 
 
 def _dataset_name(text: str) -> str:
@@ -73,7 +102,7 @@ def dataset_command(arguments: argparse.Namespace) -> None:
         _write_protocol(arguments)
         return
     arena = options.arena_of(arguments)
-    recorded: dict[str, Any] = {}
+    more: dict[str, Any] = {}
     if arguments.experience:
         ignored = ["--episodes", "--food-type", "--wheels", "--alone"]
         options.refuse_ignored(arguments, ignored, "without --experience")
@@ -84,16 +113,16 @@ def dataset_command(arguments: argparse.Namespace) -> None:
     else:
         arena_name = arena if isinstance(arena, str) else arena.name
         name = _new_name(arguments, _default_name(arguments, {arena_name}))
-        text = ALONE if arguments.alone else SIMULATED
+        text = TEACHER_ONLY if arguments.alone else SIMULATED
         procedure = text.format(arena=arena_name, food=food_in_training(arguments, arena))
         parts, raw = zip(*_recorded(arguments, arena), strict=True)
         if arguments.wheels:
-            recorded["episodes"] = raw
+            more["episodes"] = raw
         else:
-            recorded["rewards"] = [episode.rewards_of_vectors for episode in raw]
-            recorded["truncated"] = [episode.truncated for episode in raw]
+            more["rewards"] = [episode.rewards_of_vectors for episode in raw]
+            more["truncated"] = [episode.truncated for episode in raw]
     known = None if arguments.experience and not arguments.arena else arena
-    _write(arguments, name, parts, procedure, recorded, arguments.alone, known)
+    _write(arguments, name, parts, procedure, arguments.alone, arena=known, **more)
 
 
 def _write_protocol(arguments: argparse.Namespace) -> None:
@@ -106,9 +135,9 @@ def _write_protocol(arguments: argparse.Namespace) -> None:
 
     for name, made in datasets(arguments.seed, arguments.episodes).items():
         _new_name(arguments, name)
-        about, parts, recorded = made()
+        about, parts, more = made()
         procedure = f"Data of the protocol {name.split('/')[0]}: {about}"
-        _write(arguments, name, parts, procedure, recorded, "alone" in name)
+        _write(arguments, name, parts, procedure, "alone" in name, **more)
 
 
 def _write(
@@ -116,32 +145,107 @@ def _write(
     name: str,
     parts: Sequence[Experience],
     procedure: str,
-    recorded: Mapping[str, Any],
     alone: bool,
-    arena: str | Arena | None = None,
+    **more: Any,
 ) -> None:
-    """Write a dataset and its card, and say where they are; `recorded` are further arguments of `to_minari`."""
+    """Write a dataset and its card, and say where they are; `more` are further arguments of `to_minari`."""
     folder = arguments.out.resolve()
     # Minari has no other way to choose a folder.
     os.environ[FOLDER_VARIABLE] = str(folder)
     from khepera_forage.experience.minari import to_minari
 
-    given = arguments.command_line, procedure, arguments.licence, arguments.author
-    steps = [len(episode.actions) for episode in recorded.get("episodes", ())]
-    seed = None if arguments.experience else arguments.seed
-    origin = Origin(*given, seed, "episodes" in recorded, steps, alone)
-    about = {"author": arguments.author, "description": procedure, **recorded}
+    has_wheels = "episodes" in more
+    steps = [len(episode.actions) for episode in more["episodes"]] if has_wheels else [*map(len, parts)]
     folder /= name
+    about = {"author": arguments.author, "description": procedure, **more}
     try:
-        to_minari(parts, name, arena=arena, allow_other_decisions=arguments.allow_other_decisions, **about)
+        to_minari(parts, name, allow_other_decisions=arguments.allow_other_decisions, **about)
         with replacing(folder / CARD) as path:
-            path.write_text(data_card(name, parts, origin), encoding="utf-8")
+            text = _card(arguments, name, parts, procedure, steps, has_wheels, alone)
+            path.write_text(text, encoding="utf-8")
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)  # Minari leaves an incomplete dataset.
         raise
-    print(f"{name}: {len(parts)} episodes, {sum(steps or map(len, parts)):,} steps, in {arguments.out}")
+    print(f"{name}: {len(parts)} episodes, {sum(steps):,} steps, in {arguments.out}")
     print(f"data card: {arguments.out / name / CARD}")
     print(f"to load it: {FOLDER_VARIABLE}={arguments.out} and minari.load_dataset({name!r})")
+
+
+def _card(
+    arguments: argparse.Namespace,
+    name: str,
+    parts: Sequence[Experience],
+    procedure: str,
+    steps: Sequence[int],
+    has_wheels: bool,
+    alone: bool,
+) -> str:
+    """The data card: what a dataset contains, how it was made, and under which licence, as Markdown."""
+    heard = Counter(behaviour for part in parts for behaviour in part.behaviours)
+    decisions = " and ".join(sorted({header_decisions_text(part.decisions) for part in parts}))
+    seeds = ", ".join(str(part.seed) for part in parts)
+    behaviours = "\n".join(
+        f"| {int(behaviour)} | {behaviour.name} | {count:,} | {100 * count / heard.total():.1f} |"
+        for behaviour, count in sorted(heard.items())
+    )
+    loading = "episodes = from_minari(dataset)  # or dataset.iterate_episodes()"
+    rewards = UNKNOWN_REWARDS if arguments.experience else REWARDS
+    if has_wheels:
+        observed = RAW
+        loading = (
+            f'episodes = minari.load_dataset("{name}").iterate_episodes()  # observations, actions, rewards'
+        )
+    else:
+        attributes = "\n".join(f"| `{name}` | {MEANINGS[name]} |" for name in StateVector._fields)
+        observed = VECTORS.format(attributes=attributes)
+        rewards += "\nThe last observation of each episode is repeated."
+    rewards += "\nThe last step of an episode terminates, or truncates where it was out of time."
+    if not alone:
+        rewards += f"\n{STEERS}"
+    return f"""# {name}
+
+{ALONE if alone else TAUGHT} The task is that of Gatsoulis, *Learning Through Imitation for Mobile Robots*
+(MSc thesis, University of Edinburgh, 2001), as `khepera_forage` {__version__} re-creates it.
+
+## Contents
+
+| | |
+|---|---|
+| episodes | {len(parts)} |
+| steps | {sum(steps):,}; {min(steps)} to {max(steps)} an episode |
+| arena | {", ".join(sorted({part.arena for part in parts}))} |
+| author | {arguments.author} |
+| licence | {arguments.licence} |
+
+{observed}
+
+| action | behaviour | steps | % |
+|---|---|---:|---:|
+{behaviours}
+
+{rewards}
+
+## Procedure
+
+{procedure}
+Episodes that were not completed are not in the data (thesis, 5.2).
+
+- Decisions, that is, readings of what the thesis leaves open: `{decisions}`.
+- Seed: {"that of each file" if arguments.experience else arguments.seed}. Seeds of the episodes: {seeds}.
+- Command: `{arguments.command_line}`
+
+## Use
+
+```python
+import minari
+
+from khepera_forage.experience.minari import from_minari
+
+dataset = minari.load_dataset("{name}")  # with MINARI_DATASETS_PATH set to the folder above
+{loading}
+env = dataset.recover_environment()  # where a learner can forage alone
+```
+"""
 
 
 def _default_name(arguments: argparse.Namespace, arenas: Set[str]) -> str:
@@ -167,18 +271,9 @@ def food_in_training(arguments: argparse.Namespace, arena: str | Arena) -> str:
 
 
 def _recorded(arguments: argparse.Namespace, arena: str | Arena) -> list[tuple[Experience, RawEpisode]]:
+    given: dict[str, Any] = {"decisions": options.decisions_of(arguments)}
+    if arguments.food_type:
+        given["food_types"] = arguments.food_type
+    env = WheelsEnv(**(settings_of(arena) | given)) if arguments.alone else raw_env(arena, **given)
     seeds = np.random.SeedSequence(arguments.seed).spawn(arguments.episodes or EPISODES)
-    decisions = options.decisions_of(arguments)
-    if arguments.alone:
-        settings = settings_of(arena) | {"decisions": decisions}
-        if arguments.food_type:
-            settings["food_types"] = arguments.food_type
-        with closing(WheelsEnv(**settings)) as alone:
-            numbers = [int(each.generate_state(1)[0]) for each in seeds]
-            return [teacher_alone(alone, number) for number in progress(numbers, unit="episode")]
-    with closing(raw_env(arena, food_types=arguments.food_type, decisions=decisions)) as env:
-        recorder, found = LearnerRecorder(env), []
-        for each in progress(seeds, unit="episode"):
-            experience, _ = train(env, each, teacher=recorder, callback=recorder)
-            found.append((experience, recorder.episode()))
-        return found
+    return recorded(env, progress(seeds, unit="episode"))

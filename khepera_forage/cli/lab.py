@@ -5,13 +5,13 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from khepera_forage.cli.main import main
 from khepera_forage.cli.options import Group, command, option
 from khepera_forage.envs.laboratories import TAG_SIZE, load_settings
 from khepera_forage.extras import require
 from khepera_forage.lab.settings_file import LabSettings, RobotSettings
-from khepera_forage.robots.drivers import open_robot
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.model import MODELS, TOIO
 from khepera_forage.robots.toio.driver import ToioRobot, find_cubes
@@ -45,17 +45,14 @@ def new_command(arguments: argparse.Namespace) -> int:
         f"{_found(is_mat)}\n{'Names' if is_mat else 'Ports'}, the teacher first, separated by spaces: "
     )
     ports = ports.split() if isinstance(ports, str) else ports
-    works = [
-        _passes(f"robot {port}", partial(_check_robot, RobotSettings(port, "", type=kind))) for port in ports
-    ]
+    works = [_passes(f"robot {port}", _check_robot, RobotSettings(port, "", type=kind)) for port in ports]
     foods, camera, calibration = arguments.food_cube, arguments.camera, arguments.calibration
     if is_mat:
         if foods is None:
             question = "Names of the food cubes, one per robot (Enter if a person places the food): "
             foods = _answer(question, "").split()
         works += [
-            _passes(f"food cube {port}", partial(_check_robot, RobotSettings(port, "", type=kind)))
-            for port in foods
+            _passes(f"food cube {port}", _check_robot, RobotSettings(port, "", type=kind)) for port in foods
         ]
     elif camera is None:
         camera = _answer("Camera (a number, a file or a URL): ")
@@ -63,10 +60,10 @@ def new_command(arguments: argparse.Namespace) -> int:
     settings = _written(out, text(calibration))
     if not is_mat:
         picture = out.with_suffix(".png")
-        if _passes("picture", partial(_save_picture, settings, picture)) and calibration is None:
+        if _passes("picture", _save_picture, settings, picture) and calibration is None:
             calibration = _calibrated(camera, settings)
             settings = _written(out, text(calibration))
-        works.append(_passes("camera", partial(_check_camera, settings)))
+        works.append(_passes("camera", _check_camera, settings))
         if calibration is None:
             print("next: khepera-forage camera calibrate; name its file as calibration under [camera]")
     print(f"{out} is written")
@@ -165,21 +162,21 @@ def check_command(arguments: argparse.Namespace) -> int:
     """Check a laboratory in order: file, robots, camera."""
     settings = load_settings(arguments.file)
     print(f"{arguments.file}: {len(settings.robots)} robots, arena {settings.arena.name}", flush=True)
-    results = [_passes(f"robot {r.name}", partial(_check_robot, r, settings.period)) for r in settings.robots]
+    results = [_passes(f"robot {r.name}", _check_robot, r, settings.period) for r in settings.robots]
     for port in settings.food_cubes:
         food = RobotSettings(port, "food", type=settings.robots[0].type)
-        results.append(_passes(f"food cube {port}", partial(_check_robot, food, settings.period)))
+        results.append(_passes(f"food cube {port}", _check_robot, food, settings.period))
     if not settings.has_mat:
-        results.append(_passes("camera", partial(_check_camera, settings)))
+        results.append(_passes("camera", _check_camera, settings))
     failed = results.count(False)
     print("all is well" if not failed else f"{failed} to repair; begin with the first", flush=True)
     return 1 if failed else 0
 
 
-def _passes(name: str, check: Callable[[], str]) -> bool:
+def _passes(name: str, check: Callable[..., str], *about: Any) -> bool:
     """Check a part, and print what `check` found or the error that it raised."""
     try:
-        verdict, found = "pass", check()
+        verdict, found = "pass", check(*about)
     except (OSError, ValueError, ImportError) as error:
         verdict, found = "FAIL", str(error)
     print(f"{name:24s} {verdict}   {found}", flush=True)
@@ -188,9 +185,7 @@ def _passes(name: str, check: Callable[[], str]) -> bool:
 
 def _check_robot(entry: RobotSettings, period: float = CONTROL_PERIOD) -> str:
     """Open a robot and flash its lamps."""
-    with open_robot(
-        entry.type, entry.port, timeout=entry.timeout, watchdog=entry.watchdog, period=period, baud=entry.baud
-    ) as robot:
+    with entry.open(period) as robot:
         robot.receive()
         robot.flash()
         if isinstance(robot, ToioRobot):

@@ -144,11 +144,7 @@ ALLOW_OTHER_DECISIONS = flag(
 
 
 def refuse_ignored(arguments: argparse.Namespace, options: Sequence[str], where: str) -> None:
-    """Refuse options that were given (are not None, False or empty) but have an effect only `where`.
-
-    Raises:
-        ValueError: One of them was given.
-    """
+    """Refuse options that were given (are not None, False or empty) but have an effect only `where`."""
     for name in options:
         value = getattr(arguments, name.removeprefix("--").replace("-", "_"), None)
         if value is not None and value is not False and value != []:  # 0 is a value that was given
@@ -166,11 +162,7 @@ def refuse_ignored_in_laboratory(arguments: argparse.Namespace) -> None:
 
 
 def check_ending(path: Path, endings: Iterable[str]) -> None:
-    """Refuse a name of `--out` with another ending.
-
-    Raises:
-        ValueError: It has another one.
-    """
+    """Refuse a name of `--out` with another ending."""
     if path.suffix.lower() not in endings:
         raise ValueError(f"--out is {str(path)!r}; allowed: a name that ends in {', '.join(endings)}")
 

@@ -5,6 +5,7 @@ import itertools
 import warnings
 from collections.abc import Callable
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -109,21 +110,9 @@ def _rows(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow]:
 
 def _forage(env: BehavioursEnv, arguments: argparse.Namespace) -> Callable[..., RecallRow]:
     """A recall by a seed, with the policy that the arguments choose."""
-    policy, name, size = _policy(arguments, env)
-
-    def forage(seed: int, **settings: Any) -> RecallRow:
-        noise = arguments.noise or "laboratory"
-        return recall_rollouts.recall(
-            env, policy, seed, learner=name, noise=noise, experience_size=size, **settings
-        )
-
-    return forage
-
-
-def _policy(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, str, int]:
-    """The policy that forages, its name in rows, and its number of experience vectors."""
+    forage = partial(recall_rollouts.recall, env, noise=arguments.noise or "laboratory")
     if not arguments.experience:
-        return Teacher.of(env), TEACHER, 0
+        return partial(forage, Teacher.of(env), learner=TEACHER, experience_size=0)
     name = arguments.learner or IMITATOR
     learner = _learner(name)
     with warnings.catch_warnings(record=True) as recovered:
@@ -138,12 +127,14 @@ def _policy(arguments: argparse.Namespace, env: BehavioursEnv) -> tuple[Policy, 
         if issubclass(warning.category, ExperienceWarning):
             print(warning.message)
     vectors, behaviours = experience.arrays()
+    policy: Policy
     if name == IMITATOR:
         imitator = NearestNeighbourImitator(env.diagonal, arithmetic=env.decisions.distance_arithmetic)
-        return imitator.fit(vectors, behaviours), name, len(behaviours)
-    with own_errors(f"--learner {name}"):
-        policy = learner.learn(vectors, behaviours, env.diagonal, arguments.seed)
-    return policy, name, len(behaviours)
+        policy = imitator.fit(vectors, behaviours)
+    else:
+        with own_errors(f"--learner {name}"):
+            policy = learner.learn(vectors, behaviours, env.diagonal, arguments.seed)
+    return partial(forage, policy, learner=name, experience_size=len(behaviours))
 
 
 def _learner(name: str) -> OfflineImitation:

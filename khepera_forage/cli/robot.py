@@ -39,12 +39,8 @@ _REST_READINGS = 3
 """Equal readings in a row, 0.1 s apart, that count as standing still."""
 _MAX_SECONDS = 60.0
 """Longest drive of one command: an operator does not watch a robot for longer."""
-_GRIPPER_COMMANDS = {
-    "open": ("T,1,D", 0),
-    "close": ("T,1,D", 1),
-    "raise": ("T,1,E", ARM_RAISED),
-    "lower": ("T,1,E", ARM_DOWN),
-}
+_JAW, _ARM = "T,1,D", "T,1,E"
+_MOVEMENTS = {"open": (_JAW, 0), "close": (_JAW, 1), "raise": (_ARM, ARM_RAISED), "lower": (_ARM, ARM_DOWN)}
 _ROUND_TRIPS = 10
 """Measurements of each response time."""
 _NAMES = ("left 90", "left 45", "left 10", "right 10", "right 45", "right 90", "back right", "back left")
@@ -105,8 +101,10 @@ def open_serial_robot(arguments: argparse.Namespace) -> SerialRobot:
     return robot
 
 
-def wait_for_rest(robot: SerialRobot, is_arm: bool) -> int:
-    """Wait until the arm or the jaw stands still, at most 4 s; returns its position."""
+def moved(robot: SerialRobot, command: str, value: int) -> int:
+    """The position at which the arm or the jaw stands still after a command, or where it is after 4 s."""
+    robot.request(command, value)
+    is_arm = command == _ARM
     end = time.monotonic() + _REST_TIMEOUT
     last, equal = math.nan, 0
     while True:
@@ -255,19 +253,17 @@ def drive_command(arguments: argparse.Namespace) -> None:
     print(f"left {left} pulses, {left_mm:.0f} mm; right {right} pulses, {right_mm:.0f} mm")
 
 
-@command(*PORT, option("action", "the movement", choices=tuple(_GRIPPER_COMMANDS)))
+@command(*PORT, option("action", "the movement", choices=tuple(_MOVEMENTS)))
 def grip_command(arguments: argparse.Namespace) -> None:
     """Open, close, raise or lower the gripper."""
     model = MODELS[arguments.robot]
     if not model.has_gripper:
         raise ValueError(f"--robot {model.name} has no gripper; allowed: {KHEPERA.name}")
     with open_serial_robot(arguments) as robot:
-        command, value = _GRIPPER_COMMANDS[arguments.action]
-        robot.request(command, value)
-        is_arm = command == "T,1,E"
-        position = wait_for_rest(robot, is_arm)
+        command, value = _MOVEMENTS[arguments.action]
+        position = moved(robot, command, value)
         (barrier,) = robot.request("T,1,G")
-        print(f"{'arm' if is_arm else 'jaw'} at {position}, barrier {barrier}")
+        print(f"{'arm' if command == _ARM else 'jaw'} at {position}, barrier {barrier}")
 
 
 class CheckError(Exception):
@@ -318,16 +314,16 @@ def _mat(robot: ToioRobot) -> str:
 
 
 def _infra_reds(robot: SerialRobot) -> str:
-    rounds = [_readings(robot, "N") for _ in range(5)]
+    rounds = [robot.request("N") for _ in range(5)]
     highest = MAX_READING if robot.model is KHEPERA else INFRA_RED.high
     if any(set(readings) == {highest} for readings in rounds):
         raise CheckError(f"all eight read {rounds[0][0]}")
-    medians = [int(statistics.median(column)) for column in zip(*rounds, strict=True)]
+    medians = [int(statistics.median(map(int, column))) for column in zip(*rounds, strict=True)]
     return f"proximity {' '.join(map(str, medians))}"
 
 
 def _light(robot: SerialRobot) -> str:
-    light = _readings(robot, "O")
+    light = [int(value) for value in robot.request("O")]
     if max(light) == 0:
         raise CheckError("all eight read 0, the value of the brightest light")
     return f"{min(light)}..{max(light)} (about 500 is dark)"
@@ -372,8 +368,7 @@ def _counters(robot: RealRobot) -> tuple[int, int]:
 def _arm(robot: SerialRobot) -> str:
     positions = []
     for target in (ARM_RAISED, _LOWERED, ARM_RAISED):
-        robot.request("T,1,E", target)
-        positions.append(wait_for_rest(robot, True))
+        positions.append(moved(robot, _ARM, target))
         if abs(positions[-1] - target) > _ARM_TOLERANCE:
             raise CheckError(f"sent to {target}, it stopped at {positions[-1]}")
     return f"at {', '.join(map(str, positions))}"
@@ -382,8 +377,7 @@ def _arm(robot: SerialRobot) -> str:
 def _jaw(robot: SerialRobot) -> str:
     positions = []
     for closed, target in ((1, JAW_CLOSED), (0, JAW_OPEN)):
-        robot.request("T,1,D", closed)
-        positions.append(wait_for_rest(robot, False))
+        positions.append(moved(robot, _JAW, closed))
         if abs(positions[-1] - target) > _JAW_TOLERANCE:
             raise CheckError(
                 f"{'closed' if closed else 'opened'}, it stopped at {positions[-1]}; expected: about {target}"
@@ -418,10 +412,6 @@ def _line(robot: SerialRobot) -> str:
     if counts.timeouts + counts.garbled + counts.rejected + counts.restarts:
         raise CheckError(f"{counts}")
     return f"{counts.sent} requests, all answered"
-
-
-def _readings(robot: SerialRobot, command: str) -> list[int]:
-    return [int(value) for value in robot.request(command)]
 
 
 _SERIAL: dict[str, Callable[[Any], str]] = {

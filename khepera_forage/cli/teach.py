@@ -5,7 +5,7 @@ import shlex
 import time
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,8 +18,8 @@ from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.extras import require
 from khepera_forage.option_values import real_number
-from khepera_forage.policies import Observation, Teacher
-from khepera_forage.policies.policy import SEPARATED, is_training
+from khepera_forage.policies import Teacher
+from khepera_forage.policies.policy import SEPARATED
 from khepera_forage.rollouts import training
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.task.states import Behaviour
@@ -53,14 +53,7 @@ SEPARATED_WARNING = "The learner is separated: wait until it is back; keys have 
 
 
 class Caption(NamedTuple):
-    """What is written under the picture, above the keys.
-
-    Attributes:
-        message: What happens now, and which keys to press.
-        warning: Whether the message is a warning.
-        held: The behaviour whose key is held, if any.
-        last: The behaviour chosen last, if any.
-    """
+    """What is written under the picture: a message, and the behaviours whose key is held, and was chosen last."""
 
     message: str = CHOOSE
     warning: bool = False
@@ -82,17 +75,10 @@ class HumanTeacher:
     While the learner is separated the teacher WAITs (4.5) and keys have no effect. Every attempt begins with Enter,
     so that a key held since the previous attempt chooses nothing.
 
-    Args:
-        env: The training environment, which is shown to the person.
-        window: Shows it, and has the keys.
-        episodes: Number of episodes to teach, for the title.
-        pace: Rounds a second while a key is held.
-        hints: Show the state of table 4.1, which determines what the hand-coded teacher would do.
-
     Attributes:
         episode: Number of the current episode, from 1.
-        choices: Number of behaviours chosen in this attempt, without WAIT.
-        agreed: Number of choices that agree with the hand-coded teacher on the same state vector.
+        choices: Behaviours chosen in this attempt, without WAIT.
+        agreed: Choices that agree with the hand-coded teacher on the same state vector.
         news: Message shown at the beginning of the next attempt.
     """
 
@@ -110,22 +96,8 @@ class HumanTeacher:
         self._pressed: dict[str, Behaviour] = {}  # in the order in which the keys were pressed
         self._due = 0.0
 
-    def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
-        """The behaviour that the person chooses for this round; WAIT while the learner is separated.
-
-        Args:
-            observation: Of the teacher in the training environment.
-            rng: Not used.
-
-        Raises:
-            ValueError: Not an observation of a training environment.
-            RestartRequest: Backspace: the person discards this attempt.
-            QuitRequest: Escape, or the window was closed: the person ends the teaching.
-        """
-        if not is_training(observation):
-            raise ValueError(
-                f"observation is {observation!r}; allowed: seven integers of a training environment"
-            )
+    def act(self, observation: Any, rng: np.random.Generator | None = None) -> Behaviour:
+        """The behaviour that the person chooses for this round; WAIT while the learner is separated."""
         self._update_view()
         if self._env.infos[TEACHER]["steps"] == 0:
             self.choices = self.agreed = 0
@@ -174,25 +146,26 @@ class HumanTeacher:
 
     def _confirm(self) -> None:
         """Wait for Enter, and forget the keys pressed before it."""
-        while True:
-            key, down = self._window.wait() or ("", False)
-            if down and key == QUIT:
-                raise QuitRequest
-            if down and key in CONFIRM:
-                self._pressed.clear()
-                self._caption = self._caption._replace(held=None, last=None)
-                return
+        while self._event() not in ((CONFIRM[0], True), (CONFIRM[1], True)):
+            pass
+        self._pressed.clear()
+        self._caption = self._caption._replace(held=None, last=None)
+
+    def _event(self, timeout: float | None = None) -> tuple[str, bool] | None:
+        """The next key, and whether it goes down; None if there is none in time."""
+        event = self._window.wait(timeout)
+        if event == (QUIT, True):
+            raise QuitRequest
+        return event
 
     def _next_key(self, waits: bool) -> tuple[Behaviour | None] | None:
         """The behaviour, if any, that the next key event chooses; None if there is none before the round is due."""
-        event = self._window.wait(None if waits else max(0.0, self._due - time.monotonic()))
+        event = self._event(None if waits else max(0.0, self._due - time.monotonic()))
         if event is None:
             return None
-        key, down = event
-        if down and key == QUIT:
-            raise QuitRequest
-        if down and key == RESTART:
+        if event == (RESTART, True):
             raise RestartRequest
+        key, down = event
         self._pressed.pop(key, None)
         chosen = (self._caption.last if key == REPEAT else BEHAVIOUR_OF.get(key)) if down else None
         if chosen is not None:

@@ -10,15 +10,11 @@ from khepera_forage.envs.rendering.panel import sentence_case
 from khepera_forage.envs.rendering.picture import GAP, Painter
 from khepera_forage.task.states import Behaviour
 
-COLUMNS = 5
 OTHER_KEYS = "Space: repeat · Backspace: begin again · Esc: end"
 """Written beside the message, if both fit."""
-MESSAGE_HEIGHT, ROW_HEIGHT = 36, 38
-"""Heights in pixels of the message bar and of a row of keys."""
-KEY_CAP = 28
-"""Side of a key cap in pixels."""
+COLUMNS, MESSAGE_HEIGHT, ROW_HEIGHT, KEY_CAP = 5, 36, 38, 28
+"""Keys in a row; heights in pixels of the message bar and of a row, and the side of a key cap."""
 LETTER_SIZE, NAME_SIZE, MESSAGE_SIZE, HINT_SIZE = 20, 18, 20, 16
-"""Sizes of text."""
 
 
 class TeachingWindow(Window):

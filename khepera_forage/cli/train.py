@@ -25,13 +25,7 @@ ATTEMPTS = "attempts.csv"
 
 
 class PlannedFile(NamedTuple):
-    """An experience file to be made.
-
-    Attributes:
-        number: From 1.
-        path: g1.csv, g2.csv, ...
-        seed: Of its training. It does not depend on how many files there are.
-    """
+    """An experience file to be made: g1.csv, g2.csv, ...; its seed does not depend on how many files there are."""
 
     number: int
     path: Path
@@ -45,11 +39,7 @@ def planned_files(folder: Path, episodes: int, seed: int) -> list[PlannedFile]:
 
 
 def require_new(files: list[PlannedFile], otherwise: str) -> None:
-    """Refuse files that are there already.
-
-    Raises:
-        FileExistsError: One is; the message ends with what the user can do `otherwise`.
-    """
+    """Refuse files that are there already; the message ends with what the user can do `otherwise`."""
     for file in files:
         if file.path.exists():
             raise FileExistsError(f"{file.path} exists; {otherwise}")

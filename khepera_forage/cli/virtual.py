@@ -15,7 +15,7 @@ from khepera_forage.option_values import whole_number
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS
 from khepera_forage.robots.serial.protocol import BAUD_RATES
-from khepera_forage.robots.virtual.firmware import EPuckFirmware, Firmware
+from khepera_forage.robots.virtual.firmware import FIRMWARES
 from khepera_forage.robots.virtual.virtual_khepera import FAULTS, Faults, VirtualKhepera
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
@@ -51,7 +51,7 @@ from khepera_forage.task.decisions import DEFAULT_DECISIONS
     option(
         "--robot",
         f"kind of robot ({KHEPERA.name})",
-        choices=(KHEPERA.name, E_PUCK.name),
+        choices=tuple(FIRMWARES),
         default=KHEPERA.name,
     ),
     seed("seed of the simulation and of the faults"),
@@ -69,8 +69,7 @@ def virtual_command(arguments: argparse.Namespace) -> None:
     world = PymunkWorld([arena], (decisions.recall_marker,), timing=timing, model=MODELS[arguments.robot])
     world.reset(world_rng, Layout((arena.start,), arena.foods))
     lock = threading.RLock()
-    is_khepera = arguments.robot == KHEPERA.name
-    firmware = Firmware(world.robots[0], lock) if is_khepera else EPuckFirmware(world.robots[0], lock)
+    firmware = FIRMWARES[arguments.robot](world.robots[0], lock)
     baud = arguments.baud if arguments.baud is not None else firmware.protocol.baud
     due, overruns = time.monotonic(), 0
     with (
@@ -79,7 +78,7 @@ def virtual_command(arguments: argparse.Namespace) -> None:
             firmware, tcp=arguments.tcp, baud=baud or None, faults=faults, rng=fault_rng
         ) as khepera,
     ):
-        name = "Khepera" if is_khepera else E_PUCK.name
+        name = "Khepera" if arguments.robot == KHEPERA.name else E_PUCK.name
         print(f"a virtual {name} at {khepera.url}; Ctrl-C ends it", flush=True)
         while khepera.connected and not signals:
             due += CONTROL_PERIOD

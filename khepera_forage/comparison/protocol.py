@@ -6,7 +6,6 @@ not change; another protocol gets another name. `docs/protocol.md` describes it.
 
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import count
@@ -50,9 +49,9 @@ from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.features import wheels_features
 from khepera_forage.policies.learners import LEARNERS, OfflineImitation, ReinforcementLearner
 from khepera_forage.rollouts.compiled.training import train_learners
-from khepera_forage.rollouts.raw_episodes import LearnerRecorder, RawEpisode, teacher_alone
+from khepera_forage.rollouts.raw_episodes import RawEpisode, recorded
 from khepera_forage.rollouts.recall import recall_wheels_env
-from khepera_forage.rollouts.training import IncompleteTrainingError, train
+from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
@@ -264,8 +263,8 @@ class Learning(NamedTuple):
                 return rows[0].steps, found
             case None:
                 most = max(TRACKS[WHEELS].amounts[self.condition])
-                recorded = _recorded(self.condition, min(self.amount, most), self.seed, number)
-                episodes = [raw for _, raw in recorded]
+                pairs = _recorded(self.condition, min(self.amount, most), self.seed, number)
+                episodes = [raw for _, raw in pairs]
                 return sum(len(one.actions) for one in episodes), recalls_on_wheels(
                     wheels_learner(self.name, episodes, own % 2**31), seeds
                 )
@@ -365,16 +364,7 @@ def wheels_learner(
 def _recorded(data: str, amount: int, seed: int, replication: int) -> list[tuple[Experience, RawEpisode]]:
     """The first raw episodes of a replication."""
     keys = np.random.SeedSequence(seed, spawn_key=(5, replication)).spawn(amount)
-    if data == ALONE:
-        alone = recall_wheels_env(CORRIDOR)
-        return [teacher_alone(alone, int(key.generate_state(1)[0])) for key in keys]
-    found = []
-    with closing(TrainingEnv()) as env:
-        recorder = LearnerRecorder(env)
-        for key in keys:
-            experience, _ = train(env, key, teacher=recorder, callback=recorder)
-            found.append((experience, recorder.episode()))
-    return found
+    return recorded(recall_wheels_env(CORRIDOR) if data == ALONE else TrainingEnv(), keys)
 
 
 def _seed(seed: int, *purpose: int) -> int:

@@ -1,6 +1,5 @@
 """What a learner records (4.5): its state vector and the behaviour it heard, in each round with a behaviour."""
 
-import os
 from collections.abc import Iterable, Iterator, Sequence
 from os import PathLike
 from pathlib import Path
@@ -11,13 +10,11 @@ from numpy.typing import NDArray
 
 from khepera_forage.experience.text_format import (
     ExperienceError,
+    ExperienceWriter,
     checked_header,
     checked_row,
-    closing_line,
     header_decisions_text,
-    header_text,
     read,
-    row_text,
 )
 from khepera_forage.files import replacing
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, differences
@@ -36,13 +33,7 @@ class Experience:
         decisions: Of the training, such as `env.decisions`; the defaults by default; None if experience of different
             decisions was joined.
 
-    Attributes:
-        vectors: The state vectors.
-        behaviours: The behaviours.
-        arena: Name of the arena.
-        seed: Seed of the training; None if unknown or if experience of different seeds was joined.
-        episodes: Number of training episodes.
-        decisions: Of the training; None if experience of different decisions was joined.
+    Attributes: as the arguments; a seed is None if it is unknown, or if experience of different seeds was joined.
 
     Raises:
         ExperienceError: The numbers of vectors and behaviours differ, or a value is out of range.
@@ -152,25 +143,18 @@ class Experience:
         )
 
     def require_decisions(self, decisions: Decisions | None) -> None:
-        """Check that this experience was recorded under certain decisions, such as those of an environment.
-
-        Raises:
-            ExperienceError: It was recorded under others.
-        """
+        """Raise an ExperienceError unless this was recorded under these decisions, such as `env.decisions`."""
         _require_same(self.decisions, decisions, "")
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write a file, and replace an existing one; an error leaves the existing file unchanged.
-
-        Raises:
-            OSError: The file cannot be written.
-        """
-        text = header_text(checked_header(self.arena, self.seed, self.episodes, self.decisions))
-        text += "".join(row_text(*row) for row in self) + closing_line(len(self))
-        with replacing(Path(path)) as partial, open(partial, "xb") as file:
-            file.write(text.encode())
-            file.flush()
-            os.fsync(file.fileno())
+        """Write a file, and replace an existing one; an OSError leaves the existing file unchanged."""
+        about = self.arena, self.seed, self.episodes
+        with (
+            replacing(Path(path)) as partial,
+            ExperienceWriter(partial, *about, decisions=self.decisions) as writer,
+        ):
+            for row in self:
+                writer.append(*row)
 
     def arrays(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """State vectors of shape (n, 5) and behaviours of shape (n,), as new arrays."""

@@ -26,9 +26,6 @@ from khepera_forage.sim.arenas.procedural import LEVELS, SPLITS, level_of
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, StateVector
 
-FLAT = ("object_presence", "food_type")
-"""Attributes that are a number in observations; the others are arrays with one element."""
-
 
 def to_minari(
     experiences: Iterable[Experience],
@@ -87,17 +84,31 @@ def to_minari(
     env = _environment(names, arena, None if others else decisions, wheels=episodes is not None)
     buffers = []
     for number, part in enumerate(parts):
-        buffer = _about(part) | (
-            _vectors_of(number, part, env.observation_space)
-            if episodes is None
-            else _raw_data_of(episodes[number])
+        given: Any = [0.0] * len(part) if rewards is None else rewards[number]
+        recorded: dict[str, Any] = {"actions": part.arrays()[1]}
+        if episodes is None:
+            recorded["observations"] = _observations(number, part, env.observation_space)
+        else:
+            raw = episodes[number]
+            given, recorded = raw.rewards, {"actions": raw.actions, "observations": raw.observations}
+            recorded["infos"] = {"heard": np.append(raw.heard, Behaviour.WAIT)}
+        before, cut = [False] * (len(recorded["actions"]) - 1), bool(truncated[number])
+        options = {
+            "arena": part.arena,
+            "episodes": part.episodes,
+            "seed": str(part.seed),  # not Minari's, which has 64 bits and resets a single environment
+            "decisions": header_decisions_text(part.decisions),
+        }
+        buffers.append(
+            minari.data_collector.EpisodeBuffer(
+                id=number,
+                rewards=np.asarray(given, np.float64).tolist(),
+                terminations=[*before, not cut],
+                truncations=[*before, cut],
+                options=options,
+                **recorded,
+            )
         )
-        if episodes is None and rewards is not None:
-            buffer["rewards"] = np.asarray(rewards[number], np.float64).tolist()
-        before = [False] * (len(buffer["rewards"]) - 1)
-        cut = bool(truncated[number])
-        buffer |= {"terminations": [*before, not cut], "truncations": [*before, cut]}
-        buffers.append(minari.data_collector.EpisodeBuffer(id=number, **buffer))
     about.setdefault("algorithm_name", "the teacher, heard in training")
     with warnings.catch_warnings():
         # Minari warns about a missing author and code link, which a private dataset does not need.
@@ -151,11 +162,7 @@ def from_minari(dataset: Any, arena: str | None = None) -> list[Experience]:
 
 
 def _decisions_of(spec: Any) -> Decisions:
-    """The decisions of the environment that a spec describes; those of version 0.1 if it is none of this package.
-
-    Raises:
-        ExperienceError: They cannot be read.
-    """
+    """The decisions of the environment that a spec describes; those of version 0.1 if it is none of this package."""
     registered = gym.registry.get(getattr(spec, "id", ""))
     if registered is None or registered.namespace != khepera_forage.__name__:
         return Decisions.v0_1()
@@ -167,41 +174,18 @@ def _decisions_of(spec: Any) -> Decisions:
     return decisions
 
 
-def _about(part: Experience) -> dict[str, Any]:
-    # Not Minari's `seed`, which has 64 bits and resets a single environment.
-    options = {
-        "arena": part.arena,
-        "episodes": part.episodes,
-        "seed": str(part.seed),
-        "decisions": header_decisions_text(part.decisions),
-    }
-    return {"options": options}
-
-
-def _raw_data_of(episode: RawEpisode) -> dict[str, Any]:
-    return {
-        "observations": episode.observations,
-        "actions": episode.actions,
-        "rewards": episode.rewards.tolist(),
-        "infos": {"heard": np.append(episode.heard, Behaviour.WAIT)},
-    }
-
-
-def _vectors_of(number: int, part: Experience, space: Any) -> dict[str, Any]:
-    vectors, behaviours = part.arrays()
+def _observations(number: int, part: Experience, space: Any) -> dict[str, NDArray[np.int64]]:
+    vectors, _ = part.arrays()
     shown: dict[str, NDArray[np.int64]] = {}
     for key, column in zip(StateVector._fields, np.vstack((vectors, vectors[-1])).T, strict=True):
-        low, high = (0, space[key].n - 1) if key in FLAT else (space[key].low.item(), space[key].high.item())
+        is_flat = isinstance(space[key], gym.spaces.Discrete)  # others are arrays with one element
+        low, high = (0, space[key].n - 1) if is_flat else (space[key].low.item(), space[key].high.item())
         if column.min() < low or column.max() > high:
             raise ExperienceError(
                 f"experience {number}: {key} is {column.min()}..{column.max()}; allowed: {low}..{high}"
             )
-        shown[key] = column.copy() if key in FLAT else column[:, None].copy()
-    return {
-        "observations": shown,
-        "actions": behaviours,
-        "rewards": [0.0] * len(part),
-    }
+        shown[key] = column.copy() if is_flat else column[:, None].copy()
+    return shown
 
 
 def _vectors(observations: Any, count: int, number: int) -> NDArray[np.int64]:
@@ -220,22 +204,10 @@ def _minari() -> Any:
 def _environment(
     names: Iterable[str], arena: Arena | str | None, decisions: Decisions | None, wheels: bool = False
 ) -> gym.Env[Any, Any]:
-    """The environment of behaviours, or of motors, in the arena of some experience.
-
-    Args:
-        names: Of the arenas in the experience.
-        arena: The arena of all of it. It may be left out if the names say what it is: one of `ARENAS`, or procedural
-            levels of one difficulty and split.
-        decisions: Of the environment; those of its version by default.
-        wheels: Whether actions are motors.
-
-    Raises:
-        ExperienceError: The names are of several arenas, of an unknown one, or of another one than `arena`.
-    """
+    """The environment of behaviours, or of motors, in the arena of some experience, which the names may tell."""
     found = sorted(set(names))
     kind = "Wheels-v1" if wheels else "-v1"
-    if arena is not None and found != [arena.name if isinstance(arena, Arena) else arena]:
-        own = arena.name if isinstance(arena, Arena) else arena
+    if arena is not None and found != [own := _arena_name(arena)]:
         raise ExperienceError(f"experience of {found}; allowed: of {own!r}, the argument arena")
     if isinstance(arena, Arena):
         return gym.make(f"khepera_forage/Corridor{kind}", decisions=decisions, **settings_of(arena))
@@ -259,19 +231,13 @@ def _arena_name(arena: Any) -> Any:
 
 def _levels(names: Sequence[str]) -> dict[str, Any] | None:
     """The arguments of `Procedural-v1` in which all named levels are; None if there are none."""
-    parsed = [level_of(name) for name in names]
-    levels = [level for level in parsed if level is not None]
-    kinds = {(difficulty, level // LEVELS) for difficulty, level in levels}
+    known = [level for level in map(level_of, names) if level is not None]
+    levels = sorted(level for _, level in known)
     splits = {first // LEVELS: split for split, first in SPLITS.items()}
-    if len(levels) < len(names) or len(kinds) != 1:
+    kinds = {(difficulty, splits.get(level // LEVELS)) for difficulty, level in known}
+    if len(known) < len(names) or len(kinds) != 1:
         return None
-    ((difficulty, part),) = kinds
-    if part not in splits:
-        return None
-    first, last = min(level for _, level in levels), max(level for _, level in levels)
-    return {
-        "difficulty": difficulty,
-        "split": splits[part],
-        "num_levels": last - first + 1,
-        "start_level": first % LEVELS,
-    }
+    ((difficulty, split),) = kinds
+    num_levels, start_level = levels[-1] - levels[0] + 1, levels[0] % LEVELS
+    own = {"difficulty": difficulty, "split": split, "num_levels": num_levels, "start_level": start_level}
+    return None if split is None else own

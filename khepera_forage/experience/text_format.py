@@ -37,13 +37,14 @@ UNITS = f"distances in pixels of 5 mm; arms_height {ARM_DOWN} (down) to {ARM_RAI
 COLUMNS = (*StateVector._fields, "behaviour")
 MAX_DISTANCE = 2**31 - 1
 """Pixels: more than in any arena, and the largest number of a 32-bit integer."""
-
-DECISIONS_KEY = "# decisions: "
 MIXED = "mixed"
 """Text of the decisions of joined experience that was recorded under different ones."""
 
-RECORDED = [behaviour.name for behaviour in Behaviour if behaviour != Behaviour.WAIT]
-FOOD_TYPES = [food_type.name for food_type in FoodType]
+NAMES = {
+    "food_type": [food_type.name for food_type in FoodType],
+    "behaviour": [behaviour.name for behaviour in Behaviour if behaviour != Behaviour.WAIT],
+}
+"""The words of the columns that are no numbers, in the order of what they stand for."""
 
 
 class ExperienceError(ValueError):
@@ -61,14 +62,7 @@ def quoted(thing: object) -> str:
 
 
 class Header(NamedTuple):
-    """The header of an experience file.
-
-    Attributes:
-        arena: Name of the arena in which the experience was recorded.
-        seed: Of the training, if known.
-        episodes: Number of training episodes.
-        decisions: Of the training; None if experience of different decisions was joined.
-    """
+    """The header of an experience file; the values are those of `Experience`."""
 
     arena: str
     seed: int | None
@@ -77,11 +71,7 @@ class Header(NamedTuple):
 
 
 def checked_header(arena: str, seed: int | None, episodes: int, decisions: Decisions | None) -> Header:
-    """Check the values of a header, and return it.
-
-    Raises:
-        ExperienceError: A value is out of range or cannot be written.
-    """
+    """Check the values of a header, and return it; an `ExperienceError` for one that cannot be written."""
     if not arena or arena != arena.strip() or not arena.isprintable():
         raise ExperienceError(
             f"arena is {arena!r}; allowed: a printable name on one line, no space around it"
@@ -107,22 +97,14 @@ def header_decisions_text(decisions: Decisions | None) -> str:
 
 
 def header_decisions(text: str) -> Decisions | None:
-    """The decisions that a text of `header_decisions_text` describes; None if mixed.
-
-    Raises:
-        ValueError: Not of this form.
-    """
+    """The decisions that a text of `header_decisions_text` describes; a ValueError for another text."""
     if not text:
         raise ValueError("decisions are ''; allowed: a version and what differs from it, or no such line")
     return None if text == MIXED else decisions_from_text(text)
 
 
 def checked_row(vector: Sequence[Any], behaviour: Any) -> tuple[StateVector, Behaviour]:
-    """Check that a learner can have recorded a row, and return it as plain integers.
-
-    Raises:
-        ExperienceError: A value is out of range, or the values contradict each other.
-    """
+    """A row as plain integers; an `ExperienceError` if no learner can have recorded it."""
     try:
         numbers = StateVector(*[index(value) for value in vector])
         heard = Behaviour(index(behaviour))
@@ -157,12 +139,6 @@ def header_text(header: Header) -> str:
         f"# episodes: {header.episodes}\n# decisions: {header_decisions_text(header.decisions)}\n"
         f"# units: {UNITS}\n{','.join(COLUMNS)}\n"
     )
-
-
-def row_text(vector: StateVector, behaviour: Behaviour) -> str:
-    """The line of one row."""
-    presence, home, food_type, arm, food = vector
-    return f"{presence},{home},{FoodType(food_type).name},{arm},{food},{behaviour.name}\n"
 
 
 def closing_line(count: int) -> str:
@@ -216,6 +192,7 @@ class _Lines:
         *self._complete, rest = utf8(data).split(b"\n")
         self.rest = rest.decode(errors="replace")
         self.number = 0
+        self.are_decided = any(line.startswith(b"# decisions: ") for line in self._complete[5:6])
 
     def next(self) -> str | None:
         """The next complete line; None at the end."""
@@ -233,13 +210,17 @@ class _Lines:
         self.number = 1
         return self._complete[0].decode(errors="replace").removesuffix("\r") if self._complete else self.rest
 
-    def of_header(self, count: int) -> str:
-        """The next line of a header of `count` lines; a file without all of them has nothing to recover."""
-        line = self.next()
+    def of_header(self, name: str) -> str:
+        """The value of the next line, `# name: value`; a file without all of them has nothing to recover."""
+        line, key = self.next(), f"# {name}: " if name else ""
         if line is None:
             self.number = len(self._complete) + 1
-            raise ExperienceError(f"ends in the header; allowed: {count} lines before the rows")
-        return line
+            raise ExperienceError(
+                f"ends in the header; allowed: {7 + self.are_decided} lines before the rows"
+            )
+        if not line.startswith(key):
+            raise ExperienceError(f"{quoted(line)}; allowed: {key!r} and a value")
+        return line.removeprefix(key)
 
 
 def _header(lines: _Lines) -> Header:
@@ -253,33 +234,19 @@ def _header(lines: _Lines) -> Header:
     if version != str(VERSION):
         later = ", written by a later version of this package" if re.fullmatch("[1-9][0-9]*", version) else ""
         raise ExperienceError(f"the format version is {quoted(version)}{later}; {allowed}")
-    count = 7
-    _value("package", lines.of_header(count))
-    arena = _value("arena", lines.of_header(count))
+    lines.of_header("package")
+    arena = lines.of_header("arena")
     checked_header(arena, None, 1, None)
-    seed_text = _value("seed", lines.of_header(count))
-    seed = None if seed_text == "none" else _integer("seed", seed_text)
-    episodes = _integer("episodes", _value("episodes", lines.of_header(count)))
-    header = checked_header(arena, seed, episodes, Decisions.v0_1())
-    line = lines.of_header(count)
-    if line.startswith(DECISIONS_KEY):
-        count += 1
-        header = header._replace(decisions=header_decisions(line.removeprefix(DECISIONS_KEY)))
-        line = lines.of_header(count)
-    units, columns = _value("units", line), lines.of_header(count)
-    if units != UNITS:
-        lines.number -= 1
+    seed_text = lines.of_header("seed")
+    seed = None if seed_text == "none" else _number("seed", seed_text)
+    header = checked_header(arena, seed, _number("episodes", lines.of_header("episodes")), Decisions.v0_1())
+    if lines.are_decided:
+        header = header._replace(decisions=header_decisions(lines.of_header("decisions")))
+    if (units := lines.of_header("units")) != UNITS:
         raise ExperienceError(f"units are {quoted(units)}; allowed: {UNITS!r}")
-    if columns != ",".join(COLUMNS):
+    if (columns := lines.of_header("")) != ",".join(COLUMNS):
         raise ExperienceError(f"columns are {quoted(columns)}; allowed: {','.join(COLUMNS)!r}")
     return header
-
-
-def _value(name: str, line: str) -> str:
-    key = f"# {name}: "
-    if not line.startswith(key):
-        raise ExperienceError(f"{quoted(line)}; allowed: {key!r} and a value")
-    return line.removeprefix(key)
 
 
 def _row(line: str) -> tuple[StateVector, Behaviour]:
@@ -287,21 +254,15 @@ def _row(line: str) -> tuple[StateVector, Behaviour]:
     if len(cells) != len(COLUMNS):
         expected = f"{len(COLUMNS)}, {','.join(COLUMNS)}"
         raise ExperienceError(f"{quoted(line)} has {len(cells)} columns; allowed: {expected}")
-    presence, home, food_type, arm, food, behaviour = cells
-    for name, value, allowed in (("food_type", food_type, FOOD_TYPES), ("behaviour", behaviour, RECORDED)):
-        if value not in allowed:
-            raise ExperienceError(f"{name} is {quoted(value)}; allowed: {', '.join(allowed)}")
-    vector = StateVector(
-        _integer("object_presence", presence),
-        _integer("robot_home_distance", home),
-        FoodType[food_type],
-        _integer("arms_height", arm),
-        _integer("robot_food_distance", food),
-    )
-    return checked_row(vector, Behaviour[behaviour])
+    *vector, behaviour = map(_number, COLUMNS, cells)
+    return checked_row(vector, behaviour)
 
 
-def _integer(name: str, text: str) -> int:
+def _number(name: str, text: str) -> int:
+    if name in NAMES:
+        if text not in NAMES[name]:
+            raise ExperienceError(f"{name} is {quoted(text)}; allowed: {', '.join(NAMES[name])}")
+        return NAMES[name].index(text)
     # Only ASCII digits: int() also accepts '1_0', ' 1' and Arabic digits, and refuses thousands of digits.
     if not re.fullmatch("-?[0-9]{1,100}", text):
         raise ExperienceError(f"{name} is {quoted(text)}; allowed: an integer")
@@ -326,10 +287,7 @@ class ExperienceWriter:
 
     Args:
         path: The file.
-        arena: Name of the arena.
-        seed: Of the training, if known.
-        episodes: Number of training episodes.
-        decisions: Of the training; the defaults by default.
+        arena, seed, episodes, decisions: As of `Experience`.
         overwrite: Replace an existing file. By default an existing file is an error.
 
     Attributes:
@@ -348,7 +306,7 @@ class ExperienceWriter:
         seed: int | None = None,
         episodes: int = 1,
         *,
-        decisions: Decisions = DEFAULT_DECISIONS,
+        decisions: Decisions | None = DEFAULT_DECISIONS,
         overwrite: bool = False,
     ) -> None:
         header = checked_header(arena, seed, episodes, decisions)
@@ -368,26 +326,19 @@ class ExperienceWriter:
             raise
 
     def append(self, vector: Sequence[int], behaviour: int) -> None:
-        """Write one experience vector.
-
-        Args:
-            vector: The learner's state vector; see `StateVector`.
-            behaviour: The behaviour that it heard; never WAIT, because nothing is recorded in silence.
+        """Write a state vector and the behaviour heard with it, never WAIT: nothing is recorded in silence.
 
         Raises:
             ExperienceError: A value is out of range, or the writer is closed. Nothing is written then.
         """
         if self._file.closed:
             raise ExperienceError(f"{self.path} is closed; allowed: append before close")
-        self._write(row_text(*checked_row(vector, behaviour)))
+        (presence, home, food_type, arm, food), heard = checked_row(vector, behaviour)
+        self._write(f"{presence},{home},{FoodType(food_type).name},{arm},{food},{heard.name}\n")
         self.count += 1
 
     def close(self, complete: bool = True) -> None:
-        """Close the file; a second call does nothing.
-
-        Args:
-            complete: Write the closing line, without which the file counts as incomplete.
-        """
+        """Close the file, with its closing line if it is `complete`; a second call does nothing."""
         if self._file.closed:
             return
         with self._file:

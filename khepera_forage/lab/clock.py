@@ -1,4 +1,4 @@
-"""The clocks of a laboratory: the wall clock, in rounds without drift, and simulated time."""
+"""The clock of a laboratory, in rounds without drift."""
 
 import logging
 import time
@@ -14,7 +14,7 @@ class WallClock:
 
     Rounds end at multiples of the period, so that small delays do not add up. A round that overruns ends at once and is
     counted. The next one ends at the first multiple at least half a period later: a long delay is not followed by a
-    burst of short rounds.
+    burst of short rounds. In a virtual laboratory, `clock` is simulated time and `sleep` advances the simulation.
 
     Attributes:
         rounds: Since the clock was created.
@@ -50,11 +50,11 @@ class WallClock:
         self._due = self._clock() + self.period
 
     def wait(self) -> None:
-        """Sleep until the end of the round; return at once if the round has overrun."""
+        """Sleep until the end of the round; for no time if the round has overrun."""
         self.rounds += 1
         remaining = self._due - self._clock()
+        self._sleep(max(0.0, remaining))
         if remaining > 0:
-            self._sleep(remaining)
             self._due += self.period
         else:
             self.overruns += 1
@@ -70,22 +70,3 @@ class WallClock:
                     1000 * self.period,
                     1000 * self.worst_overrun,
                 )
-
-
-class SimulatedClock(WallClock):
-    """The clock of a virtual laboratory: `wait` advances the simulation by one round.
-
-    It keeps real time if it is told to; otherwise it runs as fast as possible, and no round overruns.
-    """
-
-    def __init__(self, period: float, advance: Callable[[], None], real_time: bool = False) -> None:
-        super().__init__(period)
-        self._advance, self._real_time = advance, real_time
-
-    def wait(self) -> None:
-        """Advance the simulation."""
-        if self._real_time:
-            super().wait()
-        else:
-            self.rounds += 1
-        self._advance()

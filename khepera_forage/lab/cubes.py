@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH, RADIUS, SPEED_UNIT
-from khepera_forage.robots.toio.driver import COMMAND_DURATION, SIMPLE_MAT, CubePose, ToioRobot
+from khepera_forage.robots.toio.driver import COMMAND_DURATION, MAT_SIZE, ToioRobot
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 
@@ -53,55 +53,52 @@ class CubeOperator:
         for food in foods:
             food.receive()
         if request.foods is not None:
-            if len(foods) < len(request.foods):
-                raise OperatorGaveUp(
-                    f"{len(foods)} food cubes for {len(request.foods)} places; allowed: one each"
-                )
+            places = request.foods
+            if len(foods) < len(places):
+                raise OperatorGaveUp(f"{len(foods)} food cubes for {len(places)} places; allowed: one each")
             free, nearest = list(foods), []
-            for place in request.foods:
-                distances = [math.dist(cube.pose[:2], place) for cube in free]
-                nearest.append(free.pop(distances.index(min(distances))))
+            for place in places:
+                nearest.append(min(free, key=lambda cube: math.dist(cube.pose[:2], place)))
+                free.remove(nearest[-1])
             for cube in free:
                 if not self._is_outside(*cube.pose[:2]):
-                    self._drive(cube, self._place_outside(cube), None)
-            for cube, (x, y) in zip(nearest, request.foods, strict=True):
-                self._drive(cube, CubePose(x, y, 0.0), None)
+                    self._drive(cube, self._place_outside(cube))
+            for cube, place in zip(nearest, places, strict=True):
+                self._drive(cube, place)
         for mark in request.robots:
-            self._drive(
-                robots[mark.number], CubePose(mark.pose.x, mark.pose.y, mark.pose.heading), mark.pose.heading
-            )
+            self._drive(robots[mark.number], Point(*mark.pose[:2]), mark.pose.heading)
 
     def _is_outside(self, x: float, y: float) -> bool:
         return all(arena.clearance(Point(x, y)) <= -RADIUS for arena in self._arenas)
 
-    def _place_outside(self, cube: ToioRobot) -> CubePose:
+    def _place_outside(self, cube: ToioRobot) -> Point:
         """The nearest place outside all arenas with room for a cube."""
-        width, height = (int(size - RADIUS) for size in SIMPLE_MAT.size)
-        others = [other for other in (*self._robots(), *self._foods()) if other is not cube]
+        width, height = (int(size - RADIUS) for size in MAT_SIZE)
+        others = [other.pose[:2] for other in self._cubes() if other is not cube]
         places = [
-            CubePose(x, y, 0.0)
+            Point(x, y)
             for x in range(round(RADIUS), width, 10)
             for y in range(round(RADIUS), height, 10)
-            if self._is_outside(x, y) and all(math.dist((x, y), o.pose[:2]) >= _AROUND for o in others)
+            if self._is_outside(x, y) and all(math.dist((x, y), other) >= _AROUND for other in others)
         ]
         if not places:
             raise OperatorGaveUp(f"the mat has no room beside the arenas for {cube.port}: take it away")
-        return min(places, key=lambda place: math.dist(place[:2], cube.pose[:2]))
+        return min(places, key=lambda place: math.dist(place, cube.pose[:2]))
 
-    def _drive(self, cube: ToioRobot, place: CubePose, heading: float | None) -> None:
+    def _cubes(self) -> list[ToioRobot]:
+        return [*self._robots(), *self._foods()]
+
+    def _drive(self, cube: ToioRobot, place: Point, heading: float | None = None) -> None:
         """Drive a cube to a place, and turn it; stops it in any case."""
         try:
             for _ in range(round(_MAX_DRIVE / _STEP)):
                 cube.receive()
-                dx, dy = self._way(cube, place)
                 distance = math.hypot(place.x - cube.pose.x, place.y - cube.pose.y)
-                if distance > _EXACT:
-                    turn = math.remainder(math.atan2(dy, dx) - cube.pose.heading, math.tau)
-                elif heading is not None:
-                    turn = math.remainder(heading - cube.pose.heading, math.tau)
-                    if abs(turn) <= _TURN_EXACT:
-                        return
-                else:
+                wanted = self._direction(cube, place) if distance > _EXACT else heading
+                if wanted is None:
+                    return
+                turn = math.remainder(wanted - cube.pose.heading, math.tau)
+                if distance <= _EXACT and abs(turn) <= _TURN_EXACT:
                     return
                 self._step(cube, distance, turn)
         finally:
@@ -121,22 +118,20 @@ class CubeOperator:
             cube.turn_for(speed - correction, speed + correction, COMMAND_DURATION)
         self._sleep(_STEP)
 
-    def _way(self, cube: ToioRobot, place: CubePose) -> tuple[float, float]:
-        """The direction to a place, around the other cubes."""
+    def _direction(self, cube: ToioRobot, place: Point) -> float:
+        """The heading to a place, around the other cubes, in radians."""
         x, y, _ = cube.pose
         dx, dy = place.x - x, place.y - y
         distance = math.hypot(dx, dy) or 1e-6
         ux, uy = dx / distance, dy / distance
-        for other in (*self._robots(), *self._foods()):
-            if other is cube:
-                continue
+        for other in self._cubes():
             ox, oy = other.pose.x - x, other.pose.y - y
             ahead, aside = ox * ux + oy * uy, oy * ux - ox * uy
-            if 0 < ahead < min(distance, 2 * _AROUND) and abs(aside) < _AROUND:
+            if other is not cube and 0 < ahead < min(distance, 2 * _AROUND) and abs(aside) < _AROUND:
                 side = -1.0 if aside >= 0 else 1.0
                 away = side * (_AROUND - abs(aside)) / max(ahead, _AROUND / 2)
-                return ux - uy * away, uy + ux * away
-        return dx, dy
+                return math.atan2(uy + ux * away, ux - uy * away)
+        return math.atan2(dy, dx)
 
 
 _AREA = MARKER_LENGTH * MARKER_WIDTH / MM_PER_PIXEL**2

@@ -1,23 +1,17 @@
-"""The devices of a laboratory: robots at their ports, and the camera, whose frames are those of the present round."""
+"""The camera of a laboratory, whose frames are those of the present round."""
 
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.lab.settings_file import LabSettings
-from khepera_forage.robots.drivers import open_robot
-from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import PULSE
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.image_quality import is_well_exposed, why_unusable
-from khepera_forage.vision.tracker import TrackedCamera, Tracker
+from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.video import CameraLost, FrameSource, VideoSettings, VideoSource
-
-OpenSource = FrameSource | Callable[[], FrameSource] | None
-"""A source of frames, a function that opens one, or None for the camera of the settings."""
 
 _HOLD_AFTER = 2
 """Periods from the beginning of a round until the wheels are stopped for want of a frame."""
@@ -27,26 +21,6 @@ _LEAST_TRAVEL = 5.0
 """mm, one pixel: robots that have travelled farther cannot leave the picture as it was."""
 
 Frame = NDArray[np.uint8]
-
-
-def open_robots(settings: LabSettings) -> Fleet:
-    """Open all robots; if one fails, close the others."""
-    with ExitStack() as opened:
-        robots = []
-        for entry in settings.robots:
-            robot = open_robot(
-                entry.type,
-                entry.port,
-                baud=entry.baud,
-                max_speed=settings.safe_speed,
-                timeout=entry.timeout,
-                watchdog=entry.watchdog,
-                period=settings.period,
-            )
-            opened.callback(robot.close)
-            robots.append(robot)
-        opened.pop_all()
-    return Fleet(robots)
 
 
 class FreshFrames:
@@ -132,21 +106,3 @@ def open_video(settings: LabSettings, calibration: Calibration | None) -> VideoS
     size = camera.size or (None if calibration is None else calibration.size)
     options = VideoSettings(size, camera.rate, camera.exposure, camera.focus)
     return VideoSource(camera.source, settings=options)
-
-
-def open_camera(
-    settings: LabSettings, source: OpenSource, calibration: Calibration | None, fleet: Fleet
-) -> tuple[FreshFrames, TrackedCamera]:
-    """Open the camera above a fleet. Without a calibration, that of the settings applies."""
-    calibration = calibration or calibration_of(settings)
-    tracker = Tracker(settings.tracker, calibration)
-    if source is None:
-        source = open_video(settings, calibration)
-    elif callable(source):
-        source = source()
-
-    def pulses() -> list[int]:
-        return [count for robot in fleet.robots for count in robot.sense()[1:3]]
-
-    frames = FreshFrames(source, tracker, settings, pulses, fleet.stop)
-    return frames, TrackedCamera(frames, tracker)

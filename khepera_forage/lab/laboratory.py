@@ -1,7 +1,7 @@
 """Real Kheperas under a real overhead camera: the `World` of the thesis's experiments."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from typing import Self
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from khepera_forage.lab.clock import WallClock
 from khepera_forage.lab.cubes import CubeOperator, MatCamera
-from khepera_forage.lab.devices import FreshFrames, OpenSource, open_camera, open_robots
+from khepera_forage.lab.devices import FreshFrames, calibration_of, open_video
 from khepera_forage.lab.localisation import (
     FoodLocator,
     find_marker,
@@ -21,7 +21,7 @@ from khepera_forage.lab.operator import Operator, OperatorRequest, RobotMark, as
 from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, RobotLost
-from khepera_forage.robots.real_robot import RealRobot, stop_all, stop_and_log
+from khepera_forage.robots.real_robot import Fleet, RealRobot, stop_all, stop_and_log
 from khepera_forage.robots.toio.driver import ToioRobot
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen
@@ -30,8 +30,8 @@ from khepera_forage.sim.sensing import sense
 from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import FoodPlace, Layout, Timing
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.tracker import TrackedCamera
-from khepera_forage.vision.video import CameraLost
+from khepera_forage.vision.tracker import TrackedCamera, Tracker
+from khepera_forage.vision.video import CameraLost, FrameSource
 
 CHECK_ROUNDS = 30
 """Rounds before a failed check goes back to the operator: a gripper takes two seconds to rise and open."""
@@ -48,8 +48,7 @@ class Laboratory:
         settings: The contents of a `lab.toml`.
         operator: Places robots and food; by default a person at the command line, or the cubes themselves if robots and
             food are toio cubes.
-        source: Source of the frames, which then stays open after a loss, or a function that opens one, again after a
-            loss; the camera of the settings by default.
+        source: Opens the source of the frames, again after a loss; the camera of the settings by default.
         calibration: Calibration of the frames; the one of the settings by default.
         clock: Ends the rounds; the wall clock by default.
 
@@ -71,7 +70,7 @@ class Laboratory:
         settings: LabSettings,
         operator: Operator | None = None,
         *,
-        source: OpenSource = None,
+        source: Callable[[], FrameSource] | None = None,
         calibration: Calibration | None = None,
         clock: WallClock | None = None,
     ) -> None:
@@ -119,8 +118,7 @@ class Laboratory:
             self._operator(OperatorRequest(f"reconnect what was lost: {self._lost}", (), None))
             try:
                 self._fleet.close(report=False)
-                if self._source is None or callable(self._source):  # a given source stays open
-                    self.camera.close()
+                self.camera.close()
                 self._open()
                 self._lost = ""
             except (OSError, ValueError) as error:  # includes RobotLost, and a camera with other frames
@@ -211,21 +209,26 @@ class Laboratory:
 
     def _open(self) -> None:
         """Open robots and camera, or the cubes on a mat; if one fails, close the others."""
+        settings = self.settings
         with ExitStack() as opened:
-            self._fleet = open_robots(self.settings)
-            opened.callback(self._fleet.close)
-            self._cubes = [robot for robot in self.robots if isinstance(robot, ToioRobot)]
-            self._food_cubes: list[ToioRobot] = []
-            for port in self.settings.food_cubes:
-                self._food_cubes.append(ToioRobot(port))
-                opened.callback(self._food_cubes[-1].close)
-            if self.settings.has_mat:
+            robots = [
+                opened.enter_context(r.open(settings.period, settings.safe_speed)) for r in settings.robots
+            ]
+            self._fleet = Fleet(robots)
+            self._cubes = [robot for robot in robots if isinstance(robot, ToioRobot)]
+            self._food_cubes = [opened.enter_context(ToioRobot(port)) for port in settings.food_cubes]
+            if settings.has_mat:
                 self._frames = self.camera = MatCamera(self._cubes, self.markers, self._food_cubes)
             else:
-                self._frames, self.camera = open_camera(
-                    self.settings, self._source, self._calibration, self._fleet
-                )
+                calibration = self._calibration or calibration_of(settings)
+                tracker = Tracker(settings.tracker, calibration)
+                source = open_video(settings, calibration) if self._source is None else self._source()
+                self._frames = FreshFrames(source, tracker, settings, self._pulses, self._fleet.stop)
+                self.camera = TrackedCamera(self._frames, tracker)
             opened.pop_all()
+
+    def _pulses(self) -> list[int]:
+        return [count for robot in self.robots for count in robot.sense()[1:3]]
 
     def _mark(self, number: int, pose: Pose) -> RobotMark:
         entry = self.settings.robots[number]
@@ -262,9 +265,8 @@ class Laboratory:
                     self.camera.reset()
                 else:
                     self.camera.expose()
-                errors = placement_errors(
-                    self.camera.look(), self.arenas, request.robots, request.foods, self.settings.tolerance
-                )
+                scene, tolerance = self.camera.look(), self.settings.tolerance
+                errors = placement_errors(scene, self.arenas, request.robots, request.foods, tolerance)
                 if new_episode:
                     errors += gripper_errors(request.robots, self.robots)
                 if not errors:
@@ -280,10 +282,7 @@ class Laboratory:
         for robot in self.robots:
             robot.sense()  # reads those that have not been read yet
         self._foods.update(scene, list(zip(self._poses, self.robots, strict=True)))
-        self._note_surroundings()
-
-    def _note_surroundings(self) -> None:
-        """Tell robots with fewer sensors than a Khepera what the map shows."""
+        # Tell robots with fewer sensors than a Khepera what the map shows.
         foods = [FoodState(food.x, food.y) for food in self.food_places()]
         states = [
             RobotState(*pose, math.cos(pose.heading), math.sin(pose.heading), has_gripper=False)
@@ -295,6 +294,5 @@ class Laboratory:
                 constants = constants_of(Noise.none(), timing, model=robot.model)
                 sense(states, number, foods, arena.wall_records, constants)
                 shown = SimulatedKhepera(states, number).sense()
-                robot.note_surroundings(
-                    shown.object_presence != 0, None if robot.model.infra_reds else shown.proximity
-                )
+                proximity = None if robot.model.infra_reds else shown.proximity
+                robot.note_surroundings(shown.object_presence != 0, proximity)

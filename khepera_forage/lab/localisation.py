@@ -46,6 +46,11 @@ def find_marker(scene: Scene, arena: Arena, holes: int) -> Region | None:
     return next((r for r in scene.regions if r.holes == holes and _is_in(arena, r)), None)
 
 
+def food_regions(scene: Scene, arenas: Sequence[Arena]) -> list[Region]:
+    """The regions without holes in any arena."""
+    return [r for r in scene.regions if not r.holes and any(_is_in(arena, r) for arena in arenas)]
+
+
 _GRIP_CENTRE = JAW_ROOT + FINGER_LENGTH / 2
 """mm from the robot's centre forward to the middle of the fingers."""
 
@@ -85,7 +90,7 @@ class FoodLocator:
         for number, (pose, robot) in enumerate(robots):
             if robot.model.has_gripper:
                 self._update_held(number, pose, robot)
-        food = [r for r in scene.regions if not r.holes and any(_is_in(a, r) for a in self._arenas)]
+        food = food_regions(scene, self._arenas)
         labels = {region.label for region in food}
         self._object_of_region = {label: k for label, k in self._object_of_region.items() if label in labels}
         seen = set()
@@ -145,69 +150,54 @@ def placement_errors(
 
     Food under a marker is invisible; if food should lie there, it counts as correctly placed.
     """
-    errors = [
-        error for mark in robots for error in _robot_errors(scene, arenas[mark.number], mark, tolerance)
-    ]
-    if foods is not None:
-        errors += _food_errors(scene, arenas, foods, tolerance)
-    return tuple(errors)
-
-
-def gripper_errors(marks: Sequence[RobotMark], robots: Sequence[Robot]) -> tuple[str, ...]:
-    """Grippers that are not raised and open, as at the start of every episode, one sentence each."""
-    states = [
-        (mark.name, robot.sense()) for mark, robot in zip(marks, robots, strict=True) if robot.has_gripper
-    ]
-    return tuple(
-        f"robot {name}: arm at {own.arm} and jaw at {own.jaw} instead of {ARM_RAISED} and {JAW_OPEN}"
-        for name, own in states
-        if abs(own.arm - ARM_RAISED) > _GRIPPER_TOLERANCE or own.jaw < JAW_OPEN - _GRIPPER_TOLERANCE
-    )
-
-
-def _robot_errors(scene: Scene, arena: Arena, mark: RobotMark, tolerance: Tolerance) -> list[str]:
-    markers = [r for r in scene.regions if r.holes and r.found and _is_in(arena, r)]
-    others = [r for r in markers if r.holes != mark.holes]
-    own = [r for r in markers if r.holes == mark.holes]
-    errors = [
-        f"a marker with {holes_text(r.holes)} is in the arena of robot {mark.name}, whose marker has {mark.holes}"
-        for r in others
-    ]
-    if len(own) != 1:
-        seen = (
-            f"{len(own)} markers with {holes_text(mark.holes)} are"
-            if own
-            else f"no marker with {holes_text(mark.holes)} is"
-        )
-        return [*errors, f"robot {mark.name}: {seen} seen in its arena"]
-    x, y, heading = pose_of(own[0])
-    distance = math.dist((x, y), mark.pose[:2])
-    if distance > tolerance.position:
-        errors.append(f"robot {mark.name} stands at ({x:.0f}, {y:.0f}) mm, {distance:.0f} mm off its mark")
-    turn = (math.degrees(heading - mark.pose.heading) + 180) % 360 - 180
-    if abs(turn) > tolerance.heading:
-        side = "left" if turn > 0 else "right"
-        errors.append(f"robot {mark.name} is turned {abs(turn):.0f} degrees too far to the {side}")
-    return errors
-
-
-def _food_errors(
-    scene: Scene, arenas: Sequence[Arena], foods: Sequence[Point], tolerance: Tolerance
-) -> list[str]:
-    seen = [
-        _position_of(r)
-        for r in scene.regions
-        if r.found and not r.holes and any(_is_in(arena, r) for arena in arenas)
-    ]
+    errors = []
+    for mark in robots:
+        markers = [r for r in scene.regions if r.holes and r.found and _is_in(arenas[mark.number], r)]
+        errors += [
+            f"a marker with {holes_text(r.holes)} is in the arena of robot {mark.name}, whose marker has {mark.holes}"
+            for r in markers
+            if r.holes != mark.holes
+        ]
+        own = [r for r in markers if r.holes == mark.holes]
+        if len(own) != 1:
+            count = f"{len(own)} markers with {holes_text(mark.holes)} are"
+            seen = count if own else f"no marker with {holes_text(mark.holes)} is"
+            errors.append(f"robot {mark.name}: {seen} seen in its arena")
+            continue
+        x, y, heading = pose_of(own[0])
+        distance = math.dist((x, y), mark.pose[:2])
+        if distance > tolerance.position:
+            errors.append(
+                f"robot {mark.name} stands at ({x:.0f}, {y:.0f}) mm, {distance:.0f} mm off its mark"
+            )
+        turn = (math.degrees(heading - mark.pose.heading) + 180) % 360 - 180
+        if abs(turn) > tolerance.heading:
+            side = "left" if turn > 0 else "right"
+            errors.append(f"robot {mark.name} is turned {abs(turn):.0f} degrees too far to the {side}")
+    if foods is None:
+        return tuple(errors)
+    spare = [_position_of(r) for r in food_regions(scene, arenas) if r.found]
     plates = [
         Plate(x, y, math.cos(heading), math.sin(heading))
         for x, y, heading in (pose_of(r) for r in scene.regions if r.holes)
     ]
-    errors = []
     for food in foods:
-        nearest = min(seen, key=lambda position: math.dist(position, food), default=None)
+        nearest = min(spare, key=lambda position: math.dist(position, food), default=None)
         if nearest is not None and math.dist(nearest, food) <= tolerance.position:
-            seen.remove(nearest)
+            spare.remove(nearest)
         elif not under_plate(*food, FOOD_RADIUS, plates):
             errors.append(f"no food is seen at ({food.x:.0f}, {food.y:.0f}) mm")
-    return errors + [f"food at ({x:.0f}, {y:.0f}) mm is misplaced, or must be removed" for x, y in seen]
+    misplaced = [f"food at ({x:.0f}, {y:.0f}) mm is misplaced, or must be removed" for x, y in spare]
+    return (*errors, *misplaced)
+
+
+def gripper_errors(marks: Sequence[RobotMark], robots: Sequence[Robot]) -> tuple[str, ...]:
+    """Grippers that are not raised and open, as at the start of every episode, one sentence each."""
+    errors = []
+    for mark, robot in zip(marks, robots, strict=True):
+        own = robot.sense()
+        is_raised = abs(own.arm - ARM_RAISED) <= _GRIPPER_TOLERANCE
+        if robot.has_gripper and not (is_raised and own.jaw >= JAW_OPEN - _GRIPPER_TOLERANCE):
+            where = f"arm at {own.arm} and jaw at {own.jaw} instead of {ARM_RAISED} and {JAW_OPEN}"
+            errors.append(f"robot {mark.name}: {where}")
+    return tuple(errors)

@@ -3,17 +3,17 @@
 `sample.toml` explains every key; `python -m khepera_forage.lab.settings_file` prints it.
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from khepera_forage.robots.drivers import serial_driver
+from khepera_forage.robots.drivers import open_robot, serial_driver
 from khepera_forage.robots.khepera import MAX_SPEED
 from khepera_forage.robots.model import KHEPERA, MODELS, TOIO
+from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT
-from khepera_forage.robots.toio.driver import SIMPLE_MAT
+from khepera_forage.robots.toio.driver import MAT_SIZE
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.arena_file import ArenaPlan, plan_of
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
@@ -52,6 +52,18 @@ class RobotSettings:
     timeout: float = DEFAULT_TIMEOUT
     watchdog: bool = True
     type: str = KHEPERA.name
+
+    def open(self, period: float, max_speed: int | None = None) -> RealRobot:
+        """Open the robot for rounds of `period` seconds; errors are those of its driver."""
+        return open_robot(
+            self.type,
+            self.port,
+            baud=self.baud,
+            max_speed=max_speed,
+            timeout=self.timeout,
+            watchdog=self.watchdog,
+            period=period,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,19 +139,21 @@ def parse(toml: str, set_up: SetUp, period: float, folder: Path = Path()) -> Lab
     given = table("", content_of(toml), _KEYS)
     given["arena"] = _arena(given.get("arena", {}), set_up)
     tracker = given.setdefault("tracker", TrackerSettings())
-    read_robots = list_of(_robot_reader(MARKER_NUMBERS[tracker.markers]), 0, "one or more tables [[robots]]")
-    robots = given["robots"] = read_robots("robots", given.get("robots", []))
+    entries = list_of(anything, 0, "one or more tables [[robots]]")("robots", given.get("robots", []))
+    robots = given["robots"] = tuple(_robot(i, entry, tracker.markers) for i, entry in enumerate(entries))
     if not robots:
         raise ValueError("robots is empty; allowed: at least one table [[robots]]")
     if robots[0].type == TOIO.name and "camera" not in given:
         given["camera"] = CameraSettings()
     else:
-        given["camera"] = _camera(given.get("camera", {}), folder)
+        camera = table("camera", given.get("camera", {}), _CAMERA_KEYS, ["source"])
+        if "calibration" in camera:
+            camera["calibration"] = folder / camera["calibration"]
+        given["camera"] = CameraSettings(**camera)
     if tracker.markers != "holes":  # an error if a robot and food have the same tag
         given["tracker"] = replace(tracker, numbers=tuple(sorted({robot.holes for robot in robots})))
     settings = LabSettings(**{"period": period, **given})
-    _check_robots(settings)
-    _check_mat(settings)
+    _check(settings)
     return settings
 
 
@@ -148,31 +162,19 @@ def sample() -> str:
     return resources.files("khepera_forage.lab").joinpath("sample.toml").read_text(encoding="utf-8")
 
 
-def _robot_reader(markers: Sequence[int]) -> Callable[[str, Any], RobotSettings]:
-    readers = _ROBOT_KEYS | {"holes": one_of(markers)}
-
-    def read(key: str, value: Any) -> RobotSettings:
-        given = table(key, value, readers, ["port"])
-        index = int(key.removeprefix("robots[").removesuffix("]"))
-        driver = serial_driver(given.get("type", KHEPERA.name))
-        if driver is not None:
-            baud = given.get("baud", driver.protocol.baud)
-            given["baud"] = one_of(driver.protocol.baud_rates)(f"{key}.baud", baud)
-        elif "baud" in given:
-            raise ValueError(
-                f"{key}.baud is given; allowed: for a robot with a serial line, not for {given['type']}"
-            )
-        name, holes = (f"learner_{index - 1}", 2) if index else ("teacher", 1)
-        return RobotSettings(**{"name": name, "holes": holes, **given})
-
-    return read
-
-
-def _camera(value: Any, folder: Path) -> CameraSettings:
-    given = table("camera", value, _CAMERA_KEYS, ["source"])
-    if "calibration" in given:
-        given["calibration"] = folder / given["calibration"]
-    return CameraSettings(**given)
+def _robot(index: int, value: Any, markers: str) -> RobotSettings:
+    key = f"robots[{index}]"
+    given = table(key, value, _ROBOT_KEYS | {"holes": one_of(MARKER_NUMBERS[markers])}, ["port"])
+    driver = serial_driver(given.get("type", KHEPERA.name))
+    if driver is not None:
+        baud = given.get("baud", driver.protocol.baud)
+        given["baud"] = one_of(driver.protocol.baud_rates)(f"{key}.baud", baud)
+    elif "baud" in given:
+        raise ValueError(
+            f"{key}.baud is given; allowed: for a robot with a serial line, not for {given['type']}"
+        )
+    name, holes = (f"learner_{index - 1}", 2) if index else ("teacher", 1)
+    return RobotSettings(**{"name": name, "holes": holes, **given})
 
 
 def _source(key: str, value: Any) -> int | str:
@@ -186,10 +188,6 @@ def _size(key: str, value: Any) -> tuple[int, int]:
     if not is_pair or not all(type(n) is int and 16 <= n <= 16384 for n in value):
         raise refusal(key, value, "[width, height] in pixels")
     return value[0], value[1]
-
-
-def _offset(key: str, value: Any) -> Point:
-    return Point(*numbers("[x mm, y mm]")(key, value))
 
 
 def _tracker(key: str, value: Any) -> TrackerSettings:
@@ -210,11 +208,6 @@ def _any_number(key: str, value: Any) -> float:
     return value  # type: ignore[no-any-return]
 
 
-def _tolerance(key: str, value: Any) -> Tolerance:
-    keys = {"position": number(1.0, 100.0, "mm"), "heading": number(1.0, 90.0, "degrees")}
-    return Tolerance(**table(key, value, keys))
-
-
 def _arena(value: Any, set_up: SetUp) -> Arena:
     given = table("arena", value, dict.fromkeys(ArenaPlan._fields, anything))
     if "walls" in given:
@@ -231,31 +224,27 @@ def _arena(value: Any, set_up: SetUp) -> Arena:
     return named_arena(name, set_up)
 
 
-def _check_robots(settings: LabSettings) -> None:
-    """Check that ports and names are unique, and that the arenas do not overlap and are in the camera's view."""
+def _check(settings: LabSettings) -> None:
+    """Check what the robots share: unique ports and names, arenas side by side and in view, and a mat for cubes."""
+    arenas = settings.arenas
     for i, robot in enumerate(settings.robots):
+        offset = f"robots[{i}].offset is {list(robot.offset)}"
         for j, other in enumerate(settings.robots[:i]):
-            if robot.port == other.port:
+            for key, allowed in (("port", "one port a robot"), ("name", "one name each")):
+                value = getattr(robot, key)
+                if value == getattr(other, key):
+                    raise ValueError(
+                        f"robots[{i}].{key} is {value!r}, as robots[{j}].{key}; allowed: {allowed}"
+                    )
+            (x1, y1, x2, y2), (left, low, right, high) = arenas[i].bounds, arenas[j].bounds
+            if x1 < right and left < x2 and y1 < high and low < y2:
                 raise ValueError(
-                    f"robots[{i}].port is {robot.port!r}, as robots[{j}].port; allowed: one port a robot"
-                )
-            if robot.name == other.name:
-                raise ValueError(
-                    f"robots[{i}].name is {robot.name!r}, as robots[{j}].name; allowed: one name each"
-                )
-            if _overlap(settings.arenas[i], settings.arenas[j]):
-                raise ValueError(
-                    f"robots[{i}].offset is {list(robot.offset)}: its arena overlaps that of robots[{j}]; "
-                    "allowed: arenas side by side"
+                    f"{offset}: its arena overlaps that of robots[{j}]; allowed: arenas side by side"
                 )
         try:
-            check_seen((settings.arenas[i],))
+            check_seen((arenas[i],))
         except ValueError as error:
-            raise ValueError(f"robots[{i}].offset is {list(robot.offset)}: {error}") from None
-
-
-def _check_mat(settings: LabSettings) -> None:
-    """Check that toio cubes are on a mat that has room for their arenas, and that no other robots are with them."""
+            raise ValueError(f"{offset}: {error}") from None
     kinds = {robot.type for robot in settings.robots}
     if TOIO.name not in kinds:
         if settings.food_cubes:
@@ -265,8 +254,8 @@ def _check_mat(settings: LabSettings) -> None:
         raise ValueError(
             f"robots are of types {', '.join(sorted(kinds))}; allowed: toio cubes alone, or other robots"
         )
-    width, height = SIMPLE_MAT.size
-    for i, arena in enumerate(settings.arenas):
+    width, height = MAT_SIZE
+    for i, arena in enumerate(arenas):
         x1, y1, x2, y2 = arena.bounds
         if not (x1 >= 0 and x2 <= width and y1 >= 0 and y2 <= height):
             raise ValueError(
@@ -275,19 +264,14 @@ def _check_mat(settings: LabSettings) -> None:
             )
 
 
-def _overlap(a: Arena, b: Arena) -> bool:
-    ax1, ay1, ax2, ay2 = a.bounds
-    bx1, by1, bx2, by2 = b.bounds
-    return ax1 < bx2 and bx1 < ax2 and ay1 < by2 and by1 < ay2
-
-
+_TOLERANCE_KEYS = {"position": number(1.0, 100.0, "mm"), "heading": number(1.0, 90.0, "degrees")}
 _KEYS: dict[str, Reader] = {
     "arena": anything,
     "robots": anything,
     "camera": anything,
     "period": number(0.05, 0.5, "seconds"),
     "tracker": _tracker,
-    "tolerance": _tolerance,
+    "tolerance": lambda key, value: Tolerance(**table(key, value, _TOLERANCE_KEYS)),
     "safe_speed": one_of(range(1, MAX_SPEED + 1)),
     "food_cubes": list_of(text, 0),
 }
@@ -298,7 +282,7 @@ _ROBOT_KEYS: dict[str, Reader] = {
     "baud": anything,
     "timeout": number(0.01, MAX_TIMEOUT, "seconds"),
     "watchdog": true_or_false,
-    "offset": _offset,
+    "offset": lambda key, value: Point(*numbers("[x mm, y mm]")(key, value)),
 }
 _CAMERA_KEYS: dict[str, Reader] = {
     "source": _source,

@@ -2,21 +2,21 @@
 
 import math
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from khepera_forage.lab.clock import SimulatedClock
+from khepera_forage.lab.clock import WallClock
 from khepera_forage.lab.cubes import CubeOperator
 from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import Operator, OperatorGaveUp, OperatorRequest
 from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.noise import Noise, checked_noise
-from khepera_forage.robots.drivers import serial_driver
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.model import E_PUCK, MODELS
-from khepera_forage.robots.virtual.firmware import EPuckFirmware, Firmware
+from khepera_forage.robots.model import MODELS
+from khepera_forage.robots.virtual.firmware import FIRMWARES, Firmware
 from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
 from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.layout_checks import cable_anchor, check_layout
@@ -97,14 +97,12 @@ class VirtualLaboratory(Laboratory):
         # One lock for all, because they share one simulated world.
         self._lock = threading.RLock()
         self.firmwares: list[Firmware] = [
-            EPuckFirmware(body, self._lock)
-            if robot.type == E_PUCK.name
-            else Firmware(body, self._lock, timing.round_duration)
+            FIRMWARES[robot.type](body, self._lock, timing.round_duration)
             for robot, body in zip(settings.robots, self.simulation.robots, strict=True)
         ]
         has_tags, gripper = settings.tracker.markers == "tags", model.has_gripper
         size = _TAG_FRAMES if has_tags else FRAMES
-        self._renderer = FrameRenderer(
+        self.frame_source = FrameRenderer(
             self.simulation.truth,
             appearance,
             cable_anchor(arenas) if gripper else None,  # an e-puck2 has none
@@ -114,24 +112,23 @@ class VirtualLaboratory(Laboratory):
             tag_size=settings.tracker.tag_size if has_tags else None,
             gripper=gripper,
         )
-        self.frame_source = self._renderer
-        self.virtual_operator = VirtualOperator(self.simulation, noise, self._attach, self._reconnect_lines)
-        drivers = [serial_driver(robot.type) for robot in settings.robots]
-        self._bauds = [
-            (robot.baud or driver.protocol.baud) if paced and driver is not None else None
-            for robot, driver in zip(settings.robots, drivers, strict=True)
-        ]
-        self._faults, self._rngs = faults, np.random.default_rng(fault_seed).spawn(len(drivers))
+        self.virtual_operator = VirtualOperator(self, noise)
+        self._paced, self._faults, self._real_time, self._now = paced, faults, real_time, 0.0
+        self._rngs = np.random.default_rng(fault_seed).spawn(len(markers))
         self.virtual_kheperas: list[VirtualKhepera] = []
         middle = PICTURE_WIDTH / 2 * MM_PER_PIXEL, PICTURE_HEIGHT / 2 * MM_PER_PIXEL
         above = None if appearance.height is None else (*middle, appearance.height)
         try:
+            # The virtual robots end with this process: no watchdog has anything to stop.
+            robots = tuple(replace(robot, watchdog=False) for robot in settings.robots)
             super().__init__(
-                self._open_lines(settings),
+                self._open_lines(replace(settings, robots=robots)),
                 self.virtual_operator if operator is None else operator,
-                source=self.frame_source if camera is None else lambda: camera(self.frame_source),
+                source=lambda: self.frame_source if camera is None else camera(self.frame_source),
                 calibration=Calibration.identity(above, size),
-                clock=SimulatedClock(settings.period, self._advance_simulation, real_time),
+                clock=WallClock(
+                    settings.period, time.monotonic if real_time else lambda: self._now, self._sleep
+                ),
             )
         except BaseException:
             self._close_lines()
@@ -146,7 +143,7 @@ class VirtualLaboratory(Laboratory):
         """As `Laboratory.reset`; the simulation, the frames and the operator draw from `rng`."""
         check_layout(self.arenas, layout)
         world_rng, frame_rng, operator_rng = rng.spawn(3)
-        self._renderer.reset(frame_rng)
+        self.frame_source.reset(frame_rng)
         self.virtual_operator.begin_episode(operator_rng, world_rng)
         super().reset(rng, layout)
 
@@ -157,36 +154,29 @@ class VirtualLaboratory(Laboratory):
         finally:
             self._close_lines()
 
-    def _advance_simulation(self) -> None:
+    def _sleep(self, seconds: float) -> None:
+        """Advance the simulation by a round."""
+        if self._real_time:
+            time.sleep(seconds)
+        self._now += self.round_duration
         with self._lock:
             for _ in range(self._rounds_per_period):
                 self.simulation.advance()
                 for firmware in self.firmwares:
                     firmware.tick()
 
-    def _attach(self) -> None:
-        for firmware, body in zip(self.firmwares, self.simulation.robots, strict=True):
-            firmware.attach(body)
-
     def _open_lines(self, settings: LabSettings) -> LabSettings:
         """Open the lines that are not connected; returns the settings with the ports of all lines."""
-        for i, (firmware, baud, rng) in enumerate(zip(self.firmwares, self._bauds, self._rngs, strict=True)):
-            last = self.virtual_kheperas[i : i + 1]
-            if not last or not last[0].connected:
-                for disconnected in last:
-                    disconnected.close()
-                self.virtual_kheperas[i : i + 1] = [
-                    VirtualKhepera(firmware, baud=baud, faults=self._faults, rng=rng)
-                ]
-        # The virtual robots end with this process: no watchdog has anything to stop.
-        robots = [
-            replace(robot, port=url, watchdog=False)
-            for robot, url in zip(settings.robots, self.port_urls, strict=True)
-        ]
-        return replace(settings, robots=tuple(robots))
-
-    def _reconnect_lines(self) -> None:
-        self.settings = self._open_lines(self.settings)
+        for i, (robot, firmware) in enumerate(zip(settings.robots, self.firmwares, strict=True)):
+            baud = (robot.baud or firmware.protocol.baud) if self._paced else None
+            if i < len(self.virtual_kheperas):
+                if self.virtual_kheperas[i].connected:
+                    continue
+                self.virtual_kheperas[i].close()
+            line = VirtualKhepera(firmware, baud=baud, faults=self._faults, rng=self._rngs[i])
+            self.virtual_kheperas[i : i + 1] = [line]
+        robots = zip(settings.robots, self.port_urls, strict=True)
+        return replace(settings, robots=tuple(replace(robot, port=url) for robot, url in robots))
 
     def _close_lines(self) -> None:
         while self.virtual_kheperas:
@@ -206,7 +196,7 @@ class VirtualCubeLaboratory(Laboratory):
         self.table = Table(lambda: self._now, _INTERVAL)
         use_table(self.table)
         operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes, settings.arenas, self._sleep)
-        clock = SimulatedClock(settings.period, lambda: self._sleep(settings.period))
+        clock = WallClock(settings.period, lambda: self._now, lambda _: self._sleep(settings.period))
         super().__init__(settings, operator, clock=clock)
 
     @property
@@ -226,20 +216,12 @@ _MAX_TRIES, _MAX_REPEATS = 200, 10
 class VirtualOperator:
     """Carries out requests at once, with the errors `Noise.placement_error` and `placement_heading_error`.
 
-    It calls `on_reset` after a reset of the world, which creates new bodies, and `reconnect` when the laboratory has
-    lost a device. `requests` are all since the last `begin_episode`.
+    `requests` are all since the last `begin_episode`.
     """
 
-    def __init__(
-        self,
-        world: PymunkWorld,
-        noise: Noise,
-        on_reset: Callable[[], None],
-        reconnect: Callable[[], None],
-    ) -> None:
+    def __init__(self, lab: VirtualLaboratory, noise: Noise) -> None:
         self.requests: list[OperatorRequest] = []
-        self._world, self._noise = world, noise
-        self._on_reset, self._reconnect = on_reset, reconnect
+        self._lab, self._noise, self._repeats = lab, noise, 0
         self._rng = self._world_rng = np.random.default_rng(0)
 
     def begin_episode(self, rng: np.random.Generator, world_rng: np.random.Generator) -> None:
@@ -250,13 +232,13 @@ class VirtualOperator:
     def __call__(self, request: OperatorRequest) -> None:
         """Carry out a request."""
         self.requests.append(request)
-        recent = self.requests[-_MAX_REPEATS:]
-        if len(recent) == _MAX_REPEATS and all(r.errors and r[:3] == request[:3] for r in recent):
+        self._repeats = self._repeats + 1 if request.errors else 0
+        if self._repeats >= _MAX_REPEATS:
             raise OperatorGaveUp(
                 f"the virtual operator has placed everything {_MAX_REPEATS} times: {'; '.join(request.errors)}"
             )
         if not request.robots and request.foods is None:
-            self._reconnect()
+            self._lab.settings = self._lab._open_lines(self._lab.settings)
             return
         for _ in range(_MAX_TRIES):
             try:
@@ -269,13 +251,15 @@ class VirtualOperator:
 
     def _place(self, request: OperatorRequest) -> None:
         poses = [self._with_error(mark.pose) for mark in request.robots]
+        world = self._lab.simulation
         if request.foods is None:
             for mark, pose in zip(request.robots, poses, strict=True):
-                self._world.place(mark.number, pose)
+                world.place(mark.number, pose)
             return
         foods = tuple(Point(*self._with_error(Pose(x, y, 0.0))[:2]) for x, y in request.foods)
-        self._world.reset(self._world_rng, Layout(tuple(poses), foods))
-        self._on_reset()
+        world.reset(self._world_rng, Layout(tuple(poses), foods))
+        for firmware, body in zip(self._lab.firmwares, world.robots, strict=True):
+            firmware.attach(body)
 
     def _with_error(self, pose: Pose) -> Pose:
         x, y, turn = self._rng.standard_normal(3).tolist()

@@ -1,5 +1,7 @@
 """Policies: the teacher, the imitator, other learners, and adapters.
 
+`Policy.act` is the contract of every `act`: what it takes, returns and raises.
+
 What needs scikit-learn is imported when it is first used, because scikit-learn takes about a second to import.
 """
 

@@ -1,30 +1,24 @@
 """Classifiers of scikit-learn: as policies, with our settings, and those that only know labels 0, 1, 2, ...."""
 
 from dataclasses import dataclass, field
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL, STATE_WIDTH
 from khepera_forage.policies.features import encoded
-from khepera_forage.policies.policy import Observation, checked_generator, draw, state_vector_of
+from khepera_forage.policies.policy import (
+    Observation,
+    checked_generator,
+    draw_label,
+    remembered,
+    state_vector_of,
+)
 from khepera_forage.task.states import Behaviour, StateVector
 
-CACHE_SIZE = 32768
-"""State vectors whose probabilities are cached."""
 TOLERANCE = 1e-3
 """How much the sum of probabilities may differ from 1: learners with 32-bit floats round."""
-
-
-class Classifier(Protocol):
-    """A fitted scikit-learn classifier of state vectors (`Experience.arrays`)."""
-
-    classes_: NDArray[Any]
-
-    def predict_proba(self, rows: NDArray[np.int64], /) -> NDArray[np.float64]:
-        """The probability of each class, one row for each row given."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,14 +26,14 @@ class ClassifierPolicy:
     """Executes the behaviour that a classifier predicts from the state vector.
 
     Attributes:
-        classifier: Fitted on state vectors of five columns and behaviours as numbers.
+        classifier: As of scikit-learn, with `predict_proba` and `classes_`, fitted on `Experience.arrays`.
         sample: Whether a behaviour is drawn with its probability, like the imitator's with its confidence level.
             If not, the most probable behaviour is executed.
         remember: Whether probabilities are cached by state vector, which makes decisions ten to a thousand times as
             fast. Only for a classifier that learns no further.
     """
 
-    classifier: Classifier
+    classifier: Any
     sample: bool = True
     remember: bool = False
     _cache: dict[StateVector, NDArray[np.float64]] = field(
@@ -47,31 +41,19 @@ class ClassifierPolicy:
     )
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
-        """The behaviour drawn, or the most probable one.
-
-        Args:
-            observation: What the robot perceives; see `policies.policy.state_vector_of`.
-            rng: Must be given with `sample`: one number is drawn at every call.
+        """The behaviour drawn, or the most probable one; with `sample` one number is drawn at every call.
 
         Raises:
-            TypeError: A behaviour is to be drawn and `rng` is not a NumPy generator.
-            ValueError: The observation holds no state vector, the classifier's probabilities are none, or the label
-                found is not a behaviour.
+            TypeError: As `Policy.act`.
+            ValueError: As `Policy.act`; or the classifier's probabilities are none.
         """
-        levels = self._levels(state_vector_of(observation))
-        if not self.sample:
-            return Behaviour(self.classifier.classes_[levels.argmax()].item())
-        return Behaviour(self.classifier.classes_[draw(levels, checked_generator(rng))].item())
-
-    def _levels(self, vector: StateVector) -> NDArray[np.float64]:
-        if not self.remember:
-            return self._predicted(vector)
-        levels = self._cache.get(vector)
-        if levels is None:
-            if len(self._cache) >= CACHE_SIZE:
-                self._cache.clear()
-            levels = self._cache[vector] = self._predicted(vector)
-        return levels
+        vector = state_vector_of(observation)
+        cache = self._cache if self.remember else {}
+        levels = remembered(cache, vector, lambda: self._predicted(vector))
+        label = levels.argmax()
+        if self.sample:
+            label = draw_label(levels, levels.sum(), checked_generator(rng).random())
+        return Behaviour(self.classifier.classes_[label].item())
 
     def _predicted(self, vector: StateVector) -> NDArray[np.float64]:
         classes = self.classifier.classes_
@@ -88,11 +70,11 @@ class ClassifierPolicy:
         return probabilities
 
 
-def check_classifier(learner: Any) -> None:
-    """Check that a fitted classifier has probabilities, says what their columns are, and knows state vectors.
+def policy_of(learner: Any, sample: bool = True) -> ClassifierPolicy:
+    """The policy of a fitted classifier, which learns no further.
 
     Raises:
-        ValueError: It does not.
+        ValueError: It has no probabilities, does not say what their columns are, or knows no state vectors.
     """
     kind = type(learner).__name__
     if not callable(getattr(learner, "predict_proba", None)):
@@ -107,6 +89,7 @@ def check_classifier(learner: Any) -> None:
     columns = getattr(learner, "n_features_in_", STATE_WIDTH)
     if columns != STATE_WIDTH:
         raise ValueError(f"{kind} was fitted on {columns} columns; allowed: {STATE_WIDTH}, state vectors")
+    return ClassifierPolicy(learner, sample, remember=True)
 
 
 class ContiguousLabels:
@@ -150,27 +133,16 @@ class ContiguousLabels:
 
 
 def tree(random_state: int = 0, **settings: Any) -> Any:
-    """scikit-learn's decision tree, not fitted.
-
-    Categories stay small whole numbers, which a tree can split.
-
-    Args:
-        random_state: Seed of the choice between equally good splits.
-        **settings: Arguments of `sklearn.tree.DecisionTreeClassifier`.
-    """
+    """scikit-learn's `DecisionTreeClassifier`, not fitted: a tree can split categories that are whole numbers."""
     from sklearn.tree import DecisionTreeClassifier
 
     return DecisionTreeClassifier(random_state=random_state, **settings)
 
 
 def boosting(random_state: int = 0, **settings: Any) -> Any:
-    """scikit-learn's gradient boosting, not fitted.
+    """scikit-learn's `GradientBoostingClassifier`, not fitted.
 
     The variant over histograms takes ten milliseconds a decision, this one a third of a millisecond.
-
-    Args:
-        random_state: Seed of its random choices.
-        **settings: Arguments of `sklearn.ensemble.GradientBoostingClassifier`.
     """
     from sklearn.ensemble import GradientBoostingClassifier
 
@@ -178,13 +150,9 @@ def boosting(random_state: int = 0, **settings: Any) -> Any:
 
 
 def cloning(random_state: int = 0, **settings: Any) -> Any:
-    """scikit-learn's multi-layer perceptron on encoded state vectors (`policies.features.encoded`), not fitted.
+    """scikit-learn's `MLPClassifier` on encoded state vectors (`policies.features.encoded`), not fitted.
 
     Distances are scaled by the corridor's diagonal in every arena: a network learns places in pixels, not in diagonals.
-
-    Args:
-        random_state: Seed of the first weights and of the order of the vectors.
-        **settings: Arguments of `sklearn.neural_network.MLPClassifier`.
     """
     from sklearn.neural_network import MLPClassifier
     from sklearn.pipeline import make_pipeline

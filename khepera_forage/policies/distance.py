@@ -105,11 +105,7 @@ def unit(width: int, diagonal: int) -> int:
 
 
 def checked_diagonal(diagonal: Any) -> int:
-    """A diagonal in range.
-
-    Raises:
-        ValueError: The diagonal is not an integer above 0.
-    """
+    """The diagonal, which must be an integer above 0."""
     if not isinstance(diagonal, Integral) or isinstance(diagonal, bool) or diagonal < 1:
         raise ValueError(f"diagonal is {diagonal!r}; allowed: an integer above 0, in pixels")
     return int(diagonal)

@@ -21,11 +21,7 @@ MAX_PROXIMITY = 1023.0
 
 
 def state_vector_space(diagonal: int) -> spaces.Dict:
-    """The space of state vectors (4.3).
-
-    Args:
-        diagonal: The longest distance, in pixels.
-    """
+    """The space of state vectors (4.3), whose longest distance is `diagonal` pixels."""
     return spaces.Dict(
         object_presence=spaces.Discrete(2),
         robot_home_distance=spaces.Box(0, diagonal, (1,), np.int64),
@@ -86,16 +82,10 @@ def encoded(vectors: NDArray[Any] | Sequence[Any], diagonal: int) -> NDArray[np.
 
 
 def behaviour_features(shown: Observation) -> NDArray[np.float32]:
-    """State vectors in observations, encoded.
+    """State vectors in observations, of shape (n, 9); see `encoded`.
 
     Args:
         shown: One observation, see `policies.policy.state_vector_of`, or those of a vector environment.
-
-    Returns:
-        Of shape (n, 9); see `encoded`.
-
-    Raises:
-        ValueError: An attribute is missing.
     """
     if not isinstance(shown, Mapping):
         return state_vector_features(np.array([state_vector_of(shown)]))
@@ -103,14 +93,7 @@ def behaviour_features(shown: Observation) -> NDArray[np.float32]:
 
 
 def state_vector_features(vectors: NDArray[Any]) -> NDArray[np.float32]:
-    """State vectors in rows, encoded.
-
-    Args:
-        vectors: Of shape (n, 5).
-
-    Returns:
-        As `behaviour_features`.
-    """
+    """State vectors of shape (n, 5), encoded as `behaviour_features` are."""
     return encoded(vectors, SCALE).astype(np.float32)
 
 

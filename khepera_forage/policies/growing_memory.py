@@ -6,7 +6,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from khepera_forage.policies.distance import STATE_WIDTH, attribute_distances, unit
+from khepera_forage.policies.distance import STATE_WIDTH, unit
 from khepera_forage.policies.imitator import ConfidenceClassifier
 
 
@@ -40,7 +40,6 @@ class GrowingMemory(ConfidenceClassifier):
         votes_: How often each node was perceived with each class, one row a node.
     """
 
-    nodes_: NDArray[np.float64]
     habituation_: NDArray[np.float64]
 
     def __init__(
@@ -60,55 +59,45 @@ class GrowingMemory(ConfidenceClassifier):
         self.moving = moving
 
     def partial_fit(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None = None) -> Self:  # noqa: N803
-        """Perceive further stimuli, in the order of the rows.
-
-        Args:
-            X: As for `fit`.
-            y: As for `fit`.
-            classes: All labels that may come; by default `classes_` grows by those that do.
-
-        Raises:
-            ValueError: As for `fit`; or a label that is not among `classes`.
-        """
+        """Perceive further stimuli, in the order of the rows; arguments as of `NearestNeighbourImitator`."""
         self._learn(X, y, classes, forget=not hasattr(self, "classes_"))
         return self
 
+    @property
+    def nodes_(self) -> NDArray[np.float64]:
+        """The nodes, one a row."""
+        return self._rows
+
     def _shares(self, query: NDArray[np.float64]) -> NDArray[Any]:
-        shares: NDArray[np.int64] = self.votes_[self._distances(query).argmin()]
+        shares: NDArray[np.int64] = self.votes_[self._distances(query).sum(axis=1).argmin()]
         return shares
 
     def _add(self, rows: NDArray[np.float64], codes: NDArray[np.intp]) -> None:
         if not len(self.votes_):
-            self.nodes_, self.habituation_ = np.empty((0, rows.shape[1])), np.empty(0)
+            self._rows, self.habituation_ = np.empty((0, rows.shape[1])), np.empty(0)
         for row, code in zip(rows, codes.tolist(), strict=True):
             self._perceive_one(row, code)
 
     def _perceive_one(self, row: NDArray[np.float64], code: int) -> None:
         self.habituation_ += self.recovery * (1 - self.habituation_)
-        away = self._distances(row)
+        # Of rows that are no state vectors, the distance is the sum of the differences.
+        scale = unit(len(row), self._diagonal) if len(row) == STATE_WIDTH else 1
+        away = self._distances(row).sum(axis=1) / scale
         node = int(away.argmin()) if len(away) else -1
         if node < 0 or away[node] > self.reach:
-            node = len(self.nodes_)
-            self.nodes_ = np.vstack((self.nodes_, row))
+            node = len(self._rows)
+            self._rows = np.vstack((self._rows, row))
             self.habituation_ = np.append(self.habituation_, 1.0)
             self.votes_ = np.vstack((self.votes_, np.zeros(len(self.classes_), np.int64)))
         else:
-            self.nodes_[node] += self.moving * self.habituation_[node] * (row - self.nodes_[node])
+            self._rows[node] += self.moving * self.habituation_[node] * (row - self._rows[node])
         self.habituation_[node] *= 1 - self.habituation
         self.votes_[node, code] += 1
         kept = self.habituation_ <= self.forgetting
         kept[node] = True
         if not kept.all():
-            self.nodes_, self.votes_ = self.nodes_[kept], self.votes_[kept]
+            self._rows, self.votes_ = self._rows[kept], self.votes_[kept]
             self.habituation_ = self.habituation_[kept]
-
-    def _distances(self, row: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The distance of each node; of rows that are no state vectors, the sum of the differences."""
-        scale = unit(len(row), self._diagonal) if len(row) == STATE_WIDTH else 1
-        distances: NDArray[np.float64] = (
-            attribute_distances(self.nodes_, row, self._diagonal).sum(axis=1) / scale
-        )
-        return distances
 
     def _check(self) -> None:
         super()._check()

@@ -22,20 +22,28 @@ from khepera_forage.policies.distance import (
     rounded_distance,
     unit,
 )
-from khepera_forage.policies.policy import Neighbours, Observation, checked_generator, state_vector_of
+from khepera_forage.policies.policy import (
+    Neighbours,
+    Observation,
+    checked_generator,
+    remembered,
+    state_vector_of,
+)
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, EXACT, FIELDS
 from khepera_forage.task.states import Behaviour
 
-CACHE_SIZE = 32768
-"""State vectors whose neighbours are cached, some 15 MB. A policy sees a few thousand distinct ones in a corridor."""
-
 
 class ConfidenceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
-    """A classifier that counts votes, and whose `predict_proba` gives confidence levels (4.6.2)."""
+    """A classifier whose vectors vote, and whose `predict_proba` gives confidence levels (4.6.2).
+
+    It compares a query with every distinct vector of its experience; a subclass says which of them vote.
+    """
 
     classes_: NDArray[Any]
     n_features_in_: int
+    _rows: NDArray[np.float64]
     votes_: NDArray[np.int64]
+    """How often each of the rows was heard with each class."""
     diagonal: int | None
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:  # noqa: N803 - scikit-learn's name
@@ -102,19 +110,9 @@ class ConfidenceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc
     def _diagonal(self) -> int:
         return CORRIDOR_DIAGONAL if self.diagonal is None else self.diagonal
 
-    def _add(self, rows: NDArray[np.float64], codes: NDArray[np.intp]) -> None:
-        """Add rows, and the votes for their classes; without `votes_`, to nothing."""
-        raise NotImplementedError
-
     def _shares(self, query: NDArray[np.float64]) -> NDArray[Any]:
         """The share of each class in the votes on a query, in any unit."""
         raise NotImplementedError
-
-
-class VectorClassifier(ConfidenceClassifier):
-    """A classifier that compares a query with every distinct vector of its experience."""
-
-    _rows: NDArray[np.float64]
 
     def _add(self, rows: NDArray[np.float64], codes: NDArray[np.intp]) -> None:
         if len(self.votes_):
@@ -129,7 +127,7 @@ class VectorClassifier(ConfidenceClassifier):
         return attribute_distances(self._rows, query, self._diagonal)
 
 
-class NearestNeighbourImitator(VectorClassifier):
+class NearestNeighbourImitator(ConfidenceClassifier):
     """Does what the teacher did in the most similar situation on record.
 
     The distance between two state vectors is the sum of five attribute distances (4.6.1): 1 each if ObjectPresence or
@@ -143,7 +141,7 @@ class NearestNeighbourImitator(VectorClassifier):
     than five columns are no state vectors: each of their columns counts as a distance in pixels. Equal experience
     vectors are merged into counts.
 
-    The neighbours of single state vectors are cached, up to `CACHE_SIZE` of them, and never pickled.
+    The neighbours of single state vectors are cached, and never pickled.
 
     Args:
         diagonal: Of the arena foraged in now, in pixels of 5 mm: an integer above 0; 138 in the corridor, 177
@@ -182,27 +180,15 @@ class NearestNeighbourImitator(VectorClassifier):
 
         Args:
             X: As for `fit`.
-            y: As for `fit`.
+            y: As for `fit`; among `classes`, if these are given.
             classes: All labels that may come. Unlike elsewhere in scikit-learn it need not be given:
                 `classes_` grows by the labels that do come.
-
-        Raises:
-            ValueError: As for `fit`; or a label that is not among `classes`.
         """
         self._learn(X, y, classes, forget=not hasattr(self, "classes_"))
         return self
 
     def act(self, observation: Observation, rng: Generator | None = None) -> Behaviour:
-        """A behaviour, drawn with its confidence level as probability.
-
-        Args:
-            observation: What the robot perceives; see `policies.policy.state_vector_of`.
-            rng: Must be given. One number is drawn at every call, conflict or not.
-
-        Raises:
-            TypeError: `rng` is not a NumPy generator.
-            ValueError: The observation holds no state vector, or what was learned are not behaviours.
-        """
+        """A behaviour, drawn with its confidence level as probability: one number from `rng` at every call."""
         rng = checked_generator(rng)
         return self.neighbours(observation).draw(rng)
 
@@ -211,22 +197,11 @@ class NearestNeighbourImitator(VectorClassifier):
         return self.neighbours(observation).confidence_levels()
 
     def neighbours(self, observation: Observation) -> Neighbours:
-        """Which experience votes on an observation: what `act` draws from, and where ties and conflicts show.
-
-        Args:
-            observation: What the robot perceives; see `policies.policy.state_vector_of`.
-
-        Raises:
-            ValueError: As for `act`.
-        """
+        """Which experience votes on an observation: what `act` draws from, and where ties and conflicts show."""
         vector = state_vector_of(observation)
         cache = self.__dict__.setdefault("_cache", {})
         key = vector, self.diagonal, self.threshold, self.arithmetic
-        if key not in cache:
-            if len(cache) >= CACHE_SIZE:
-                cache.clear()
-            cache[key] = self._neighbours(vector)
-        found: Neighbours = cache[key]
+        found: Neighbours = remembered(cache, key, lambda: self._neighbours(vector))
         return found
 
     def _neighbours(self, vector: Sequence[int]) -> Neighbours:
@@ -289,7 +264,7 @@ class NearestNeighbourImitator(VectorClassifier):
 WEIGHTINGS = ("uniform", "distance")
 
 
-class KNearestImitator(VectorClassifier):
+class KNearestImitator(ConfidenceClassifier):
     """The `k` nearest experience vectors vote, by the distance of section 4.6.1.
 
     Vectors at the same distance as the `k`-th also vote, so that the result does not depend on the order of the
@@ -337,7 +312,7 @@ SWEEPS = 20
 """Most passes over all attributes; the search ends when a pass changes nothing, mostly after three."""
 
 
-class WeightedImitator(VectorClassifier):
+class WeightedImitator(ConfidenceClassifier):
     """The nearest vectors vote, by a distance whose attributes count with different weights.
 
     "The more significant attributes should be weighted more" (5.5). The weights learned are those with the least

@@ -40,12 +40,7 @@ class LearnerError(ValueError):
 
 
 class Installed(NamedTuple):
-    """What the installed packages offer.
-
-    Attributes:
-        learners: By name.
-        broken: Why a learner cannot be used, by its name.
-    """
+    """What the installed packages offer: learners by name, and by name why one cannot be used."""
 
     learners: dict[str, Learner]
     broken: dict[str, str]
@@ -89,13 +84,9 @@ def installed_learners() -> Installed:
 
 
 def learner_at(place: str) -> tuple[str, Learner]:
-    """A learner in any module, also in the present folder.
+    """The name and the learner at a place in any module, such as `my_package.learners:forest`.
 
-    Args:
-        place: Such as `my_package.learners:forest`.
-
-    Returns:
-        Its name, which is what follows the colon, and the learner.
+    The module may be in the present folder.
 
     Raises:
         ValueError: There is no such place, or no learner.
@@ -117,14 +108,7 @@ def learner_at(place: str) -> tuple[str, Learner]:
 
 @contextmanager
 def own_errors(name: str) -> Iterator[None]:
-    """A block that calls a learner: errors in code outside this package show where they are there, and nothing else.
-
-    Args:
-        name: Of the learner, for the message.
-
-    Raises:
-        LearnerError: The block raised an error outside this package.
-    """
+    """A block that calls a learner: errors outside this package become a `LearnerError` that shows where they are."""
     try:
         yield
     except Exception as error:

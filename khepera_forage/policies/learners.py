@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.deprecation import renamed
-from khepera_forage.policies.classifiers import ClassifierPolicy, boosting, check_classifier, cloning, tree
+from khepera_forage.policies.classifiers import boosting, cloning, policy_of, tree
 from khepera_forage.policies.growing_memory import GrowingMemory
 from khepera_forage.policies.imitator import KNearestImitator, NearestNeighbourImitator, WeightedImitator
 from khepera_forage.policies.policy import Policy
@@ -54,11 +54,7 @@ class OfflineImitation:
     needs: ClassVar[Supervision] = Supervision.VECTORS
 
     def classifier(self, diagonal: int = 138, seed: int = 0) -> Any:
-        """The classifier, not fitted.
-
-        Args:
-            diagonal: Of the arena that will be foraged in, in pixels.
-            seed: Seed of its random choices, if it makes any.
+        """The classifier, not fitted; arguments as of `learn`.
 
         Raises:
             ValueError: It cannot be fitted.
@@ -70,17 +66,6 @@ class OfflineImitation:
         if not callable(getattr(made, "fit", None)):
             raise ValueError(f"{self.title} makes {made!r}; allowed: a classifier with fit and predict_proba")
         return made
-
-    def policy(self, classifier: Any) -> Policy:
-        """A fitted classifier as a policy.
-
-        Raises:
-            ValueError: It has no `predict_proba` or no `classes_`.
-        """
-        if isinstance(classifier, NearestNeighbourImitator):
-            return classifier
-        check_classifier(classifier)
-        return ClassifierPolicy(classifier, sample=self.sample, remember=True)
 
     def learn(
         self,
@@ -98,11 +83,16 @@ class OfflineImitation:
             diagonal: Of the arena that will be foraged in, in pixels.
             seed: Seed of the learner's random choices, if it makes any; the same seed gives the same policy.
             groups: The training episode of each vector, of shape (n,), for learners that use it.
+
+        Raises:
+            ValueError: It is no classifier with `fit`, `predict_proba` and `classes_`.
         """
         more = {"groups": groups} if self.grouped else {}
         classifier = self.classifier(diagonal, seed)
         classifier.fit(vectors, behaviours, **more)
-        return self.policy(classifier)
+        if isinstance(classifier, NearestNeighbourImitator):
+            return classifier
+        return policy_of(classifier, self.sample)
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,10 +156,7 @@ LEARNERS: dict[str, Learner] = {
     "growing_memory": OfflineImitation("growing memory", GrowingMemory, diagonal=True),
     "tree": OfflineImitation("decision tree", tree, seeded=True),
     "boosting": OfflineImitation(
-        "gradient boosting",
-        boosting,
-        {"n_estimators": 50, "max_depth": 3},
-        seeded=True,
+        "gradient boosting", boosting, {"n_estimators": 50, "max_depth": 3}, seeded=True
     ),
     "cloning": _CLONING,
     "dagger": InteractiveImitation("DAgger", _CLONING, {"queries_a_round": 100}),

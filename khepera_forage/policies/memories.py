@@ -63,9 +63,6 @@ def memories_of(experiences: Iterable[tuple[ArrayLike, ArrayLike]]) -> Memories:
     Args:
         experiences: State vectors, shape (n, 5), and the behaviour heard with each, shape (n,), as `Experience.arrays`
             gives them; n is at least 1.
-
-    Raises:
-        ValueError: There are no vectors, or numbers that are no state vectors or behaviours.
     """
     parts = [(np.asarray(vectors), np.asarray(heard)) for vectors, heard in experiences]
     if not 1 <= len(parts) <= MAX_MEMORIES:
@@ -183,23 +180,13 @@ def search_plane(
     best: tuple[int, int, float],
     votes: NDArray[np.int64],
 ) -> tuple[int, int, float]:
-    """Let the vectors of a plane vote, too.
+    """Let the vectors of a plane vote, too; returns `best` now.
 
     They are searched outward from the query's home distance, first to larger ones, then to smaller ones, until the home
-    distance alone is further away than the nearest vector so far.
-
-    Args:
-        memories: Of all imitators.
-        plane: Number of the plane.
-        differing: How many of ObjectPresence and FoodType differ between the plane and the query.
-        arm_difference: The difference of ArmsHeight between them.
-        sought: RobotHomeDistance and RobotFoodDistance of the query, the diagonal, and the arithmetic.
-        best: The minimum distance so far, exact; the number of votes so far; and the minimum distance as a sum of
-            floats, which means nothing with `EXACT`, or without votes.
-        votes: The votes so far.
-
-    Returns:
-        `best` now.
+    distance alone is further away than the nearest vector so far. `differing` is how many of ObjectPresence and
+    FoodType differ, and `sought` what else is known of the query: its RobotHomeDistance and RobotFoodDistance, the
+    diagonal, and the arithmetic. `best` is the minimum distance so far, exact; the number of votes so far; and the
+    minimum distance as a sum of floats, which means nothing with `EXACT`, or without votes.
     """
     home, food, diagonal, arithmetic = sought
     nearest, total, rounded = best

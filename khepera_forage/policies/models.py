@@ -10,18 +10,23 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial, reduce
 from numbers import Integral
-from typing import Any, Protocol
+from typing import Any
 
 import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from numpy.random import Generator
-from numpy.typing import NDArray
 
 from khepera_forage.extras import require
-from khepera_forage.policies.classifiers import ClassifierPolicy, check_classifier
+from khepera_forage.policies.classifiers import policy_of
 from khepera_forage.policies.features import raw_data_space, state_vector_space
-from khepera_forage.policies.policy import Observation, Policy, checked_generator, draw, state_vector_of
+from khepera_forage.policies.policy import (
+    Observation,
+    Policy,
+    checked_generator,
+    draw_label,
+    state_vector_of,
+)
 from khepera_forage.policies.teacher import APPLICABLE, Teacher
 from khepera_forage.task.states import Behaviour, behaviour_number
 
@@ -39,18 +44,9 @@ _ALLOWED = (
     "ModelPolicy(model, features=..., hold=...) with what the model was shown in training, and the rounds that each "
     "action held"
 )
-
-
 ALGORITHMS = ("PPO", "DQN", "SAC")
 """Names of classes in stable-baselines3."""
-
-
-class Model(Protocol):
-    """A trained model with the `predict` of stable-baselines3."""
-
-    def predict(self, observation: Any, *, deterministic: bool) -> tuple[Any, Any]:
-        """The action, and the state of a recurrent model."""
-        ...
+_NOTHING = None, 0, None, None
 
 
 @dataclass
@@ -63,7 +59,7 @@ class ModelPolicy:
     of `BehavioursEnv.action_masks`. A model of one of `ALGORITHMS` is pickled the way stable-baselines3 saves it.
 
     Attributes:
-        model: Trained on what `features` makes of the environment's observations.
+        model: With the `predict` of stable-baselines3, trained on what `features` makes of observations.
         features: From an observation to one row of numbers, as in `policies.features`; by default the model gets the
             environment's observations unchanged.
         hold: Rounds that an action holds.
@@ -71,14 +67,12 @@ class ModelPolicy:
             most probable action is taken.
     """
 
-    model: Model
+    model: Any
     features: Callable[[Any], Any] | None = None
     hold: int = 1
     sample: bool = False
-    _held: tuple[Generator | None, int, Any] = field(default=(None, 0, None), init=False, repr=False)
-    """The generator of the last action, for how many more rounds the action holds, and the action."""
-    _memory: tuple[Generator | None, Any] = field(default=(None, None), init=False, repr=False)
-    """The generator of the last prediction, and the state that a recurrent model returned with it."""
+    _last: tuple[Generator | None, int, Any, Any] = field(default=_NOTHING, init=False, repr=False)
+    """The generator of the last action, how many more rounds it holds, the action, and a recurrent model's state."""
     _recurs: bool = field(init=False, repr=False)
     """Whether the model takes a state."""
     _masks: bool = field(init=False, repr=False)
@@ -92,11 +86,7 @@ class ModelPolicy:
         self._masks = "action_masks" in parameters
 
     def act(self, observation: Any, rng: Generator | None = None) -> Any:
-        """The model's action.
-
-        Args:
-            observation: As the environment gives it.
-            rng: Must be given with `sample`: one number is drawn for a behaviour, four for motors.
+        """The model's action; with `sample` one number is drawn for a behaviour, and four for motors.
 
         Returns:
             A `Behaviour`, or motors: four numbers in -1..1, as `CorridorWheels-v1` takes them.
@@ -107,13 +97,17 @@ class ModelPolicy:
         """
         if self.sample:
             checked_generator(rng)
-        generator, rounds, action = self._held
-        if generator is not rng or rounds == 0:
-            rounds, action = self.hold, self._action(observation, rng)
-        self._held = rng, rounds - 1, action
+        generator, rounds, action, state = self._last
+        if generator is not rng:
+            rounds, state = 0, None
+        if rounds == 0:
+            rounds = self.hold
+            action, state = self._action(observation, rng, state)
+        self._last = rng, rounds - 1, action, state
         return action.copy() if isinstance(action, np.ndarray) else action
 
-    def _action(self, observation: Any, rng: Generator | None) -> Behaviour | NDArray[np.float32]:
+    def _action(self, observation: Any, rng: Generator | None, state: Any) -> tuple[Any, Any]:
+        """A behaviour or motors, and the new state of a recurrent model."""
         try:
             shown = observation if self.features is None else self.features(observation)
         except KeyError as error:
@@ -121,27 +115,19 @@ class ModelPolicy:
         if self.sample:
             action = _drawn(self.model, shown, checked_generator(rng))
         else:
-            action = self._predicted(shown, rng, observation)
+            options: dict[str, Any] = {"deterministic": True}
+            if self._masks:
+                vector = state_vector_of(observation)
+                options["action_masks"] = APPLICABLE[vector.object_presence, vector.food_type]
+            if self._recurs:
+                options |= {"state": state, "episode_start": np.array([state is None])}
+            action, state = self.model.predict(shown, **options)
+            if self._recurs and state is not None and rng is None:
+                raise TypeError(
+                    "rng is None; allowed for a recurrent model: a numpy.random.Generator, another one for each episode"
+                )
         numbers = np.ravel(action)
-        return Behaviour(int(numbers[0])) if len(numbers) == 1 else numbers.astype(np.float32)
-
-    def _predicted(self, shown: Any, rng: Generator | None, observation: Any) -> Any:
-        options: dict[str, Any] = {"deterministic": True}
-        if self._masks:
-            vector = state_vector_of(observation)
-            options["action_masks"] = APPLICABLE[vector.object_presence, vector.food_type]
-        if not self._recurs:
-            return self.model.predict(shown, **options)[0]
-        generator, state = self._memory
-        begins = generator is not rng or state is None
-        options |= {"state": None if begins else state, "episode_start": np.array([begins])}
-        action, state = self.model.predict(shown, **options)
-        if state is not None and rng is None:
-            raise TypeError(
-                "rng is None; allowed for a recurrent model: a numpy.random.Generator, another one for each episode"
-            )
-        self._memory = rng, state
-        return action
+        return Behaviour(int(numbers[0])) if len(numbers) == 1 else numbers.astype(np.float32), state
 
     def __getstate__(self) -> dict[str, Any]:
         model: Any = self.model
@@ -150,7 +136,7 @@ class ModelPolicy:
             file = io.BytesIO()
             model.save(file)
             model = name, file.getvalue()
-        return {**self.__dict__, "model": model, "_held": (None, 0, None), "_memory": (None, None)}
+        return {**self.__dict__, "model": model, "_last": _NOTHING}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         model = state["model"]
@@ -180,7 +166,8 @@ def _drawn(model: Any, shown: Any, rng: Generator) -> Any:
     tensor, _ = model.policy.obs_to_tensor(shown)
     distribution = model.policy.get_distribution(tensor).distribution
     if isinstance(model.action_space, spaces.Discrete):
-        return draw(np.array(distribution.probs[0].tolist()), rng)
+        levels = distribution.probs[0].tolist()
+        return draw_label(levels, sum(levels), rng.random())
     return np.clip(rng.normal(distribution.mean[0].tolist(), distribution.stddev[0].tolist()), -1.0, 1.0)
 
 
@@ -277,34 +264,14 @@ def _flattened(space: spaces.Space[Any], observation: Observation) -> Any:
     return spaces.flatten(space, observation)
 
 
-class Agent(Protocol):
-    """An object that decides by the observation alone."""
-
-    def act(self, observation: Observation, /) -> Any:
-        """The behaviour to execute now, as its number in table 4.1."""
-        ...
-
-
 @dataclass(frozen=True, slots=True)
 class AgentPolicy:
-    """Executes the behaviours of an agent that takes no `rng`.
+    """Executes the behaviours of an agent whose `act` takes no `rng`, but the observation alone, unchanged."""
 
-    Attributes:
-        agent: It gets the observations as the environment gives them.
-    """
-
-    agent: Agent
+    agent: Any
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
-        """The agent's behaviour.
-
-        Args:
-            observation: What the robot perceives, passed on unchanged.
-            rng: Not used: the agent has no argument for it.
-
-        Raises:
-            ValueError: The agent's action is not a behaviour.
-        """
+        """The agent's behaviour."""
         return Behaviour(behaviour_number(self.agent.act(observation), who=type(self.agent).__name__))
 
 
@@ -328,8 +295,7 @@ def as_policy(learner: Any) -> Policy:
         if callable(getattr(learner, "act", None)):
             return learner if _takes(learner.act, 2) else AgentPolicy(learner)
         if callable(getattr(learner, "predict_proba", None)):
-            check_classifier(learner)
-            return ClassifierPolicy(copy.deepcopy(learner), remember=True)
+            return policy_of(copy.deepcopy(learner))
         predict = getattr(learner, "predict", None)
         if callable(predict) and "deterministic" in inspect.signature(predict).parameters:
             return ModelPolicy(learner, *training_of(learner))

@@ -1,6 +1,6 @@
-"""The `Policy` contract, the state vector in an observation (4.3), draws, and two policies without experience."""
+"""The `Policy` contract, the state vector in an observation (4.3), votes, and two policies without experience."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import index
 from typing import Any, NamedTuple, Protocol, TypeAlias, TypeGuard
@@ -13,6 +13,8 @@ from khepera_forage.task.states import Behaviour, StateVector
 Observation: TypeAlias = Mapping[str, Any] | Sequence[Any] | NDArray[Any]
 """An observation of a recall environment (a mapping) or of the training environment (seven integers)."""
 
+CACHE_SIZE = 32768
+"""State vectors that a policy caches, some 15 MB. It sees a few thousand distinct ones in a corridor."""
 HEARD, SEPARATED = 5, 6
 """Positions in an observation of the training environment: the behaviour heard, and whether robots are separated."""
 
@@ -23,14 +25,18 @@ def is_training(observation: Observation) -> TypeGuard[Sequence[Any] | NDArray[A
 
 
 class Policy(Protocol):
-    """Decides what a robot does next."""
+    """Decides what a robot does next. This is the contract of all policies."""
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
         """The behaviour to execute now, as its number in table 4.1.
 
         Args:
             observation: What the robot perceives; see `state_vector_of`.
-            rng: For policies that draw their behaviours; others ignore it.
+            rng: For policies that draw their behaviours, which need it; others ignore it.
+
+        Raises:
+            TypeError: A behaviour is to be drawn, and `rng` is not a NumPy generator.
+            ValueError: The observation holds no state vector, or what was decided is no behaviour.
         """
         ...
 
@@ -83,10 +89,13 @@ def checked_generator(rng: Any) -> np.random.Generator:
     return rng
 
 
-def draw(probabilities: NDArray[np.float64], rng: np.random.Generator) -> int:
-    """The place of a number, drawn with its share of the sum as probability; draws one number from `rng`."""
-    steps = probabilities.cumsum()
-    return int(steps.searchsorted(rng.random() * steps[-1], side="right"))
+def remembered(cache: dict[Any, Any], key: Any, find: Callable[[], Any]) -> Any:
+    """What belongs to a key: from the cache, which is emptied when it is full, or else found now."""
+    if key not in cache:
+        if len(cache) >= CACHE_SIZE:
+            cache.clear()
+        cache[key] = find()
+    return cache[key]
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,15 +103,7 @@ class UniformPolicy:
     """Draws one of the ten behaviours and ignores the observation."""
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
-        """A random behaviour.
-
-        Args:
-            observation: Not used.
-            rng: Must be given: one number is drawn at every call.
-
-        Raises:
-            TypeError: `rng` is not a NumPy generator.
-        """
+        """A random behaviour; draws one number from `rng`, which must be given."""
         return Behaviour(int(checked_generator(rng).integers(Behaviour.WAIT)))
 
 
@@ -111,15 +112,7 @@ class Listener:
     """Executes the behaviour it hears; silence makes it wait."""
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
-        """The behaviour heard.
-
-        Args:
-            observation: Of the training environment: seven integers.
-            rng: Not used.
-
-        Raises:
-            ValueError: Not an observation of the training environment.
-        """
+        """The behaviour heard; the observation must be one of the training environment, seven integers."""
         if not is_training(observation):
             raise ValueError(
                 f"observation is {observation!r}; allowed: seven integers of a training environment"
@@ -127,7 +120,7 @@ class Listener:
         return Behaviour(int(observation[HEARD]))
 
 
-def draw_label(votes: Sequence[int] | NDArray[Any], total: int, chance: float) -> int:
+def draw_label(votes: Sequence[float] | NDArray[Any], total: float, chance: float) -> int:
     """A label, drawn with its share of the votes as probability (4.6.2).
 
     Args:

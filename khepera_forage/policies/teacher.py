@@ -1,6 +1,7 @@
 """The teacher: a hand-written classifier of state vectors and a rule for every state (section 4.4)."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import Any
 
@@ -34,26 +35,16 @@ class Teacher:
         home_radius: Of the home of the arena foraged in, in pixels of 5 mm; above 0. That of the decisions by default.
         decisions: Thresholds of the tree, and whatever else the thesis leaves open; by default `Decisions()`.
 
-    Attributes:
-        home_radius: As given.
-        decisions: As given.
-
     Raises:
         ValueError: A radius that is not above 0.
     """
 
     home_radius: int | None = None
     decisions: Decisions | None = None
-    _known: tuple[int, DecisionValues] | None = field(default=None, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if self.home_radius is None and self.decisions is None:
-            return
-        used = self.decisions or DEFAULT_DECISIONS
-        radius = whole_pixels(used.home_radius) if self.home_radius is None else self.home_radius
-        if not radius > 0:
-            raise ValueError(f"home_radius is {radius!r} pixels; allowed: above 0")
-        object.__setattr__(self, "_known", (radius, used.values()))  # a frozen dataclass allows no assignment
+        if self.home_radius is not None and not self.home_radius > 0:
+            raise ValueError(f"home_radius is {self.home_radius!r} pixels; allowed: above 0")
 
     @classmethod
     def of(cls, env: Any) -> "Teacher":
@@ -73,21 +64,21 @@ class Teacher:
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
         """The behaviour for the state that the observed state vector stands for; WAIT for a separated learner.
 
-        Args:
-            observation: What the robot perceives; see `state_vector_of`. That of the training environment has
-                seven integers, the last of which says whether a learner is separated.
-            rng: Not used.
-
         Raises:
-            ValueError: The observation holds no state vector, or neither home radius nor decisions were given.
+            ValueError: As `Policy.act`; or neither home radius nor decisions were given.
         """
-        if self._known is None:
-            raise ValueError(
-                "Teacher() knows no environment; allowed: Teacher.of(env), Teacher(home_radius, decisions)"
-            )
         if type(observation) is not dict and is_training(observation) and observation[SEPARATED]:
             return Behaviour.WAIT
         return behaviour_for(classify(state_vector_of(observation), *self._known))
+
+    @cached_property
+    def _known(self) -> tuple[int, DecisionValues]:
+        if self.home_radius is None and self.decisions is None:
+            raise ValueError(
+                "Teacher() knows no environment; allowed: Teacher.of(env), Teacher(home_radius, decisions)"
+            )
+        used = self.decisions or DEFAULT_DECISIONS
+        return self.home_radius or whole_pixels(used.home_radius), used.values()
 
 
 def _applicable() -> NDArray[np.bool_]:

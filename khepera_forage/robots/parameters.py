@@ -34,11 +34,8 @@ class RobotParameters:
         self._check("left_wheel_error", -1.0 < self.left_wheel_error < math.inf, "a finite number above -1")
         self._check("infra_red_gain", 0.0 <= self.infra_red_gain < math.inf, "a finite number >= 0")
         self._check("arm_reading_scale", 0.0 < self.arm_reading_scale <= 1.0, "above 0, at most 1")
-        self._check(
-            "finger_length",
-            MIN_FINGER_LENGTH <= self.finger_length <= FINGER_LENGTH,
-            f"{MIN_FINGER_LENGTH:g} to {FINGER_LENGTH:g} mm",
-        )
+        allowed = f"{MIN_FINGER_LENGTH:g} to {FINGER_LENGTH:g} mm"
+        self._check("finger_length", MIN_FINGER_LENGTH <= self.finger_length <= FINGER_LENGTH, allowed)
 
     def _check(self, name: str, valid: bool, allowed: str) -> None:
         if not valid:

@@ -1,4 +1,4 @@
-"""What all drivers of real robots share: a thread that owns the connection, and stops on every exit path.
+"""What all drivers of real robots share: a thread that owns the connection, stops on every exit path, and fleets.
 
 Other threads submit tasks and wait for their results. A signal handler may submit a task and wait for it even if the
 thread that it interrupted is waiting for another task: the robot's thread continues. `SimpleQueue` is reentrant and
@@ -55,17 +55,18 @@ class Interrupted(Exception):  # noqa: N818 (an event, not an error)
 class Task(Generic[T]):
     """Work for a robot's thread; when it is `done`, it has a result or an `error`, and is put into its queue."""
 
+    _value: T
+
     def __init__(self, work: Callable[[], T], done_queue: "SimpleQueue[Task[Any]] | None" = None) -> None:
         self._work = work
         self._done_queue: SimpleQueue[Task[Any]] = SimpleQueue() if done_queue is None else done_queue
-        self._value: list[T] = []
         self.error: BaseException | None = None
         self.done = False
 
     def run(self) -> None:
         """Run the work; never raises."""
         try:
-            self._value.append(self._work())
+            self._value = self._work()
         except BaseException as error:
             self.error = error
         self.done = True
@@ -83,7 +84,7 @@ class Task(Generic[T]):
                 raise TimeoutError(f"the robot's thread is not done after {timeout:g} s") from None
         if self.error is not None:
             raise self.error
-        return self._value[0]
+        return self._value
 
 
 class RealRobot(ABC):
@@ -150,9 +151,9 @@ class RealRobot(ABC):
         self._command = Motors(max(-limit, min(limit, left)), max(-limit, min(limit, right)), arm, jaw)
         return self._command
 
+    @abstractmethod
     def flash(self) -> None:
         """Switch its lamps on for a moment, so that a person sees which robot this is."""
-        self._begin(self._flash).result()
 
     def turn_wheels(self, left: int, right: int) -> None:
         """Turn the wheels at speeds in speed units, and move nothing else."""
@@ -185,11 +186,11 @@ class RealRobot(ABC):
 
     def transmit(self) -> None:
         """Send the last command."""
-        self.begin_transmit().result()
+        self.begin(self._transmit).result()
 
     def receive(self) -> None:
         """Read the sensors."""
-        self.begin_receive().result()
+        self.begin(self._receive).result()
 
     def stop(self) -> None:
         """Stop the wheels, before any other request; arm and jaw still move to their last targets."""
@@ -205,22 +206,21 @@ class RealRobot(ABC):
                 stop_and_log((self,), "when its port was closed")
             self._release()
 
-    def begin_transmit(self, done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
-        """Begin `transmit`; the task is put into the queue when it is done."""
-        return self._begin(self._transmit, done_queue)
+    def begin(self, work: Callable[[], T], done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[T]:
+        """Begin work in the robot's thread; raises `ConnectionError` if the robot is closed."""
+        if self._closed:
+            raise ConnectionError(f"{self.port} is closed")
+        task = Task(lambda: self._complete(work), done_queue)
+        self._tasks.put(task)
+        return task
 
-    def begin_receive(self, done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[None]:
-        """Begin `receive`; as `begin_transmit`."""
-        return self._begin(self._receive, done_queue)
+    def begin_stop(self, keep_command: bool = False) -> Task[None]:
+        """Begin `stop`, or a hold, after which `transmit` sends the same command again.
 
-    def begin_stop(self) -> Task[None]:
-        """Begin `stop`; never blocks, so signal handlers may call it."""
-        if self._command is not None:
+        Never blocks, so signal handlers may call it.
+        """
+        if self._command is not None and not keep_command:
             self._command = self._command._replace(left=0, right=0)
-        return self.begin_hold()
-
-    def begin_hold(self) -> Task[None]:
-        """Begin to stop the wheels until the next `transmit`, which sends the same command again."""
         task: Task[None] = Task((lambda: None) if self._closed else self._stop_wheels)
         if self._closed:
             task.run()
@@ -228,16 +228,6 @@ class RealRobot(ABC):
             self._urgent.append(task)
             self._tasks.put(True)
         return task
-
-    def suspend(self) -> bool:
-        """Make the next request raise `RobotSuspended` if the wheels may be turning; returns whether they may."""
-        # A command may be on its way, whatever was confirmed.
-        turning = not self.stop_confirmed or (self._command is not None and any(self._command[:2]))
-        self._suspended = self._suspended or turning
-        return turning
-
-    def end_watchdog(self) -> None:  # noqa: B027 (not every robot has one)
-        """End the watchdog, if there is one: the wheels were stopped. A second call does nothing."""
 
     def __enter__(self) -> Self:
         return self
@@ -248,29 +238,20 @@ class RealRobot(ABC):
     def _open(self, work: Callable[[], None]) -> None:
         """Start the thread, and open the connection in it; release everything if that fails."""
         self._thread.start()
-        _OPEN_ROBOTS.add(self)
+        _add(self)
         try:
-            self._begin(work).result()
+            self.begin(work).result()
         except BaseException:
             self._release()
             raise
 
     def _release(self) -> None:
         self._closed = True
-        _OPEN_ROBOTS.remove(self)
+        _remove(self)
         self._tasks.put(False)
         if threading.current_thread() is not self._thread:
             self._thread.join(timeout=5.0)
-        self.end_watchdog()
         self._disconnect()
-
-    def _begin(self, work: Callable[[], T], done_queue: "SimpleQueue[Task[Any]] | None" = None) -> Task[T]:
-        """Begin work in the robot's thread; raises `ConnectionError` if the robot is closed."""
-        if self._closed:
-            raise ConnectionError(f"{self.port} is closed")
-        task = Task(lambda: self._complete(work), done_queue)
-        self._tasks.put(task)
-        return task
 
     # The methods below run in the robot's thread.
 
@@ -282,11 +263,9 @@ class RealRobot(ABC):
 
     def _run_urgent(self) -> None:
         self._in_urgent = True
-        try:
-            while self._urgent:
-                self._urgent.popleft().run()
-        finally:
-            self._in_urgent = False
+        while self._urgent:
+            self._urgent.popleft().run()
+        self._in_urgent = False
 
     def _check_interruption(self) -> None:
         """Raise `Interrupted` during a wait if ordinary work must pause for a stop, or the robot is closed."""
@@ -312,7 +291,7 @@ class RealRobot(ABC):
 
     @abstractmethod
     def _transmit(self) -> None:
-        """Send `_command`, which `begin_stop` may have changed since `begin_transmit`."""
+        """Send `_command`, which `begin_stop` may have changed meanwhile."""
 
     @abstractmethod
     def _receive(self) -> None:
@@ -323,12 +302,8 @@ class RealRobot(ABC):
         """Stop the wheels until the next `_transmit`, and confirm it."""
 
     @abstractmethod
-    def _flash(self) -> None:
-        """See `flash`."""
-
-    @abstractmethod
     def _disconnect(self) -> None:
-        """Close the connection; a second call does nothing."""
+        """End the watchdog, if there is one, and close the connection; a second call does nothing."""
 
 
 def stop_all(robots: Sequence[RealRobot]) -> list[tuple[RealRobot, Exception]]:
@@ -356,79 +331,166 @@ def stop_and_log(robots: Sequence[RealRobot], occasion: str) -> None:
             )
 
 
-class _OpenRobots:
-    """The open robots of this process. They are replaced as a whole, because a signal may arrive at any moment.
+class Fleet:
+    """Robots on one port each, served in parallel: a round with all of them takes about as long as with one.
 
-    Signal handlers are installed with the first robot, and call the handlers that they replaced.
+    When a robot is lost, all others are stopped at once, even in the middle of a round, and `RobotLost` names every
+    lost robot. When a robot needs more than its time-out (it is lost, or its line is disturbed and requests are
+    repeated), the others are held: their wheels are stopped until the next `transmit`.
+
+    Raises:
+        ValueError: No robot, or two on one port.
     """
 
-    def __init__(self) -> None:
-        self._robots: tuple[RealRobot, ...] = ()
-        self._replaced: dict[int, Any] = {}
-        self._suspended: list[str] = []
-        self._lock = threading.Lock()
-        atexit.register(self._at_exit)
-        if hasattr(os, "register_at_fork"):
-            # A forked child has no threads of the robots, and must leave the parent's robots alone.
-            os.register_at_fork(after_in_child=self._forget)
+    def __init__(self, robots: Sequence[RealRobot]) -> None:
+        ports = [robot.port for robot in robots]
+        if not ports or len(set(ports)) < len(ports):
+            raise ValueError(f"robots on ports {ports}; allowed: at least one, each on its own port")
+        self.robots = tuple(robots)
+        self._hold_after = max(robot.longest_exchange for robot in robots)
 
-    def add(self, robot: RealRobot) -> None:
-        """Stop the robot at the end of the program from now on."""
-        with self._lock:
-            self._robots = (*self._robots, robot)
-            # Python allows handlers only in the main thread; `atexit` and the watchdogs remain.
-            if threading.current_thread() is threading.main_thread():
-                # Ctrl-Z, and the terminal access of a process in the background.
-                for name in ("SIGTSTP", "SIGTTIN", "SIGTTOU", "SIGCONT"):
-                    if name in signal.Signals.__members__:
-                        self._install(signal.Signals[name])
+    def transmit(self) -> None:
+        """Send every robot its command."""
+        self._run(lambda robot: robot._transmit)
 
-    def remove(self, robot: RealRobot) -> None:
-        """Forget a robot that has been stopped and closed; a second call does nothing."""
-        with self._lock:
-            self._robots = tuple(other for other in self._robots if other is not robot)
+    def receive(self) -> None:
+        """Read the sensors of all robots."""
+        self._run(lambda robot: robot._receive)
 
-    def _install(self, number: signal.Signals) -> None:
-        current = signal.getsignal(number)
-        # Leave ignored signals, and handlers not installed by Python, which cannot be called from here. A handler that
-        # was installed after ours may call ours.
-        if current in (None, signal.SIG_IGN) or (number in self._replaced and current != signal.SIG_DFL):
-            return
-        self._replaced[number] = current
-        signal.signal(number, self._on_resumption if number == signal.SIGCONT else self._on_suspension)
+    def stop(self) -> None:
+        """Stop all wheels."""
+        _raise_any([error for _, error in stop_all(self.robots)])
 
-    def _on_suspension(self, number: int, frame: FrameType | None) -> None:
-        self._suspend()
-        if callable(self._replaced[number]):
-            self._replaced[number](number, frame)
+    def close(self, report: bool = True) -> None:
+        """Stop all robots in parallel, then close their ports; log those that do not confirm, unless told not to."""
+        if report:
+            stop_and_log(self.robots, "when its port was closed")
         else:
-            signal.signal(number, signal.SIG_DFL)
-            signal.raise_signal(number)  # suspends the process
-            signal.signal(number, self._on_suspension)
+            stop_all(self.robots)
+        for robot in self.robots:
+            robot.close(stop=False)
 
-    def _on_resumption(self, number: int, frame: FrameType | None) -> None:
-        # After SIGSTOP, which cannot be caught, the robots are stopped only now, unless they have watchdogs.
-        self._suspend()
-        if callable(self._replaced[number]):
-            self._replaced[number](number, frame)
-        if self._suspended:
-            stopped, self._suspended = ", ".join(self._suspended), []
-            _LOG.warning(
-                "the program was suspended: stopped %s; no wheel turns before a new command", stopped
-            )
+    def __enter__(self) -> Self:
+        return self
 
-    def _suspend(self) -> None:
-        self._suspended += [robot.port for robot in self._robots if robot.suspend()]
-        stop_and_log(self._robots, "when the program was suspended")
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
-    def _at_exit(self) -> None:
-        stop_and_log(self._robots, "at the end of the program")
-        for robot in self._robots:
-            if robot.stop_confirmed:
-                robot.end_watchdog()
+    def _run(self, work_of: Callable[[RealRobot], Callable[[], None]]) -> None:
+        """Let all robots work; after the first failure, stop the others at once."""
+        done_queue: SimpleQueue[Task[Any]] = SimpleQueue()
+        errors: list[BaseException] = []
+        held, end = False, time.monotonic() + self._hold_after
+        try:
+            pending = {robot.begin(work_of(robot), done_queue): robot for robot in self.robots}
+            while pending:
+                try:
+                    task = done_queue.get(timeout=None if held else max(0.0, end - time.monotonic()))
+                except Empty:
+                    held = True
+                    for robot in set(self.robots) - set(pending.values()):
+                        robot.begin_stop(keep_command=True)
+                    continue
+                robot = pending.pop(task)
+                if task.error is None:
+                    if held and pending:  # it is done after the others were held
+                        robot.begin_stop(keep_command=True)
+                    continue
+                if not errors:
+                    # At once: a stop is urgent and interrupts the requests of this round. The lost robot may still
+                    # receive requests, too; nobody waits for its reply.
+                    for other in self.robots:
+                        other.begin_stop()
+                errors.append(task.error)
+        except BaseException:
+            stop_all(self.robots)
+            raise
+        if errors:
+            lost = {error.port for error in errors if isinstance(error, RobotLost)}
+            errors += [e for _, e in stop_all([robot for robot in self.robots if robot.port not in lost])]
+        _raise_any(errors)
 
-    def _forget(self) -> None:
-        self._robots = ()
+
+def _raise_any(errors: Sequence[BaseException]) -> None:
+    """Raise the errors, if any; one `RobotLost` names all lost robots."""
+    if not errors:
+        return
+    first, *others = sorted(errors, key=lambda error: not isinstance(error, RobotLost))
+    if not others or not isinstance(first, RobotLost):
+        raise first
+    also = "; also lost: ".join(map(str, others))
+    raise RobotLost(first.port, first.command, first.tries, f"{first.reason}; also lost: {also}") from first
 
 
-_OPEN_ROBOTS = _OpenRobots()
+# The open robots of this process. Signal handlers are installed with the first robot, and call the replaced ones.
+
+_open_robots: tuple[RealRobot, ...] = ()
+"""Replaced as a whole, because a signal may arrive at any moment."""
+_lock = threading.Lock()
+_replaced: dict[int, Any] = {}
+_suspended_ports: list[str] = []
+
+
+def _add(robot: RealRobot) -> None:
+    """Stop the robot at the end of the program from now on."""
+    global _open_robots
+    with _lock:
+        _open_robots = (*_open_robots, robot)
+        if threading.current_thread() is not threading.main_thread():
+            return  # Python allows handlers only in the main thread; `atexit` and the watchdogs remain.
+        # Ctrl-Z, and the terminal access of a process in the background.
+        for name in {"SIGTSTP", "SIGTTIN", "SIGTTOU", "SIGCONT"} & signal.Signals.__members__.keys():
+            number = signal.Signals[name]
+            current = signal.getsignal(number)
+            # Leave ignored signals, and handlers not installed by Python, which cannot be called from here. A handler
+            # that was installed after ours may call ours.
+            is_new = number not in _replaced or current == signal.SIG_DFL
+            if is_new and current not in (None, signal.SIG_IGN):
+                _replaced[number] = current
+                signal.signal(number, _on_signal)
+
+
+def _remove(robot: RealRobot) -> None:
+    """Forget a robot that has been stopped and closed; a second call does nothing."""
+    global _open_robots
+    with _lock:
+        _open_robots = tuple(other for other in _open_robots if other is not robot)
+
+
+def _on_signal(number: int, frame: FrameType | None) -> None:
+    """Stop the robots before a suspension; after SIGSTOP, which cannot be caught, unless they have watchdogs."""
+    for robot in _open_robots:
+        # A command may be on its way, whatever was confirmed.
+        if not robot.stop_confirmed or (robot._command is not None and any(robot._command[:2])):
+            robot._suspended = True
+            _suspended_ports.append(robot.port)
+    stop_and_log(_open_robots, "when the program was suspended")
+    resumed = number == signal.SIGCONT
+    if callable(_replaced[number]):
+        _replaced[number](number, frame)
+    elif not resumed:
+        signal.signal(number, signal.SIG_DFL)
+        signal.raise_signal(number)  # suspends the process
+        signal.signal(number, _on_signal)
+    if resumed and _suspended_ports:
+        stopped = ", ".join(_suspended_ports)
+        _suspended_ports.clear()
+        _LOG.warning("the program was suspended: stopped %s; no wheel turns before a new command", stopped)
+
+
+@atexit.register
+def _at_exit() -> None:
+    stop_and_log(_open_robots, "at the end of the program")
+    for robot in _open_robots:
+        if robot.stop_confirmed:
+            robot.close(stop=False)  # ends the watchdog
+
+
+def _forget() -> None:
+    global _open_robots
+    _open_robots = ()
+
+
+if hasattr(os, "register_at_fork"):
+    # A forked child has no threads of the robots, and must leave the parent's robots alone.
+    os.register_at_fork(after_in_child=_forget)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies import Policy, Teacher, state_vector_of
-from khepera_forage.policies.classifiers import ClassifierPolicy, check_classifier
+from khepera_forage.policies.classifiers import policy_of
 from khepera_forage.policies.models import completed
 from khepera_forage.task.states import StateVector
 
@@ -120,5 +120,4 @@ def _fitted(
 ) -> Policy:
     classifier = make()
     classifier.fit(np.array(vectors), np.array(behaviours))
-    check_classifier(classifier)
-    return ClassifierPolicy(classifier, sample, remember=True)
+    return policy_of(classifier, sample)

@@ -1,5 +1,7 @@
 """Raw data, motors and rewards, round by round: of a learner in training (4.5), and of the teacher alone."""
 
+from collections.abc import Iterable
+from contextlib import closing
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +13,7 @@ from khepera_forage.experience import Experience
 from khepera_forage.policies import Observation, Teacher
 from khepera_forage.policies.features import raw_data_space
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, MAX_SPEED, Motors, applicable
+from khepera_forage.rollouts.training import train
 from khepera_forage.task.states import Behaviour
 
 
@@ -71,6 +74,19 @@ class LearnerRecorder:
 
     def _shown(self) -> dict[str, Any]:
         return raw_data_of(self._env.foragers[1].raw)
+
+
+def recorded(
+    env: TrainingEnv | WheelsEnv, seeds: Iterable[np.random.SeedSequence]
+) -> list[tuple[Experience, RawEpisode]]:
+    """Complete training episodes, or episodes of the teacher alone where the environment has motors; closes it."""
+    with closing(env):
+        if isinstance(env, WheelsEnv):
+            return [teacher_alone(env, int(seed.generate_state(1)[0])) for seed in seeds]
+        recorder = LearnerRecorder(env)
+        return [
+            (train(env, seed, teacher=recorder, callback=recorder)[0], recorder.episode()) for seed in seeds
+        ]
 
 
 def teacher_alone(env: WheelsEnv, seed: int) -> tuple[Experience, RawEpisode]:

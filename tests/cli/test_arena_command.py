@@ -14,7 +14,6 @@ from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import ARENAS, FAMILY, family_arena
 from khepera_forage.sim.arenas.procedural import LEVELS, procedural_arena
 
-MAZE = family_arena("t_maze")
 DOORS = """\
 name = "narrow"
 walls = [[0, 0], [1000, 0], [1000, 500], [0, 500]]
@@ -117,25 +116,14 @@ def test_written_arena_is_the_one_named(tmp_path: Path, capsys: pytest.CaptureFi
     assert f"`khepera-forage arena show {copy}` draws it" in capsys.readouterr().out
 
 
-def test_recall_takes_an_arena_file(tmp_path: Path) -> None:
-    path, out = tmp_path / "mine.toml", tmp_path / "rows.csv"
-    write_arena(MAZE, path)
-    own, named = (
-        ["recall", "--arena", arena, "--episodes", "1", "--out", str(out)] for arena in (str(path), "t_maze")
-    )
-    texts = []
-    for arguments in (own, named):
-        assert main(arguments) == 0
+def test_recall_takes_a_named_arena_and_an_arena_file(tmp_path: Path) -> None:
+    path, out, texts = tmp_path / "mine.toml", tmp_path / "rows.csv", []
+    write_arena(family_arena("t_maze"), path)
+    for arena in (str(path), "t_maze", "mixed_foods"):
+        assert main(["recall", "--arena", arena, "--episodes", "1", "--out", str(out)]) == 0
         texts.append(out.read_text())
     assert texts[0] == texts[1]
-
-
-def test_recall_takes_a_named_arena_and_its_food_types(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "rows.csv"
-    assert main(["recall", "--arena", "mixed_foods", "--episodes", "1", "--out", str(out)]) == 0
-    assert "mixed_foods" in out.read_text()
+    assert "mixed_foods" in texts[2]
 
 
 def test_train_records_in_the_arena(tmp_path: Path) -> None:

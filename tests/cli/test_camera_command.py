@@ -164,19 +164,13 @@ def test_calibrate_from_clicks_in_a_window(
     assert found.to_region(100.5, 100.5) == pytest.approx((0, 300), abs=1e-6)
 
 
-# ---------------------------------------------------------------- mistakes
-
-
-# ---------------------------------------------------------------- markers
+# ---------------------------------------------------------------- markers and tags
 
 
 def test_markers_writes_a_page(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["camera", "markers"]) == 0
     assert "print it at 100 %" in capsys.readouterr().out
     assert 'width="210mm"' in Path("markers.svg").read_text(encoding="utf-8")
-
-
-# ---------------------------------------------------------------- tags
 
 
 def test_tags_are_printed_and_calibrate_a_camera_that_is_then_watched(

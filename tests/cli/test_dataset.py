@@ -12,16 +12,12 @@ from khepera_forage import as_policy, recall, recall_env
 from khepera_forage.cli.dataset import FOLDER_VARIABLE, food_in_training
 from khepera_forage.cli.main import main
 from khepera_forage.experience import Experience
-from khepera_forage.experience.data_card import MEANINGS, Origin, data_card
 from khepera_forage.rollouts.training import arrays
 from khepera_forage.sim.arena_file import write_arena
-from khepera_forage.sim.arenas.procedural import procedural_arena
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import StateVector
 from tests.arenas import BLOCKS
 
 SOME = Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (0, 59, 0, 215, 39)], [0, 2, 0], seed=7)
-ORIGIN = Origin("khepera-forage dataset", "It was recorded.", "CC0-1.0", "somebody", 3)
 
 
 @pytest.fixture
@@ -107,15 +103,6 @@ def test_episodes_in_another_arena_are_a_dataset_of_this_arena() -> None:
 
 
 @pytest.mark.usefixtures("minari")
-def test_procedural_level_of_a_file_is_the_arena_of_a_dataset() -> None:
-    level = ["--difficulty", "easy", "--level", "6"]
-    assert main(["arena", "write", "procedural", "den.toml", *level]) == 0
-    assert main(["dataset", "--episodes", "1", "--arena", "den.toml", "--out", "data"]) == 0
-    dataset = import_module("minari").load_dataset("khepera_forage/procedural_easy_6-v1")
-    assert dataset.recover_environment().unwrapped.arena == procedural_arena(6, "easy")
-
-
-@pytest.mark.usefixtures("minari")
 def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest.CaptureFixture[str]) -> None:
     write_arena(BLOCKS, "blocks.toml")
     Experience(SOME.vectors, SOME.behaviours, "blocks").save("g1.csv")
@@ -126,17 +113,17 @@ def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest
     assert "experience of ['blocks']; allowed: of 'doors', the argument arena" in capsys.readouterr().err
     assert main([*command, "--arena", "blocks.toml"]) == 0
     assert Path("data/khepera_forage/blocks-v1/README.md").exists()
+    dataset = import_module("minari").load_dataset("khepera_forage/blocks-v1")
+    assert dataset.recover_environment().unwrapped.arena == BLOCKS
 
 
-def test_card_names_mixed_food_types_and_all_arenas() -> None:
+def test_food_in_training_is_named_with_its_shares() -> None:
     for food_type, arena, food in (
         (None, "mixed_foods", "food (50 % PICKABLE, 25 % PUSHABLE, 25 % POISONOUS)"),
         ("PUSHABLE", "mixed_foods", "PUSHABLE food"),
         (None, "doors", "PICKABLE food"),
     ):
         assert food_in_training(argparse.Namespace(food_type=food_type), arena) == food
-    parts = [Experience(SOME.vectors, SOME.behaviours, f"procedural_easy_{level}") for level in (7, 3)]
-    assert "| arena | procedural_easy_3, procedural_easy_7 |" in data_card("a-v1", parts, ORIGIN)
 
 
 @pytest.mark.usefixtures("minari")
@@ -152,10 +139,15 @@ def test_a_dataset_that_cannot_be_finished_is_removed(monkeypatch: pytest.Monkey
     assert not Path("data/mine-v1").exists()
 
 
-def test_card_counts_behaviours_and_names_all_decisions() -> None:
-    other = Experience(SOME.vectors, SOME.behaviours, decisions=Decisions(next_to_food=22))
-    card = data_card("a-v1", [SOME, other], ORIGIN)
+@pytest.mark.usefixtures("minari")
+def test_card_counts_behaviours_and_names_all_arenas_and_decisions() -> None:
+    for name, level, decisions in (("g1.csv", 7, Decisions()), ("g2.csv", 3, Decisions(next_to_food=22))):
+        arena = f"procedural_easy_{level}"
+        Experience(SOME.vectors, SOME.behaviours, arena, decisions=decisions).save(name)
+    files = ["--experience", "g1.csv", "g2.csv", "--allow-other-decisions"]
+    assert main(["dataset", *files, "--name", "a-v1", "--out", "data"]) == 0
+    card = Path("data/a-v1/README.md").read_text(encoding="utf-8")
+    assert "| arena | procedural_easy_3, procedural_easy_7 |" in card
     assert "| 0 | SEARCH_FOR_FOOD | 4 | 66.7 |" in card
     assert "| 2 | ORIENT_WITH_FOOD | 2 | 33.3 |" in card
     assert "`v1 and v1;next_to_food=22`" in card
-    assert tuple(MEANINGS) == StateVector._fields

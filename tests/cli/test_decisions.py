@@ -11,8 +11,6 @@ from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.task.decisions import FIELDS, Decisions, decisions_from_text, decisions_text
 
-COMMANDS = ("reproduce", "train", "teach", "recall", "watch")
-
 
 @pytest.fixture(autouse=True)
 def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -39,36 +37,6 @@ def test_table_has_every_decision_with_default_range_section_and_reason(
     assert sum(len(line) > 80 for line in lines[1::2]) < 10, "most lines fit a terminal"
     (next_to_food,) = [line.split() for line in lines if line.startswith("next_to_food")]
     assert next_to_food == ["next_to_food", default("next_to_food"), "pixels", "4.2.1", "10", "to", "30"]
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("next_to_foot=17", "decision 'next_to_foot' is unknown; allowed: aimed, arm_after_orienting, "),
-        ("next_to_food=nan", "decision next_to_food is nan; allowed: a number from 10 to 30 pixels"),
-        ("patience=1.5", "decision patience is '1.5'; allowed: a whole number from 1 to 10000 rounds"),
-        ("equal_distance=x", "decision equal_distance is 'x'; allowed: 'nearer state', 'farther state'"),
-        ("v0.2", "version 'v0.2' of the decisions is unknown; allowed: 'v0.1', 'v1'"),
-        ("patience=5 v0.1", "decision 'v0.1'; allowed: NAME=VALUE, such as next_to_food=22"),
-        ("patience=5 patience=6", "decision patience is set twice; allowed: once"),
-        (
-            "next_to_food=25 close_to_food=24",
-            "decision close_to_food is 24.0; allowed: at least next_to_food",
-        ),
-    ],
-)
-def test_bad_decision_is_reported_in_one_line(
-    command: str, words: str, message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    options = [option for word in words.split() for option in ("--decision", word)]
-    phase = ["recall"] if command == "watch" else []
-    assert main([command, *phase, *options]) == 2
-    captured = capsys.readouterr()
-    assert captured.err.startswith(f"khepera-forage {command}: {message}")
-    assert captured.err.count("\n") == 1
-    assert captured.out == ""
-    assert not list(Path().iterdir()), "nothing is written"
 
 
 def test_train_and_recall_store_their_decisions() -> None:

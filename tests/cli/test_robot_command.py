@@ -1,14 +1,16 @@
-"""`khepera-forage robot`, with a virtual Khepera that the command itself starts."""
+"""`khepera-forage robot`, and virtual robots that the command itself starts for other programs."""
 
 import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
-from pathlib import Path
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
+import serial
 
 from khepera_forage.cli.main import main
 from khepera_forage.cli.robot import bars
@@ -22,19 +24,32 @@ from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 from tests.version_0_1 import CORRIDOR, TIMING
 
+WAIT = 10.0
+
+
+@contextmanager
+def started(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """The command in another process, and the port that it prints."""
+    with subprocess.Popen(
+        [sys.executable, "-m", "khepera_forage", "robot", "virtual", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        try:
+            assert process.stdout is not None
+            first = process.stdout.readline()
+            assert first.startswith("a virtual Khepera at "), process.communicate()
+            yield process, first.split()[4].removesuffix(";")
+        finally:
+            process.kill()
+
 
 @pytest.fixture(scope="module")
 def port() -> Iterator[str]:
     """The port of a virtual Khepera that runs in another process, in real time."""
-    command = Path(sys.executable).with_name("khepera-forage")
-    child = subprocess.Popen([command, "robot", "virtual"], stdout=subprocess.PIPE, text=True)
-    assert child.stdout is not None
-    found = re.search(r"/dev/\S+?(?=;|\s)", child.stdout.readline())
-    assert found is not None
-    yield found[0]
-    child.send_signal(signal.SIGINT)
-    child.communicate(timeout=20)
-    assert child.returncode == 0
+    with started() as (_, port):
+        yield port
 
 
 @pytest.fixture
@@ -183,3 +198,45 @@ def test_lost_robot_is_reported_in_one_line(
     err = capsys.readouterr().err
     assert f"{frozen.url}: no answer to 'B'" in err
     assert err.count("\n") == 1
+
+
+# ---------------------------------------------------------------- robot virtual
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_virtual_robot_runs_until_a_signal(number: signal.Signals) -> None:
+    with started("--baud", "115200") as (process, port):
+        with serial.serial_for_url(port, 115200, timeout=WAIT) as host:
+            host.write(b"B\nD,5,5\n")
+            assert host.readline() == b"b,5.02,5.01\r\n"
+            assert host.readline() == b"d\r\n"
+            deadline, count = time.monotonic() + WAIT, 0
+            while count < 100 and time.monotonic() < deadline:
+                host.write(b"H\n")
+                count = int(host.readline().decode().split(",")[1])
+            assert count >= 100, "its world advances in real time"
+        process.send_signal(number)
+        printed, errors = process.communicate(timeout=WAIT)
+        assert process.returncode == 0
+    assert printed.startswith("stopped\n")
+    assert " requests" in printed
+    assert errors == ""
+
+
+def test_virtual_robot_ends_when_unplugged() -> None:
+    with started("--tcp", "0", "--unplug", "1", "--seed", "3") as (process, port):
+        with serial.serial_for_url(port, timeout=WAIT) as host:
+            host.write(b"B\n")
+            with pytest.raises(serial.SerialException):
+                host.read(1)
+        printed, errors = process.communicate(timeout=WAIT)
+        assert process.returncode == 0
+    assert printed == "unplugged\n1 requests, 1 unplug\n"
+    assert errors == ""
+
+
+def test_signals_are_as_before_after_a_mistake(capsys: pytest.CaptureFixture[str]) -> None:
+    handlers = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    assert main(["robot", "virtual", "--baud", "300"]) == 2
+    assert "300" in capsys.readouterr().err
+    assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == handlers

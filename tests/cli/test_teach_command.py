@@ -25,7 +25,6 @@ from khepera_forage.envs.rendering.palette import TEACHER as TEACHER_COLOUR
 from khepera_forage.envs.rendering.picture import Painter, to_array
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.experience import Experience
-from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow
@@ -188,10 +187,6 @@ def test_wrong_behaviours_are_recorded_and_a_restart_discards_them(
     share = 100 * (len(script.chosen) - script.wrong) / len(script.chosen)
     assert f"{share:.0f} % of the behaviours as the hand-coded teacher's" in capsys.readouterr().out
     assert script.wrong == 6
-    imitator = NearestNeighbourImitator(diagonal=138).fit(*experience.arrays())
-    rng = np.random.default_rng(0)
-    assert {imitator.act(vector, rng) for vector in experience.vectors} <= set(script.chosen)
-    assert main(["recall", "--experience", "taught/g1.csv", "--episodes", "1", "--out", "rows.csv"]) == 0
     assert [path.name for path in Path("taught").iterdir()] == ["g1.csv"]
 
 
@@ -221,22 +216,6 @@ def test_escape_at_the_start_leaves_no_file(
     assert main(["teach"]) == 0
     assert capsys.readouterr().out.endswith("no episode is complete, so no file is kept\n")
     assert list(Path("taught").iterdir()) == []
-
-
-def test_crash_leaves_a_file_that_can_be_recovered(run_script: Callable[[Script], None]) -> None:
-    tapping = TappingScript()
-
-    def script(env: TrainingEnv, view: View) -> None:
-        if len(tapping.chosen) == 12:
-            raise MemoryError
-        tapping(env, view)
-
-    run_script(script)
-    with pytest.raises(MemoryError):
-        main(["teach", *FAST])
-    with pytest.warns(UserWarning, match="closing line"):
-        experience = Experience.load("taught/g1.csv", recover=True)
-    assert list(experience.behaviours) == tapping.chosen
 
 
 class RecordingWindow(TeachingWindow):

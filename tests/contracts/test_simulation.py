@@ -1,4 +1,4 @@
-"""The contracts, for worlds of both backends and for policies."""
+"""The contracts, for worlds of both backends."""
 
 from itertools import product
 from typing import Any
@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher, UniformPolicy
 from tests.arenas import POOL
-from tests.contracts.suites import CameraContract, PolicyContract, RobotContract, SimulationContract, Stage
+from tests.contracts.suites import CameraContract, RobotContract, SimulationContract, Stage
 from tests.version_0_1 import RECTANGLE, V0_1
 
 
@@ -38,16 +37,4 @@ class TestOverheadCamera(CameraContract):
 
 
 class TestSimulation(SimulationContract):
-    pass
-
-
-@pytest.fixture(params=["teacher", "imitator", "uniform"])
-def policy(request: pytest.FixtureRequest) -> Policy:
-    if request.param == "imitator":
-        vectors = [(0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (0, 61, 0, 255, 18), (1, 30, 1, 215, 138)]
-        return NearestNeighbourImitator(diagonal=138).fit(np.array(vectors), np.array([0, 2, 1, 7]))
-    return Teacher(18) if request.param == "teacher" else UniformPolicy()
-
-
-class TestPolicies(PolicyContract):
     pass

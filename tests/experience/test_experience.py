@@ -250,3 +250,40 @@ def test_loading_a_missing_file_is_an_error(tmp_path: Path) -> None:
 def test_unequal_numbers_of_vectors_and_behaviours_are_an_error() -> None:
     with pytest.raises(ExperienceError, match="2 vectors with 1 behaviours; allowed: equal numbers"):
         Experience([SEARCH, HOME], [0])
+
+
+OTHER = Decisions(next_to_food=17, separation=21)
+
+
+def test_files_of_different_decisions_are_joined_only_if_allowed(tmp_path: Path) -> None:
+    default, other = tmp_path / "default.csv", tmp_path / "other.csv"
+    Experience([SEARCH], [0], seed=1).save(default)
+    Experience([SEARCH] * 2, [0] * 2, seed=1, decisions=OTHER).save(other)
+    with pytest.raises(ExperienceError) as error:
+        Experience.load(default, other)
+    assert str(error.value) == (
+        f"{other}: recorded under other decisions: next_to_food is 17, not {Decisions().next_to_food:g}; separation is "
+        f"21, not {Decisions().separation:g}; allowed: the same decisions, or any with allow_other_decisions=True "
+        "(--allow-other-decisions)"
+    )
+    joined = Experience.load(default, other, allow_other_decisions=True)
+    assert (len(joined), joined.decisions) == (3, None)
+
+
+def test_mixed_experience_stays_mixed_and_fits_no_environment(tmp_path: Path) -> None:
+    parts = Experience([SEARCH], [0]), Experience([SEARCH], [0], decisions=OTHER)
+    mixed = Experience.join(parts, allow_other_decisions=True)
+    path = tmp_path / "mixed.csv"
+    mixed.save(path)
+    assert "# decisions: mixed\n" in path.read_text()
+    assert Experience.load(path) == mixed
+    for refused in (
+        lambda: mixed.require_decisions(Decisions()),
+        lambda: parts[0] + mixed,
+        lambda: mixed + mixed,
+        lambda: Experience.load(path, decisions=OTHER),
+    ):
+        with pytest.raises(
+            ExperienceError, match="experience of mixed decisions; allowed: the same decisions, or"
+        ):
+            refused()

@@ -1,7 +1,6 @@
 """Conversion of experience to a Minari dataset and back."""
 
 import re
-import sys
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -197,9 +196,8 @@ def test_recovered_environment_has_an_arena_of_ones_own() -> None:
     assert env.arena == BLOCKS
     assert {"foods": env.foods, "limit": env.limit}.items() <= settings_of(BLOCKS).items()
     assert from_minari(dataset) == [part]
-    for wrong, own in (("corridor", "corridor"), (POOL[0], "hall")):
-        with pytest.raises(ExperienceError, match=rf"\['blocks'\]; allowed: of '{own}', the argument arena"):
-            to_minari([part], "khepera/wrong-v0", arena=wrong)
+    with pytest.raises(ExperienceError, match=r"\['blocks'\]; allowed: of 'hall', the argument arena"):
+        to_minari([part], "khepera/wrong-v0", arena=POOL[0])
 
 
 @pytest.mark.parametrize(("first", "split"), [(0, "train"), (LEVELS, "test")])
@@ -247,12 +245,6 @@ def test_dataset_without_state_vectors_is_an_error() -> None:
         from_minari(dataset)
     with pytest.raises(ExperienceError, match="episode 0 has no state vectors"):
         from_minari(dataset, arena="corridor")
-
-
-def test_without_minari_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "minari", None)
-    with pytest.raises(ImportError, match=r"pip install 'khepera-forage\[minari\]'"):
-        to_minari([SOME], "khepera/none-v0")
 
 
 @pytest.mark.parametrize("wheels", [False, True])

@@ -2,6 +2,7 @@
 
 import re
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -34,10 +35,22 @@ def write(folder: Path, content: str | bytes) -> Path:
     return path
 
 
+def decided(text: str) -> str:
+    return WHOLE.replace("# units", f"# decisions: {text}\n# units")
+
+
 def test_complete_file_is_read(tmp_path: Path) -> None:
+    """A file without decisions, or with some that name no version, is one of version 0.1."""
     assert Experience.load(write(tmp_path, WHOLE)) == EXPERIENCE
     assert Experience.load(write(tmp_path, WHOLE.replace("\n", "\r\n"))) == EXPERIENCE
     assert Experience.load(write(tmp_path, WHOLE), recover=True) == EXPERIENCE
+    assert Decisions.v0_1() != Decisions()
+    for text, decisions in (
+        ("next_to_food=17;separation=20", replace(Decisions.v0_1(), next_to_food=17, separation=20)),
+        ("v1;patience=7", Decisions(patience=7)),
+        ("mixed", None),
+    ):
+        assert Experience.load(write(tmp_path, decided(text))).decisions == decisions
 
 
 def row(text: str) -> str:
@@ -59,6 +72,10 @@ BAD: list[tuple[str | bytes, int, str]] = [
     (WHOLE.replace("episodes: 1", "episodes: 0"), 5, "episodes is 0; allowed: at least 1"),
     (WHOLE.replace("corridor", " corridor"), 3, "arena is ' corridor'; allowed: a printable name"),
     (WHOLE.replace("seed: ", "sead: "), 4, "'# sead: 7'; allowed: '# seed: ' and a value"),
+    (decided(""), 6, "decisions are ''; allowed: a version and what differs from it, or no such line"),
+    (decided("v2;next_to_food=17"), 6, "version 'v2' of the decisions is unknown; allowed: 'v0.1', 'v1'"),
+    (decided("next_to_food=9"), 6, "decision next_to_food is 9.0; allowed: a number from 10 to 30 pixels"),
+    (decided("Mixed"), 6, "decision 'Mixed'; allowed: NAME=VALUE"),
     (WHOLE.replace("5 mm", "4 mm"), 6, "units are 'distances in pixels of 4 mm"),
     (WHOLE.replace("arms_height,", "arms,"), 7, "columns are 'object_presence,robot_home_distance,foo"),
     (HEADER[:100], 6, "ends in the header; allowed: 7 lines before the rows"),

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.lab.operator import OperatorRequest
@@ -11,13 +12,26 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import Pose, copies
 from khepera_forage.sim.world import Layout
 from khepera_forage.vision.rendering import CameraAppearance
-from khepera_forage.vision.video import FrameSource
 from tests.version_0_1 import CORRIDOR, V0_1
 
 ARENAS = copies(CORRIDOR, 2)
 LAYOUT = Layout(
     tuple(arena.start for arena in ARENAS), tuple(food for arena in ARENAS for food in arena.foods)
 )
+
+
+class Time:
+    """Time that passes only in `sleep`, or when a test changes `now`."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        assert seconds >= 0
+        self.now += seconds
 
 
 class ClumsyOperator:
@@ -37,21 +51,9 @@ class ClumsyOperator:
         self.lab.virtual_operator(self.errors.pop(0)(request) if self.errors else request)
 
 
-def quiet_laboratory(
-    operator: ClumsyOperator | None = None,
-    real_time: bool = False,
-    camera: Callable[[FrameSource], FrameSource] | None = None,
-) -> VirtualLaboratory:
-    lab = virtual_laboratory(
-        CORRIDOR,
-        2,
-        V0_1,
-        noise=Noise.none(),
-        appearance=CameraAppearance.none(),
-        operator=operator,
-        real_time=real_time,
-        camera=camera,
-    )
+def quiet_laboratory(operator: ClumsyOperator | None = None, **options: Any) -> VirtualLaboratory:
+    quiet: dict[str, Any] = {"noise": Noise.none(), "appearance": CameraAppearance.none()}
+    lab = virtual_laboratory(CORRIDOR, 2, V0_1, operator=operator, **quiet, **options)
     if operator is not None:
         operator.lab = lab
     return lab
@@ -67,13 +69,8 @@ def moved(
 
 
 def is_stopped(lab: VirtualLaboratory) -> bool:
-    """Whether the wheels of all simulated robots are stopped."""
-    lab.simulation.advance()
-    before = [(robot.sense().left_pulses, robot.sense().right_pulses) for robot in lab.simulation.robots]
-    lab.simulation.advance()
-    return before == [
-        (robot.sense().left_pulses, robot.sense().right_pulses) for robot in lab.simulation.robots
-    ]
+    """Whether no wheel of any robot is commanded to turn."""
+    return not any(firmware.turning for firmware in lab.firmwares)
 
 
 def drive_all(lab: VirtualLaboratory) -> None:

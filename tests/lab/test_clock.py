@@ -5,25 +5,12 @@ import logging
 import pytest
 
 from khepera_forage.lab.clock import WallClock
-
-
-class FakeTime:
-    """Time that advances only when a test changes `now`, or in `sleep`."""
-
-    def __init__(self) -> None:
-        self.now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
-
-    def sleep(self, seconds: float) -> None:
-        assert seconds > 0
-        self.now += seconds
+from tests.lab.laboratories import Time
 
 
 def test_rounds_do_not_drift() -> None:
-    fake = FakeTime()
-    clock = WallClock(0.1, fake, fake.sleep)
+    fake = Time()
+    clock = WallClock(0.1, fake.monotonic, fake.sleep)
     clock.start()
     for i in range(1, 201):
         fake.now += 0.03 + 0.01 * (i % 5)
@@ -33,8 +20,8 @@ def test_rounds_do_not_drift() -> None:
 
 
 def test_overruns_are_counted_without_a_burst_of_short_rounds() -> None:
-    fake = FakeTime()
-    clock = WallClock(0.1, fake, fake.sleep)
+    fake = Time()
+    clock = WallClock(0.1, fake.monotonic, fake.sleep)
     clock.start()
     fake.now += 0.13
     clock.wait()
@@ -57,8 +44,8 @@ def test_overruns_are_counted_without_a_burst_of_short_rounds() -> None:
 
 @pytest.mark.parametrize("late", [9, 10])
 def test_many_overruns_cause_one_warning(late: int, caplog: pytest.LogCaptureFixture) -> None:
-    fake = FakeTime()
-    clock = WallClock(0.1, fake, fake.sleep)
+    fake = Time()
+    clock = WallClock(0.1, fake.monotonic, fake.sleep)
     clock.start()
     with caplog.at_level(logging.WARNING):
         for i in range(100):

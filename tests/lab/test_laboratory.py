@@ -1,6 +1,7 @@
 """A laboratory: requests to the operator, checks by camera, pause and resume, and food positions."""
 
 import math
+import time
 
 import numpy as np
 import pytest
@@ -112,3 +113,15 @@ def test_held_food_moves_with_the_gripper(lab: VirtualLaboratory) -> None:
     for _ in range(12):
         lab.advance()
     assert not lab.food_places()[0].lifted
+
+
+def test_laboratory_in_real_time_keeps_the_period() -> None:
+    with quiet_laboratory(real_time=True) as lab:
+        lab.reset(np.random.default_rng(0), LAYOUT)
+        begin, rounds = time.monotonic(), lab.clock.rounds
+        lab.robots[0].drive(Motors(5, 5, 215, 200))
+        for _ in range(4):
+            lab.advance()
+        assert time.monotonic() - begin > 0.3
+        assert lab.clock.rounds == rounds + 4
+        assert lab.simulation.poses()[0].x - LAYOUT.starts[0].x > 10, "overruns advance the simulation, too"

@@ -11,7 +11,6 @@ import pytest
 from numpy.typing import NDArray
 
 from khepera_forage.envs.laboratories import load_settings
-from khepera_forage.lab.devices import open_robots
 from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
@@ -40,8 +39,6 @@ class FailingSource:
         self.frames, self.black, self.closed = frames, False, False
 
     def newest(self) -> tuple[NDArray[np.uint8], float]:
-        if self.closed:
-            raise CameraLost("0", "closed", None)
         frame, age = self.frames.newest()
         return (frame // 32 if self.black else frame), age
 
@@ -75,11 +72,13 @@ def test_lost_robot_stops_all_and_is_reconnected_by_reset(lab: VirtualLaboratory
     drive_all(lab)
 
 
-def test_camera_is_opened_again_after_a_loss() -> None:
+def test_lost_camera_is_opened_again_until_it_has_the_right_frames() -> None:
     opened: list[FailingSource] = []
 
     def camera(frames: FrameSource) -> FrameSource:
         opened.append(FailingSource(frames))
+        if len(opened) == 2:
+            raise ValueError("camera 0 has frames of 640 x 360")
         return opened[-1]
 
     with quiet_laboratory(camera=camera) as lab:
@@ -90,20 +89,26 @@ def test_camera_is_opened_again_after_a_loss() -> None:
             lab.advance()
         assert is_stopped(lab)
         lab.reset(np.random.default_rng(1), LAYOUT)
-        assert [source.closed for source in opened] == [True, False]
+        assert [source.closed for source in opened] == [True, False, False]
+        first, second, _ = (request.reason for request in lab.virtual_operator.requests)
+        assert "its picture shows nothing" in first
+        assert second == "reconnect what was lost: camera 0 has frames of 640 x 360"
         drive_all(lab)
 
 
+@pytest.mark.parametrize("stopped", [False, True])
 def test_robot_that_cannot_be_stopped_is_named_in_the_same_message(
-    lab: VirtualLaboratory, caplog: pytest.LogCaptureFixture
+    stopped: bool, lab: VirtualLaboratory, caplog: pytest.LogCaptureFixture
 ) -> None:
     drive_all(lab)
+    if stopped:
+        lab.stop()
     lab.virtual_kheperas[1].interrupted = True
     with pytest.raises(RobotLost) as lost:
         lab.advance()
-    port = lab.settings.robots[1].port
-    assert str(lost.value).endswith(f"; {port} may still be moving: switch it off")
-    assert lab.firmwares[1].turning, "it is out of reach"
+    warning = f"; {lab.settings.robots[1].port} may still be moving: switch it off"
+    assert str(lost.value).endswith(warning) != stopped
+    assert lab.firmwares[1].turning != stopped, "it is out of reach"
     assert not lab.firmwares[0].turning
     lab.virtual_kheperas[1].interrupted = False
     lab.reset(np.random.default_rng(1), LAYOUT)
@@ -128,11 +133,10 @@ def test_slow_line_is_rejected_before_anything_moves(lab: VirtualLaboratory) -> 
     lab.virtual_kheperas[1].faults = Faults(delay=1.0, lateness=(0.2, 0.2))
     lab.stop()
     lab.robots[1].close()
-    settings = replace(lab.settings, robots=lab.settings.robots[1:])
     with pytest.raises(LineTooSlow, match=r"too slow for rounds of 0\.1 s"):
-        open_robots(settings)
-    with open_robots(replace(settings, period=0.3)) as fleet:
-        assert isinstance(fleet.robots[0], SerialKhepera)
+        lab.settings.robots[1].open(0.1)
+    with lab.settings.robots[1].open(0.3) as robot:
+        assert isinstance(robot, SerialKhepera)
 
 
 def test_interrupt_stops_all(lab: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -183,42 +187,8 @@ def test_missing_port_closes_the_other_devices(tmp_path: Path) -> None:
     with quiet_laboratory() as virtual:
         for robot in virtual.robots:
             robot.close()
-        settings = replace(
-            virtual.settings,
-            robots=(
-                virtual.settings.robots[0],
-                replace(virtual.settings.robots[1], port=str(tmp_path / "none")),
-            ),
-        )
+        first, second = virtual.settings.robots
+        settings = replace(virtual.settings, robots=(first, replace(second, port=str(tmp_path / "none"))))
         for _ in range(2):
             with pytest.raises(ConnectionError, match="none"):
-                Laboratory(settings, source=virtual.frame_source)
-
-
-def test_camera_with_other_frames_counts_as_lost_until_it_is_exchanged() -> None:
-    opened: list[FrameSource] = []
-
-    def camera(frames: FrameSource) -> FrameSource:
-        opened.append(frames)
-        if len(opened) == 2:
-            raise ValueError("camera 0 has frames of 640 x 360")
-        return FailingSource(frames)
-
-    with quiet_laboratory(camera=camera) as lab:
-        lab.reset(np.random.default_rng(0), LAYOUT)
-        lab.camera.close()
-        with pytest.raises(CameraLost, match="closed"):
-            lab.advance()
-        lab.reset(np.random.default_rng(1), LAYOUT)
-        reasons = [request.reason for request in lab.virtual_operator.requests]
-        assert reasons[1] == "reconnect what was lost: camera 0 has frames of 640 x 360"
-        drive_all(lab)
-
-
-def test_robot_that_was_stopped_is_not_said_to_be_moving(lab: VirtualLaboratory) -> None:
-    drive_all(lab)
-    lab.stop()
-    lab.virtual_kheperas[1].interrupted = True
-    with pytest.raises(RobotLost) as lost:
-        lab.advance()
-    assert "moving" not in str(lost.value)
+                Laboratory(settings, source=lambda: virtual.frame_source)

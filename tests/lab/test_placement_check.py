@@ -1,6 +1,8 @@
 """The check by camera that robots and food are in their places."""
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from khepera_forage.lab.localisation import gripper_errors, placement_errors
 from khepera_forage.lab.operator import RobotMark
 from khepera_forage.lab.settings_file import Tolerance
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import Motors, Senses
+from khepera_forage.robots.khepera import Senses
 from khepera_forage.sim.arena import Point, copies
 from khepera_forage.sim.sensing import OverheadCamera
 from khepera_forage.vision.scene import Scene, Truth
@@ -79,28 +81,16 @@ def test_food_under_a_marker_counts_as_placed() -> None:
     assert placement_errors(scene_of((ANN, BOB), ()), ARENAS, MARKS, (under,), Tolerance()) == ()
 
 
-class Body:
+def body(arm: int = 215, jaw: int = 200, has_gripper: bool = True) -> Any:
     """A robot at rest."""
-
-    def __init__(self, arm: int = 215, jaw: int = 200, has_gripper: bool = True) -> None:
-        self.has_gripper = has_gripper
-        self._senses = Senses((0, 0, 0, 0, 0, 0, 0, 0), 0, 0, arm, jaw, 0)
-
-    def sense(self) -> Senses:
-        return self._senses
-
-    def drive(self, motors: Motors) -> Motors:
-        return motors
-
-    def stop(self) -> None: ...
-
-    def close(self) -> None: ...
+    senses = Senses((0, 0, 0, 0, 0, 0, 0, 0), 0, 0, arm, jaw, 0)
+    return SimpleNamespace(has_gripper=has_gripper, sense=lambda: senses)
 
 
 def test_gripper_errors_name_lowered_or_closed_grippers() -> None:
-    assert gripper_errors(MARKS, (Body(), Body(arm=222, jaw=192))) == ()
-    assert gripper_errors(MARKS, (Body(), Body(arm=255))) == (
+    assert gripper_errors(MARKS, (body(), body(arm=222, jaw=192))) == ()
+    assert gripper_errors(MARKS, (body(), body(arm=255))) == (
         "robot Bob: arm at 255 and jaw at 200 instead of 215 and 200",
     )
-    assert len(gripper_errors(MARKS, (Body(jaw=0), Body(jaw=126)))) == 2
-    assert gripper_errors(MARKS, (Body(arm=255, has_gripper=False),) * 2) == ()
+    assert len(gripper_errors(MARKS, (body(jaw=0), body(jaw=126)))) == 2
+    assert gripper_errors(MARKS, (body(arm=255, has_gripper=False),) * 2) == ()

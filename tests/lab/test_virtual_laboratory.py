@@ -5,6 +5,7 @@ import os
 import signal
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
-from khepera_forage.lab.settings_file import LabSettings, parse
+from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
@@ -28,11 +29,11 @@ from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.sim.arena import Pose
-from khepera_forage.sim.world import Layout, Timing
+from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.vision.rendering import CameraAppearance
-from tests.version_0_1 import SET_UP, TIMING, V0_1
+from tests.version_0_1 import V0_1
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -40,16 +41,7 @@ pytest.importorskip("cv2")
 BEHIND = 1216546553
 
 
-def quiet(settings: LabSettings, timing: Timing = TIMING, **options: Any) -> VirtualLaboratory:
-    """A virtual laboratory with these settings, without noise."""
-    return VirtualLaboratory(
-        settings,
-        arm_speed=timing.arm_speed,
-        jaw_speed=timing.jaw_speed,
-        noise=Noise.none(),
-        appearance=CameraAppearance.none(),
-        **options,
-    )
+QUIET: dict[str, Any] = {"noise": Noise.none(), "appearance": CameraAppearance.none()}
 
 
 def run_attempt(env: TrainingEnv, seed: int) -> list[Any]:
@@ -108,9 +100,8 @@ def test_marker_that_extends_over_a_wall_is_located_correctly(x: float, y: float
 
 def test_training_leads_around_corners_as_in_the_simulation() -> None:
     """In the T-maze, food and home are in opposite arms."""
-    devices: dict[str, Any] = {"noise": Noise.none(), "appearance": CameraAppearance.none(), "timeout": 2.0}
     simulated = training.attempt(TrainingEnv(arena="t_maze", noise="none"), 2, lambda vector, behaviour: None)
-    with virtual_laboratory("t_maze", 2, **devices) as lab:
+    with virtual_laboratory("t_maze", 2, timeout=2.0, **QUIET) as lab:
         (left, low, _, _), (_, _, right, high) = (arena.bounds for arena in lab.arenas)
         assert (left + right, low + high) == (3200, 2400), "in the middle of the picture"
         env = TrainingEnv(world=lab, noise=Noise.none())
@@ -174,9 +165,9 @@ def test_e_puck2_brings_food_home_from_behind_it() -> None:
 
 
 def test_command_line_trains_recalls_and_films(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    folder = tmp_path / "experience"
-    seed = ("--seed", "2")  # one attempt of about 100 rounds, and a recall that delivers
-    assert main(["train", "--lab", "virtual", "--episodes", "1", "--out", str(folder), *seed]) == 0
+    folder, out = tmp_path / "experience", tmp_path / "rows.csv"
+    seed = "--seed 2"  # one attempt of about 100 rounds, and a recall that delivers
+    assert main(f"train --lab virtual --episodes 1 --out {folder} {seed}".split()) == 0
     output = capsys.readouterr().out
     assert "virtual laboratory: robots at /dev/" in output
     assert "0 over their time" in output
@@ -185,24 +176,12 @@ def test_command_line_trains_recalls_and_films(tmp_path: Path, capsys: pytest.Ca
     assert len(experience) == rows[-1].vectors
     assert experience.arena == "corridor"
     assert experience.seed == rows[-1].seed
-    out = tmp_path / "rows.csv"
-    recall = [
-        "recall",
-        "--lab",
-        "virtual",
-        "--experience",
-        str(folder / "g1.csv"),
-        "--episodes",
-        "1",
-        "--out",
-        str(out),
-        *seed,
-    ]
-    assert main(recall) == 0
+    recall = f"recall --lab virtual --experience {folder / 'g1.csv'} --episodes 1 --out {out} {seed}"
+    assert main(recall.split()) == 0
     assert read_rows(out, RecallRow)[0].experience_size == len(experience)
     assert "mean score" in capsys.readouterr().out
     film = tmp_path / "film.gif"
-    assert main(["watch", "recall", "--lab", "virtual", "--out", str(film), "--every", "50"]) == 0
+    assert main(f"watch recall --lab virtual --out {film} --every 50".split()) == 0
     assert film.read_bytes().startswith(b"GIF")
 
 
@@ -228,25 +207,22 @@ def test_errors_in_the_file_are_reported_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "lab.toml"
-    path.write_text('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nbaud = 1\n')
-    for command in (["train", "--out", str(tmp_path)], ["recall", "--out", str(tmp_path / "r.csv")]):
-        assert main([*command, "--episodes", "1", "--lab", str(path)]) == 2
-        output = capsys.readouterr().err
-        assert f"{path}: robots[0].baud is 1; allowed: 9600" in output
-    path.write_text('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\n')
-    assert main(["train", "--out", str(tmp_path), "--episodes", "1", "--lab", str(path)]) == 2
-    assert "robots has one entry; allowed: a teacher and at least one learner" in capsys.readouterr().err
+    robot = '[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\n'
+    alone = "robots has one entry; allowed: a teacher and at least one learner"
+    wrong = "robots[0].baud is 1; allowed: 9600"
+    for command, key, message in (
+        ("train", "", alone),
+        ("train", "baud = 1", wrong),
+        ("recall", "baud = 1", wrong),
+    ):
+        path.write_text(robot + key)
+        assert main(f"{command} --out {tmp_path / 'out'} --episodes 1 --lab {path}".split()) == 2
+        assert f"{path}: {message}" in capsys.readouterr().err
 
 
 def test_rounds_set_up_and_arm_follow_the_decisions() -> None:
     decisions = Decisions(round_duration=0.2, arm_travel_time=0.8, food_to_home=200, start_to_wall=120)
-    with virtual_laboratory(
-        "corridor",
-        2,
-        decisions,
-        noise=Noise.none(),
-        appearance=CameraAppearance.none(),
-    ) as lab:
+    with virtual_laboratory("corridor", 2, decisions, **QUIET) as lab:
         for arena in lab.arenas:
             assert arena.home.x - arena.foods[0].x == pytest.approx(200)
             assert arena.start.x - arena.bounds[0] == pytest.approx(120)
@@ -281,7 +257,8 @@ def test_period_of_the_file_must_be_the_decided_round_duration(
 
     def laboratory(settings: LabSettings) -> VirtualLaboratory:
         opened.append(settings)
-        return quiet(settings, timing_of(Decisions()))
+        timing = timing_of(Decisions())
+        return VirtualLaboratory(settings, arm_speed=timing.arm_speed, jaw_speed=timing.jaw_speed, **QUIET)
 
     monkeypatch.setattr("khepera_forage.lab.laboratory.Laboratory", laboratory)
     path = tmp_path / "lab.toml"
@@ -303,8 +280,7 @@ def test_period_of_the_file_must_be_the_decided_round_duration(
 
 @pytest.mark.parametrize("period", [0.05, 0.1, 0.18, 0.2, 0.5])
 def test_simulation_advances_by_the_period(period: float) -> None:
-    file = parse('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nholes = 2\n', SET_UP, period)
-    with quiet(file) as lab:
+    with virtual_laboratory("corridor", 1, replace(V0_1, round_duration=period), **QUIET) as lab:
         start = lab.arenas[0].start
         lab.reset(np.random.default_rng(0), Layout((start,), lab.arenas[0].foods))
         lab.robots[0].drive(Motors(5, 5, 215, 200))

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.robots.stage import Stage, make_stage
+from tests.robots.rig import Rig, make_stage
 
 
 @pytest.fixture
-def stage() -> Stage:
+def stage() -> Rig:
     """A virtual robot in an open arena."""
     return make_stage()
 

@@ -10,22 +10,23 @@ _PATIENCE = 20.0
 """Seconds after which an expected event counts as missing: a busy machine takes long."""
 
 DRIVE = """
-import os, signal, sys, time
-from khepera_forage.robots.fleet import Fleet
+import os, select, signal, sys, time
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-robots = [SerialKhepera(port, {options}) for port in sys.argv[1:]]
+from khepera_forage.robots.real_robot import Fleet
+from khepera_forage.robots.{module} import {driver} as Driver
+robots = [Driver(port, {options}) for port in sys.argv[1:]]
 def drive():
     for robot in robots:
         robot.drive(Motors(5, 5, 215, 200))
         robot.transmit()
     print("driving", flush=True)
-def drive_and_receive():
+def drive_until_told():
     drive()
     fleet = Fleet(robots)
-    while True:
+    while not select.select([sys.stdin], [], [], 0)[0]:
         fleet.transmit()
         fleet.receive()
+    sys.stdin.readline()
 """
 
 
@@ -35,23 +36,24 @@ def start_driver(
     *,
     before: str = "",
     options: str = "",
-    stdin: int | None = None,
-    definitions: str = DRIVE,
+    module: str = "serial.serial_khepera",
+    driver: str = "SerialKhepera",
 ) -> "subprocess.Popen[str]":
     """Start a process that drives robots, and wait until they drive.
 
     Args:
         ports: Of the robots.
-        body: Program after the definitions above; calls `drive()`.
+        body: Program after the definitions above; calls `drive()` or `drive_until_told()`.
         before: Program before them.
-        options: Further arguments of `SerialKhepera`.
-        definitions: Program between them.
-        stdin: Standard input, as for `subprocess.Popen`.
+        options: Further arguments of the driver.
+        module: Of the driver.
+        driver: Its class.
     """
-    program = "\n".join((before, definitions.format(options=options), textwrap.dedent(body)))
+    definitions = DRIVE.format(options=options, module=module, driver=driver)
+    program = "\n".join((before, definitions, textwrap.dedent(body)))
     child = subprocess.Popen(
         [sys.executable, "-W", "error", "-c", program, *ports],
-        stdin=stdin,
+        stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -61,6 +63,19 @@ def start_driver(
     assert child.stdout is not None
     assert child.stdout.readline() == "driving\n", child.communicate()[1]
     return child
+
+
+def tell(child: "subprocess.Popen[str]") -> None:
+    """Send a line to a process."""
+    assert child.stdin is not None
+    child.stdin.write("\n")
+    child.stdin.flush()
+
+
+def answer(child: "subprocess.Popen[str]") -> str:
+    """The next line of a process."""
+    assert child.stdout is not None
+    return child.stdout.readline()
 
 
 def wait_for(condition: Callable[[], bool]) -> None:

@@ -1,9 +1,9 @@
-"""A test rig: simulated robots behind virtual Kheperas on pseudo-terminals or TCP ports."""
+"""A test rig: simulated robots with their firmwares, and virtual robots on pseudo-terminals or TCP ports."""
 
 import contextlib
 import math
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import Layout
-from tests.version_0_1 import TIMING
+from tests.version_0_1 import RECTANGLE, TIMING
 
 FIELD = Arena(
     name="field",
@@ -32,21 +32,47 @@ FIELD = Arena(
 
 
 class Rig:
-    """Simulated robots far apart on a wide floor, each behind its virtual Khepera."""
+    """Simulated robots in one world, each with its firmware; `ports` are the virtual robots, if there are any."""
 
-    def __init__(self, world: PymunkWorld, ports: list[VirtualKhepera], firmwares: list[Firmware]) -> None:
-        self.world = world
-        self.ports = ports
-        self.firmwares = firmwares
-        self.lock = threading.RLock()
+    def __init__(self, world: PymunkWorld, kind: type[Firmware] = Firmware) -> None:
+        self.world, self.lock = world, threading.RLock()
+        self.firmwares = [kind(robot, self.lock) for robot in world.robots]
+        self.ports: list[VirtualKhepera] = []
 
     @property
     def url(self) -> str:
         return self.ports[0].url
 
     @property
+    def firmware(self) -> Firmware:
+        return self.firmwares[0]
+
+    @property
     def robots(self) -> tuple[SimulatedKhepera, ...]:
         return self.world.robots
+
+    def intercept(self, replace: Callable[[bytes], bytes | None] = lambda line: None) -> list[bytes]:
+        """Record the requests that the first robot receives; what `replace` returns is the reply, if not None."""
+        handle, requests = self.firmware.handle, list[bytes]()
+
+        def recorded(line: bytes) -> bytes:
+            requests.append(line)
+            reply = replace(line)
+            return handle(line) if reply is None else reply
+
+        self.firmware.handle = recorded  # type: ignore[method-assign]
+        return requests
+
+    def request(self, line: str) -> str:
+        """Let the first robot execute a request; returns the reply without its line ending."""
+        return self.firmware.handle(line.encode()).decode().removesuffix("\r\n")
+
+    def numbers(self, line: str) -> list[int]:
+        """Let the first robot execute a request; returns the values of the reply."""
+        letters = line.lower().split(",")[: 3 if line.startswith("T") else 1]
+        fields = self.request(line).split(",")
+        assert fields[: len(letters)] == letters
+        return [int(field) for field in fields[len(letters) :]]
 
     def advance(self, rounds: int = 1) -> None:
         with self.lock:
@@ -67,6 +93,14 @@ class Rig:
         return all(self.wheel_pulses(number) == (0, 0) for number in range(len(self.robots)))
 
 
+def make_stage(food_ahead: float | None = None) -> Rig:
+    """A robot in the rectangle, heading along x; food far away, or `food_ahead` mm ahead of its centre."""
+    world = PymunkWorld([RECTANGLE], (2,), Noise.none(), timing=TIMING)
+    food = Point(600.0, 560.0) if food_ahead is None else Point(200.0 + food_ahead, 300.0)
+    world.reset(np.random.default_rng(3), Layout((Pose(200.0, 300.0, 0.0),), (food,)))
+    return Rig(world)
+
+
 @contextlib.contextmanager
 def make_rig(
     robots: int = 1,
@@ -75,24 +109,19 @@ def make_rig(
     baud: int | None = None,
     faults: Faults | None = None,
     seed: int = 0,
+    kind: type[Firmware] = Firmware,
 ) -> Iterator[Rig]:
+    """Robots far apart on a wide floor, each behind its virtual line."""
     poses = [Pose(400 + 400 * (i % 4), 600 + 600 * (i // 4), 0.3 * i) for i in range(robots)]
     world = PymunkWorld([FIELD], [1 + i % 2 for i in range(robots)], Noise.none(), timing=TIMING)
     world.reset(np.random.default_rng(seed), Layout(tuple(poses), ()))
-    rig = Rig(world, [], [])
+    rig = Rig(world, kind)
     with contextlib.ExitStack() as stack:
         # A busy machine can make the line look slow; commands would then be confirmed later than the tests expect.
         stack.enter_context(pytest.MonkeyPatch.context()).setattr(serial_robot, "FAST", math.inf)
-        for number, robot in enumerate(world.robots):
-            firmware = Firmware(robot, rig.lock)
-            port = VirtualKhepera(
-                firmware,
-                tcp=0 if tcp else None,
-                baud=baud,
-                faults=faults,
-                rng=np.random.default_rng((seed, number)),
-            )
-            rig.firmwares.append(firmware)
+        for number, firmware in enumerate(rig.firmwares):
+            rng = np.random.default_rng((seed, number))
+            port = VirtualKhepera(firmware, tcp=0 if tcp else None, baud=baud, faults=faults, rng=rng)
             rig.ports.append(stack.enter_context(port))
         yield rig
 

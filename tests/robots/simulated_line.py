@@ -7,7 +7,42 @@ import pytest
 
 from khepera_forage.robots.serial import line
 from khepera_forage.robots.serial.protocol import LineSplitter, seconds_on_wire
-from tests.robots.scripted_robot import Action, NumberedReplies
+
+Action = bytes | float
+"""Bytes to send, or seconds to wait."""
+Script = Callable[[bytes, int], list[Action]]
+"""The actions for a request and its number."""
+
+
+class NumberedReplies:
+    """A script of replies whose values are the number of the request, from 1.
+
+    Args:
+        exceptions: By request number, from 0: the actions that replace the reply.
+    """
+
+    def __init__(self, exceptions: dict[int, Callable[[bytes], list[Action]]]) -> None:
+        self._exceptions = exceptions
+
+    def __call__(self, request: bytes, number: int) -> list[Action]:
+        reply = reply_with(request, number + 1)
+        return self._exceptions[number](reply) if number in self._exceptions else [reply]
+
+
+def reply_with(request: bytes, value: int) -> bytes:
+    """The reply to a request, with all values equal to `value`."""
+    letter = request.split(b",")[0]
+    v = str(value).encode()
+    if request.startswith((b"T,1,H", b"T,1,G")):
+        return b"t,1," + request[4:5].lower() + b"," + v + b"\r\n"
+    if request.startswith((b"T,1,D", b"T,1,E")):
+        return b"t,1," + request[4:5].lower() + b"\r\n"
+    counts = {b"N": 8, b"O": 8, b"H": 2, b"E": 2, b"I": 1}
+    if letter == b"B":
+        return b"b,5.02,5.01\r\n"
+    if letter == b"K":
+        return b"k,0,0," + v + b",0,0," + v + b"\r\n"
+    return b",".join([letter.lower(), *[v] * counts.get(letter, 0)]) + b"\r\n"
 
 
 class SimulatedLine:
@@ -26,7 +61,7 @@ class SimulatedLine:
 
     def __init__(
         self,
-        script: Callable[[bytes, int], list[Action]] | None = None,
+        script: Script | None = None,
         *,
         baud: int = 38400,
         latency: float = 0.0,

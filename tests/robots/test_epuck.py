@@ -1,8 +1,6 @@
 """The driver of an e-puck2, connected to a virtual one."""
 
-import contextlib
 import itertools
-from collections.abc import Iterator
 
 import pytest
 
@@ -12,12 +10,8 @@ from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.protocol import Reply, Request
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.firmware import EPuckFirmware
-from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
-from tests.robots.driver_process import DRIVE, start_driver, wait_for, wait_for_exit
-from tests.robots.rig import Rig, make_rig
-from tests.robots.scripted_robot import Action
-from tests.robots.simulated_line import SimulatedLine
-from tests.robots.stage import make_stage
+from tests.robots.driver_process import start_driver, wait_for, wait_for_exit
+from tests.robots.rig import make_rig
 
 EXAMPLES = [
     (Request("D", (395, -79)), b"D,395,-79\r", Reply("D"), b"d\r\n"),
@@ -32,15 +26,6 @@ EXAMPLES = [
 ]
 
 
-@contextlib.contextmanager
-def virtual_e_puck() -> Iterator[tuple[Rig, VirtualKhepera]]:
-    with make_rig() as rig:
-        rig.ports[0].close()
-        firmware = EPuckFirmware(rig.robots[0], rig.lock)
-        with VirtualKhepera(firmware, baud=None) as port:
-            yield rig, port
-
-
 @pytest.mark.parametrize(("request_", "sent", "reply", "received"), EXAMPLES)
 def test_bytes_of_commands(request_: Request, sent: bytes, reply: Reply, received: bytes) -> None:
     assert E_PUCK.encode_request(request_) == sent
@@ -50,7 +35,7 @@ def test_bytes_of_commands(request_: Request, sent: bytes, reply: Reply, receive
 
 
 def test_motion_and_counters_are_those_of_the_simulated_robot() -> None:
-    with virtual_e_puck() as (rig, port), SerialEPuck(port.url, timeout=5.0) as robot:
+    with make_rig(kind=EPuckFirmware) as rig, SerialEPuck(rig.url, timeout=5.0) as robot:
         for motors in (Motors(5, 4, 215, 200), Motors(-3, 6, 255, 0)):
             for _ in range(20):
                 assert robot.drive(motors)[:2] == motors[:2]
@@ -68,48 +53,25 @@ def test_motion_and_counters_are_those_of_the_simulated_robot() -> None:
 
 
 def test_infra_reds_are_in_the_order_of_the_khepera() -> None:
-    def script(request: bytes, number: int) -> list[Action]:
-        replies = {
-            b"N": b"n,400,800,1200,1600,2000,2400,2800,3200\r\n",
-            b"Q": b"q,0,0\r\n",
-            b"E": b"e,0,0\r\n",
-        }
-        replies |= {
-            b"V": b"v,Version 2.0\r\nHW version: E\r\n",
-            b"O": b"o,0,0,0,0,0,0,0,0\r\n",
-            b"D,0,0": b"d\r\n",
-        }
-        return [replies[request.strip()]]
-
-    line = SimulatedLine(script, baud=115200)
-    with pytest.MonkeyPatch.context() as patch:
-        line.install(patch)
-        with SerialEPuck("simulated", watchdog=False) as robot:
-            assert robot.sense().proximity == (600, 700, 800, 100, 200, 300, 400, 500)
-            assert robot.sense().object_presence == 0
-            robot.note_surroundings(True, None)
-            assert robot.sense().object_presence == 255, "its front sensors and the camera show an object"
+    with make_rig(kind=EPuckFirmware) as rig, SerialEPuck(rig.url, watchdog=False) as robot:
+        rig.intercept(lambda line: b"n,400,800,1200,1600,2000,2400,2800,3200\r\n" if line == b"N" else None)
+        assert robot.sense().proximity == (600, 700, 800, 100, 200, 300, 400, 500)
+        assert robot.sense().object_presence == 0
+        robot.note_surroundings(True, None)
+        assert robot.sense().object_presence == 255, "its front sensors and the camera show an object"
 
 
-def test_counters_continue_across_16_bits() -> None:
-    steps = iter(range(0, 10**6, 30000))
-
-    def script(request: bytes, number: int) -> list[Action]:
-        if request.strip() == b"Q":
-            count = next(steps) % 2**16
-            return [b"q,%d,0\r\n" % (count - 2**16 if count >= 2**15 else count)]
-        return [stage_firmware.handle(request)]
-
-    stage_firmware = EPuckFirmware(make_stage().robot)
-    with pytest.MonkeyPatch.context() as patch:
-        SimulatedLine(script, baud=115200).install(patch)
-        with SerialEPuck("simulated", watchdog=False) as robot:
-            travelled = []
-            for _ in range(10):
-                robot.receive()
-                travelled.append(robot.sense().left_pulses)
-    steps_of = [later - earlier for earlier, later in itertools.pairwise(travelled)]
-    assert max(steps_of) - min(steps_of) <= 1
+@pytest.mark.parametrize(("begin", "wrap"), [(30000, 2**15), (60000, 2**16)], ids=["signed", "unsigned"])
+def test_counters_continue_across_16_bits(begin: int, wrap: int) -> None:
+    counts = (n - 2**16 if n >= wrap else n for n in itertools.count(begin, 900))
+    with make_rig(kind=EPuckFirmware) as rig, SerialEPuck(rig.url, watchdog=False) as robot:
+        rig.intercept(lambda line: b"q,%d,0\r\n" % next(counts) if line == b"Q" else None)
+        travelled = []
+        for _ in range(12):
+            robot.receive()
+            travelled.append(robot.sense().left_pulses)
+    steps = [later - earlier for earlier, later in itertools.pairwise(travelled)]
+    assert steps == pytest.approx([900 * 0.1288 / (35 / 27.5) / 0.08] * 11, abs=1), "pulses of 0.08 mm"
 
 
 def test_port_of_another_robot_is_refused_before_anything_moves() -> None:
@@ -119,19 +81,16 @@ def test_port_of_another_robot_is_refused_before_anything_moves() -> None:
     ):
         SerialEPuck(rig.url, baud=115200)
     assert "'V'" in str(lost.value)
-    with virtual_e_puck() as (rig, port):
+    with make_rig(kind=EPuckFirmware) as rig:
         with pytest.raises(RobotLost, match="'B'"):
-            SerialKhepera(port.url, timeout=0.02)
+            SerialKhepera(rig.url, timeout=0.02)
         assert rig.is_stopped()
 
 
 def test_end_of_the_process_stops_the_robot() -> None:
-    with virtual_e_puck() as (rig, port):
-        definitions = DRIVE.replace("serial.serial_khepera", "epuck.driver").replace(
-            "SerialKhepera", "SerialEPuck"
-        )
-        child = start_driver([port.url], "drive(); time.sleep(60)", definitions=definitions)
-        assert rig.wheel_pulses() == (50, 50)
+    with make_rig(kind=EPuckFirmware) as rig:
+        child = start_driver([rig.url], "drive_until_told()", module="epuck.driver", driver="SerialEPuck")
+        wait_for(lambda: rig.wheel_pulses() == (50, 50))
         child.kill()
         wait_for(rig.is_stopped)
         wait_for_exit(child)

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 
 import pytest
 
-from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.real_robot import Fleet
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.virtual_khepera import Faults
+from tests.robots.driver_process import wait_for
 from tests.robots.rig import FORWARD, Rig, make_rig
-from tests.robots.scripted_robot import Action, NumberedReplies, ScriptedRobot
 
 
 @contextlib.contextmanager
@@ -48,29 +48,28 @@ def test_each_robot_receives_its_own_command(count: int) -> None:
     assert rig.is_stopped()
 
 
-def test_lost_robot_stops_all_and_is_reported() -> None:
+@pytest.mark.parametrize("lost", [[1], [0, 1]])
+def test_lost_robots_stop_all_and_are_named(lost: list[int]) -> None:
     with make_fleet(3) as (rig, fleet):
         run_rounds(rig, fleet, FORWARD, 2)
-        rig.ports[1].faults = Faults(unplug=1.0)
-        with pytest.raises(RobotLost, match="the port failed") as lost:
+        for number in lost:
+            rig.ports[number].faults = Faults(unplug=1.0)
+        with pytest.raises(RobotLost, match="the port failed") as loss:
             run_rounds(rig, fleet, FORWARD)
-        assert lost.value.port == rig.ports[1].url
-        assert "also lost" not in str(lost.value)
+        assert loss.value.port in [rig.ports[number].url for number in lost]
+        assert [port.url in str(loss.value) for port in rig.ports] == [i in lost for i in range(3)]
+        assert str(loss.value).count("also lost") == len(lost) - 1
         assert rig.wheel_pulses(0) == rig.wheel_pulses(2) == (0, 0)
-        for robot in (fleet.robots[0], fleet.robots[2]):
-            robot.transmit()
-        assert rig.wheel_pulses(0) == rig.wheel_pulses(2) == (0, 0), "the old command was discarded"
+        fleet.robots[2].transmit()
+        assert rig.wheel_pulses(2) == (0, 0), "the old command was discarded"
 
 
 def test_slow_robot_holds_the_others() -> None:
     with make_fleet(2) as (rig, fleet):
         run_rounds(rig, fleet, FORWARD, 2)
         rig.ports[0].faults = Faults(delay=1.0, lateness=(0.3, 0.3))
-        for robot in fleet.robots:
-            robot.drive(FORWARD)
-        late = fleet.robots[0].begin_receive()
-        while not rig.ports[0].fault_counts["delay"]:
-            time.sleep(0.001)
+        late = fleet.robots[0].begin(fleet.robots[0]._receive)
+        wait_for(lambda: rig.ports[0].fault_counts["delay"] > 0)
         rig.ports[0].faults = Faults()
         fleet.receive()
         late.result(5.0)
@@ -94,15 +93,18 @@ def test_stop_and_close_stop_all_robots() -> None:
 
 
 @pytest.mark.parametrize("report", [True, False])
-def test_close_reports_robots_that_do_not_confirm_once_or_not_at_all(
+def test_robot_that_does_not_confirm_is_named_when_all_stop_and_logged_once_or_not_at_all(
     report: bool, caplog: pytest.LogCaptureFixture
 ) -> None:
     with make_fleet(2) as (rig, fleet):
         run_rounds(rig, fleet, FORWARD)
         rig.ports[0].faults = Faults(unplug=1.0)
+        with pytest.raises(RobotLost, match="D,0,0") as lost:
+            fleet.stop()
+        assert lost.value.port == rig.ports[0].url
+        assert rig.wheel_pulses(1) == (0, 0)
         fleet.close(report=report)
         assert [rig.ports[0].url in message for message in caplog.messages] == [True] * report
-        assert rig.wheel_pulses(1) == (0, 0)
 
 
 def test_invalid_fleets_are_rejected() -> None:
@@ -116,77 +118,30 @@ def test_invalid_fleets_are_rejected() -> None:
         Fleet([robot, robot])
 
 
-def test_all_lost_robots_are_named() -> None:
-    with make_fleet(3) as (rig, fleet):
-        run_rounds(rig, fleet, FORWARD)
-        for port in rig.ports[:2]:
-            port.faults = Faults(unplug=1.0)
-        with pytest.raises(RobotLost, match="also lost") as lost:
-            run_rounds(rig, fleet, FORWARD)
-        assert all(port.url in str(lost.value) for port in rig.ports[:2])
-        assert rig.ports[2].url not in str(lost.value)
-        assert rig.wheel_pulses(2) == (0, 0)
-
-
-def test_robot_that_is_done_after_the_hold_is_held_too() -> None:
-    """On a busy computer two robots reply late, one of them only a little."""
+@pytest.mark.parametrize("is_late", [False, True], ids=["in time", "a little late"])
+def test_silent_robot_stops_the_others_before_it_counts_as_lost(is_late: bool) -> None:
+    """Also one that is done after the others were held."""
     with make_fleet(2) as (rig, fleet):
         run_rounds(rig, fleet, FORWARD, 2)
         rig.ports[0].interrupted = True
-        rig.ports[1].faults = Faults(delay=1.0, lateness=(0.15, 0.15))
-        received = threading.Thread(target=fleet.receive)
-        received.start()
-        time.sleep(0.1)
-        rig.ports[1].faults = Faults()
-        while rig.firmwares[1].turning:
-            assert received.is_alive(), "it stops before the other counts as lost"
-            time.sleep(0.002)
-        rig.ports[0].interrupted = False
-        received.join()
-
-
-def test_silent_robot_stops_the_others_before_it_counts_as_lost() -> None:
-    """While requests to one robot are repeated, the other robot is stopped."""
-
-    opening = 11
-
-    def silent_after_opening(request: bytes, number: int) -> list[Action]:
-        return NumberedReplies({})(request, number) if number < opening else []
-
-    with make_rig() as rig, ScriptedRobot(silent_after_opening) as scripted:
-        robot = SerialKhepera(rig.url)
-        silent = SerialKhepera(scripted.url, timeout=0.1)
-        robot.drive(FORWARD)
-        robot.transmit()
-        assert rig.wheel_pulses() == (50, 50)
-        fleet = Fleet([robot, silent])
-        silent.drive(FORWARD)
+        rig.ports[1].faults = Faults(delay=float(is_late), lateness=(0.15, 0.15))
         losses: list[RobotLost] = []
 
-        def transmit() -> None:
+        def receive() -> None:
             try:
-                fleet.transmit()
+                fleet.receive()
             except RobotLost as lost:
                 losses.append(lost)
 
-        waiting = threading.Thread(target=transmit)
+        waiting = threading.Thread(target=receive)
         waiting.start()
-        time.sleep(0.02)
-        while rig.wheel_pulses() != (0, 0):
-            assert waiting.is_alive(), "it stops before the other counts as lost"
-            time.sleep(0.01)
+        time.sleep(0.1 * is_late)
+        rig.ports[1].faults = Faults()
+        while rig.firmwares[1].turning:
+            assert waiting.is_alive()
+            time.sleep(0.002)
+        rig.ports[0].interrupted = not is_late
         waiting.join()
-        assert losses[0].port == scripted.url
-        assert rig.wheel_pulses() == (0, 0)
-        fleet.close()
-        assert b"D,0,0" in scripted.requests[opening:], "the silent robot may still receive requests"
-
-
-def test_stop_names_robots_that_do_not_confirm() -> None:
-    with make_fleet(2) as (rig, fleet):
-        run_rounds(rig, fleet, FORWARD)
-        rig.ports[0].faults = Faults(unplug=1.0)
-        with pytest.raises(RobotLost, match="D,0,0") as lost:
-            fleet.stop()
-        assert lost.value.port == rig.ports[0].url
-        assert rig.wheel_pulses(1) == (0, 0)
+        assert [lost.port for lost in losses] == [rig.url] * (not is_late)
+        assert not rig.firmwares[1].turning
+        rig.ports[0].interrupted = False

@@ -2,29 +2,30 @@
 
 import math
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from typing import Any
 
 import pytest
 import serial
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from khepera_forage.extras import MissingExtraError
 from khepera_forage.robots.khepera import RobotLost
 from khepera_forage.robots.serial.line import Line, RequestRejected, RobotRestarted
 from khepera_forage.robots.serial.protocol import KHEPERA, Reply, Request
-from tests.robots.scripted_robot import Action, NumberedReplies, ScriptedRobot
-from tests.robots.simulated_line import SimulatedLine
+from tests.robots.rig import Rig, make_rig
+from tests.robots.simulated_line import Action, NumberedReplies, Script, SimulatedLine, reply_with
 
 N, H, BARRIER = Request("N"), Request("H"), Request("T,1,G")
-ARM, JAW = Request("T,1,H", (1,)), Request("T,1,H", (0,))
+ARM, JAW, D5 = Request("T,1,H", (1,)), Request("T,1,H", (0,)), Request("D", (5, 5))
 BANNER_BYTES = b"".join(line.encode() + b"\r\n" for line in KHEPERA.banner)
 LATE = 0.3
 """Seconds, more than the timeout of the tests."""
 
 
 @contextmanager
-def connected(
-    script: Callable[[bytes, int], list[Action]], *, timeout: float = 0.08
-) -> Iterator[tuple[Line, SimulatedLine]]:
+def connected(script: Script, *, timeout: float = 0.08) -> Iterator[tuple[Line, SimulatedLine]]:
     """A line with a clock of its own."""
     with pytest.MonkeyPatch.context() as patch:
         simulated = SimulatedLine(script, baud=115200).install(patch)
@@ -32,12 +33,12 @@ def connected(
 
 
 @contextmanager
-def opened() -> Iterator[tuple[Line, ScriptedRobot]]:
+def opened() -> Iterator[tuple[Line, Rig]]:
     """A line on a pseudo-terminal."""
-    with ScriptedRobot(NumberedReplies({})) as scripted:
-        line = Line(scripted.url, KHEPERA, baud=115200)
+    with make_rig() as rig:
+        line = Line(rig.url, KHEPERA, baud=115200)
         try:
-            yield line, scripted
+            yield line, rig
         finally:
             line.close()
 
@@ -66,41 +67,37 @@ def test_garbled_and_unmatched_lines_are_ignored() -> None:
         assert (line.statistics.unmatched, line.statistics.garbled) == (1, 5)
 
 
-def test_input_before_a_request_is_not_its_reply() -> None:
-    with connected(NumberedReplies({})) as (line, scripted):
-        scripted.say(b"n,9,9,9,9,9,9,9,9\r\nn,9,9")
-        assert first(line, N) == len(scripted.commands)
+ACTIONS: dict[str, Callable[[bytes], list[Action]]] = {
+    "in time": lambda reply: [reply],
+    "lost": lambda reply: [],
+    "late": lambda reply: [LATE, reply],
+    "twice": lambda reply: [reply, 0.005, reply],
+    "garbled": lambda reply: [b"?" + reply[1:]],
+}
+EXCHANGES = [[N], [ARM], [JAW], [D5, N], [N, ARM, BARRIER, JAW, H]]
 
 
-@pytest.mark.parametrize("lost", [{0, 1}, {1, 2}, {2, 3}, {1, 3}, {4}, {0, 4}, {1, 2, 3}])
-def test_arm_and_jaw_are_never_mistaken(lost: set[int]) -> None:
-    with connected(NumberedReplies({number: lambda reply: [] for number in lost})) as (line, scripted):
-        values = [reply.values[0] for reply in line.exchange([N, ARM, BARRIER, JAW, H])]
-        sent = [b"N", b"T,1,H,1", b"T,1,G", b"T,1,H,0", b"H"]
-        assert [scripted.commands[int(value) - 1] for value in values] == sent
-
-
-def test_repeated_reply_is_not_matched_to_the_next_request() -> None:
-    twice = {number: (lambda reply: [reply, 0.005, reply]) for number in range(30)}
-    with connected(NumberedReplies(twice)) as (line, scripted):
-        for requests in ([N], [N], [ARM], [JAW], [N, ARM, BARRIER, JAW, H], [D5, N]):
-            values = [reply.values for reply in line.exchange(requests)]
-            sent = [str(request).encode() for request in requests]
-            for request, value in zip(sent, values, strict=True):
-                assert not value or scripted.commands[int(value[0]) - 1] == request
-
-
-D5 = Request("D", (5, 5))
-
-
-def test_late_reply_to_an_earlier_request_is_not_matched() -> None:
-    with connected(NumberedReplies({0: lambda reply: [LATE, reply]})) as (line, scripted):
-        line.deadline = line.now() + 0.05
-        with pytest.raises(RobotLost):
-            line.exchange([ARM])
-        line.deadline = math.inf
-        number = int(first(line, JAW))
-        assert scripted.commands[number - 1] == b"T,1,H,0"
+@given(
+    st.lists(st.sampled_from(sorted(ACTIONS)), max_size=30),
+    st.lists(st.tuples(st.sampled_from(EXCHANGES), st.booleans(), st.booleans()), min_size=1, max_size=4),
+)
+@settings(derandomize=True, deadline=None, max_examples=300)
+def test_replies_belong_to_the_requests_of_their_exchange(
+    actions: list[str], exchanges: list[tuple[list[Request], bool, bool]]
+) -> None:
+    """Replies of arm and jaw look alike; before an exchange, the robot may have sent something else."""
+    script = NumberedReplies({number: ACTIONS[action] for number, action in enumerate(actions)})
+    with connected(script) as (line, scripted):
+        for requests, is_given_up, is_disturbed in exchanges:
+            if is_disturbed:
+                scripted.say(reply_with(str(requests[-1]).encode(), 999) + b"n,9,9")
+            sent = len(scripted.commands)
+            line.deadline = line.now() + 0.05 if is_given_up else math.inf
+            with suppress(RobotLost):
+                for request, reply in zip(requests, line.exchange(requests), strict=True):
+                    for value in reply.values[:1]:
+                        assert int(value) > sent
+                        assert scripted.commands[int(value) - 1] == str(request).encode()
 
 
 def test_each_try_begins_with_a_query_that_is_not_pending() -> None:
@@ -155,9 +152,9 @@ def test_repeated_error_replies_raise_request_rejected() -> None:
 
 
 def test_disconnected_robot_is_lost_without_more_tries() -> None:
-    with opened() as (line, scripted):
+    with opened() as (line, rig):
         line.exchange([N])
-        scripted.close()
+        rig.ports[0].close()
         with pytest.raises(RobotLost, match="'H' was not sent: the port failed") as lost:
             line.exchange([H])
         assert lost.value.tries == 0
@@ -206,9 +203,9 @@ def test_commands_that_may_not_be_repeated_are_rejected() -> None:
         ({"timeout": float("nan")}, "timeout nan"),
     ],
 )
-def test_invalid_arguments_are_rejected(arguments: dict[str, float], message: str) -> None:
+def test_invalid_arguments_are_rejected(arguments: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        Line("/dev/null", KHEPERA, **{"baud": 38400, **arguments})  # type: ignore[arg-type]
+        Line("/dev/null", KHEPERA, **{"baud": 38400, **arguments})
 
 
 def test_port_that_is_missing_or_in_use_is_reported() -> None:
@@ -239,12 +236,12 @@ def test_write_timeout_is_a_lost_request(monkeypatch: pytest.MonkeyPatch) -> Non
         return write(port, data)
 
     monkeypatch.setattr(serial.Serial, "write", slow)
-    with opened() as (line, scripted):
-        assert first(line, N) == len(scripted.requests)
+    with opened() as (line, _):
+        assert line.exchange([H]) == [Reply("H", (0, 0))]
 
 
 def test_garbled_reply_is_requested_again_at_once() -> None:
-    """A timeout of an hour would end this test: the repetition does not wait for it."""
+    """Not after the timeout."""
     garbled = NumberedReplies({0: lambda reply: [b"n,1,1,1,\x8f,1,1,1,1\r\n"]})
     with connected(garbled, timeout=10.0) as (line, scripted):
         assert line.exchange([N, H]) == [Reply("N", (3,) * 8), Reply("H", (2, 2))]

@@ -51,25 +51,16 @@ def read(walls: list[Wall], discs: list[Disc], heading: float = 0) -> list[float
     return sensed(walls, discs, heading).response
 
 
-def ahead_of(sensor: int, distance: float) -> tuple[float, float]:
-    """The point at a distance from a sensor, on its axis."""
-    forward, left, cosine, sine = SENSORS[sensor]
-    return forward + distance * cosine, left + distance * sine
-
-
 def facing_wall(sensor: int, distance: float) -> Wall:
     """A wall perpendicular to a sensor's axis."""
-    _, _, cosine, sine = SENSORS[sensor]
-    x, y = ahead_of(sensor, distance)
+    forward, left, cosine, sine = SENSORS[sensor]
+    x, y = forward + distance * cosine, left + distance * sine
     return x - 200 * sine, y + 200 * cosine, x + 200 * sine, y - 200 * cosine
 
 
 def response(distance: float) -> float:
     """What a sensor reads of a wall before it."""
     return read([facing_wall(0, distance)], [])[0]
-
-
-# ---------------------------------------------------------------- response
 
 
 @given(st.floats(0.1, 200), st.floats(0.1, 200))
@@ -82,9 +73,6 @@ def test_response_never_decreases_with_nearness(a: float, b: float) -> None:
 def test_response_follows_the_white_paper_curve(distance: float, white_paper: float) -> None:
     # The curve reads 125 at 60 mm, where the readings of a Khepera I end. 40 counts is a tenth of its 450.
     assert response(distance) == pytest.approx(white_paper - 125, abs=41)
-
-
-# ---------------------------------------------------------------- clean readings
 
 
 @given(angles, st.floats(REACH + 0.1, 500), st.sampled_from([17.5, 27.5]))
@@ -110,27 +98,24 @@ def test_sensor_facing_a_wall_reads_its_distance(sensor: int, distance: float) -
 @PROPERTY
 def test_reading_decreases_off_axis_to_zero_at_60_degrees(sensor: int, off: float, distance: float) -> None:
     forward, left, cosine, sine = SENSORS[sensor]
-    pointing = math.atan2(sine, cosine)
 
     def at(degrees: float) -> float:
-        angle = pointing + math.radians(degrees)
-        return read([], [(forward + distance * math.cos(angle), left + distance * math.sin(angle), 17.5)])[
-            sensor
-        ]
+        angle = math.atan2(sine, cosine) + math.radians(degrees)
+        food = forward + distance * math.cos(angle), left + distance * math.sin(angle), FOOD_RADIUS
+        return read([], [food])[sensor]
 
     assert at(off) >= at(off + 5) - 1e-9
     assert at(-off) == pytest.approx(at(off))
     assert at(60.1) == at(-60.1) == at(180) == 0
-    assert at(0) == pytest.approx(response(distance - 17.5))
+    assert at(0) == pytest.approx(response(distance - FOOD_RADIUS))
 
 
 @given(walls, discs, angles)
 @PROPERTY
 def test_mirrored_scene_gives_mirrored_readings(walls: list[Wall], discs: list[Disc], heading: float) -> None:
-    original = read(walls, discs, heading=heading)
-    mirrored = read(
-        [(x1, -y1, x2, -y2) for x1, y1, x2, y2 in walls], [(x, -y, r) for x, y, r in discs], heading=-heading
-    )
+    original = read(walls, discs, heading)
+    mirrored_walls = [(x1, -y1, x2, -y2) for x1, y1, x2, y2 in walls]
+    mirrored = read(mirrored_walls, [(x, -y, r) for x, y, r in discs], -heading)
     assert [mirrored[i] for i in MIRRORED] == pytest.approx(original, abs=1e-6)
 
 
@@ -146,9 +131,6 @@ def test_largest_response_counts(walls: list[Wall], discs: list[Disc]) -> None:
 def test_obstacles_on_top_of_a_sensor_give_finite_readings() -> None:
     forward, left, _, _ = SENSORS[2]
     assert all(math.isfinite(v) for v in read([(forward, left, forward, left + 50)], [(forward, left, 17.5)]))
-
-
-# ---------------------------------------------------------------- reported readings
 
 
 @given(st.integers(0, 2**63), st.booleans(), walls, discs)

@@ -1,7 +1,7 @@
 """The driver of a real Khepera, connected to a virtual one: senses, commands, stopping and closing."""
 
 import threading
-import time
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -9,9 +9,9 @@ import pytest
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.virtual_khepera import Faults
+from tests.robots.driver_process import wait_for
 from tests.robots.rfc2217_server import rfc2217_server
-from tests.robots.rig import FORWARD, Rig, make_rig, run_rounds
-from tests.robots.scripted_robot import NumberedReplies, ScriptedRobot
+from tests.robots.rig import FORWARD, make_rig, run_rounds
 
 STILL = Motors(0, 0, 215, 200)
 
@@ -37,35 +37,27 @@ def test_drive_sends_nothing_and_returns_the_applied_command() -> None:
         assert rig.wheel_pulses() == (80, -30)
 
 
-def requests_per_round(robot: SerialKhepera, rig: Rig, motors: Motors, rounds: int) -> list[list[str]]:
-    """The requests that the robot receives, round by round."""
-    handle, received, sent = rig.firmwares[0].handle, list[str](), []
-
-    def recorded(line: bytes) -> bytes:
-        received.append(line.decode())
-        return handle(line)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rig.firmwares[0], "handle", recorded)
-        for _ in range(rounds):
-            run_rounds(rig, robot, motors)
-            sent.append(list(received))
-            received.clear()
-    return sent
-
-
 def test_round_sends_only_necessary_requests() -> None:
     with make_rig() as rig, SerialKhepera(rig.url, timeout=5.0) as robot:
+        received = rig.intercept()
+
+        def requests_per_round(motors: Motors, rounds: int) -> Iterator[list[bytes]]:
+            for _ in range(rounds):
+                received.clear()
+                run_rounds(rig, robot, motors)
+                yield list(received)
+
         run_rounds(rig, robot, STILL, 12)
-        for sent in requests_per_round(robot, rig, FORWARD, 9):
-            assert sent[:1] == ["D,5,5"]
-            assert [request for request in sent if request[:5] != "T,1,H"] == ["D,5,5", "N", "T,1,G", "H"]
-        first, *others = requests_per_round(robot, rig, FORWARD._replace(arm=255), 4)
-        assert "T,1,E,255" in first
-        assert all(sent == ["D,5,5", "N", "T,1,H,1", "T,1,G", "H"] or "T,1,H,0" in sent for sent in others)
-        first, second, *_ = requests_per_round(robot, rig, Motors(5, 5, 255, 0), 2)
-        assert "T,1,D,1" in first
-        assert "T,1,H,0" in second
+        for sent in requests_per_round(FORWARD, 9):
+            assert sent[:1] == [b"D,5,5"]
+            assert [line for line in sent if line[:5] != b"T,1,H"] == [b"D,5,5", b"N", b"T,1,G", b"H"]
+        first, *others = requests_per_round(FORWARD._replace(arm=255), 4)
+        assert b"T,1,E,255" in first
+        for sent in others:
+            assert sent == [b"D,5,5", b"N", b"T,1,H,1", b"T,1,G", b"H"] or b"T,1,H,0" in sent
+        first, second = requests_per_round(Motors(5, 5, 255, 0), 2)
+        assert b"T,1,D,1" in first
+        assert b"T,1,H,0" in second
 
 
 def test_opening_stops_wheels_that_another_program_left_turning() -> None:
@@ -76,37 +68,16 @@ def test_opening_stops_wheels_that_another_program_left_turning() -> None:
             assert rig.is_stopped()
 
 
-def test_stop_stops_the_wheels_but_not_the_gripper() -> None:
-    with make_rig() as rig, SerialKhepera(rig.url) as robot:
-        run_rounds(rig, robot, Motors(5, 5, 255, 0), 3)
-        robot.stop()
-        assert rig.is_stopped()
-        for _ in range(20):
-            robot.transmit()
-            rig.advance()
-            robot.receive()
-        assert rig.is_stopped()
-        assert (robot.sense().arm, robot.sense().jaw) == (255, 0)
-        run_rounds(rig, robot, FORWARD)
-        assert rig.wheel_pulses() == (50, 50)
-
-
 def test_stop_interrupts_a_pending_request() -> None:
     """The robot ignores N: `stop` does not wait until it counts as lost."""
-
-    def ignores_n(request: bytes, number: int) -> list[bytes | float]:
-        return [] if request == b"N" else NumberedReplies({})(request, number)
-
-    with ScriptedRobot(ignores_n) as scripted:
-        robot = SerialKhepera(scripted.url, baud=115200, timeout=1.0)
-        robot.drive(FORWARD)
-        robot.transmit()
-        sent = len(scripted.requests)
-        task = robot.begin_receive()
-        while b"N" not in scripted.requests[sent:]:
-            time.sleep(0.001)
+    with make_rig() as rig:
+        robot = SerialKhepera(rig.url, timeout=1.0)
+        run_rounds(rig, robot, FORWARD)
+        requests = rig.intercept(lambda line: b"" if line == b"N" else None)
+        task = robot.begin(robot._receive)
+        wait_for(lambda: b"N" in requests)
         robot.stop()
-        assert b"D,0,0" in scripted.requests[sent:]
+        assert b"D,0,0" in requests
         assert not task.done
         robot.close()
         with pytest.raises(ConnectionError, match="is closed"):
@@ -114,23 +85,16 @@ def test_stop_interrupts_a_pending_request() -> None:
 
 
 def test_stop_during_transmit_is_not_undone_by_it() -> None:
-    """The robot ignores the first D, which would be repeated; `stop` is called before that."""
-
-    def ignores_forward(request: bytes, number: int) -> list[bytes | float]:
-        return [] if request == b"D,5,5" else NumberedReplies({})(request, number)
-
-    with (
-        ScriptedRobot(ignores_forward) as scripted,
-        SerialKhepera(scripted.url, baud=115200, timeout=1.0) as robot,
-    ):
+    """The robot does not confirm the speeds, which would be sent again; `stop` is called before that."""
+    with make_rig() as rig, SerialKhepera(rig.url, timeout=1.0) as robot:
+        requests = rig.intercept(lambda line: b"" if line == b"D,5,5" else None)
         robot.drive(FORWARD)
-        task = robot.begin_transmit()
-        while b"D,5,5" not in scripted.requests:
-            time.sleep(0.001)
+        task = robot.begin(robot._transmit)
+        wait_for(lambda: b"D,5,5" in requests)
         robot.stop()
         task.result(5.0)
-        assert b"D,5,5" not in scripted.requests[scripted.requests.index(b"D,0,0", 2) :]
-        assert scripted.requests[-1].startswith((b"D,0,0", b"T,1,"))
+        assert b"D,5,5" not in requests[requests.index(b"D,0,0") :]
+        assert not rig.firmware.turning
 
 
 def test_close_stops_the_robot_and_releases_the_port() -> None:
@@ -147,27 +111,10 @@ def test_close_stops_the_robot_and_releases_the_port() -> None:
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("port ")]
 
 
-def test_opening_without_a_robot_raises_and_ends_the_thread() -> None:
-    with (
-        ScriptedRobot(lambda request, number: []) as scripted,
-        pytest.raises(RobotLost, match="no answer to 'B' after"),
-    ):
-        SerialKhepera(scripted.url, timeout=0.01)
-    assert not [thread for thread in threading.enumerate() if thread.name.startswith("port ")]
-
-
 @pytest.mark.parametrize("speed", [0, 21, -3])
 def test_max_speed_out_of_range_is_rejected(speed: int) -> None:
     with pytest.raises(ValueError, match=f"max_speed {speed}; allowed: 1..20"):
         SerialKhepera("/dev/null", max_speed=speed)
-
-
-def test_request_sends_any_other_command() -> None:
-    with make_rig() as rig, SerialKhepera(rig.url) as robot:
-        assert robot.request("B") == ("5.02", "5.01")
-        assert robot.request("L", 0, 1) == ()
-        with pytest.raises(ValueError, match="allowed"):
-            robot.request("G", 0, 0)
 
 
 @pytest.mark.filterwarnings("ignore:set(Daemon|Name):DeprecationWarning")  # raised inside pyserial
@@ -179,35 +126,25 @@ def test_driver_works_over_rfc2217() -> None:
         assert rig.is_stopped()
 
 
-def test_restart_restores_the_command_and_continues_the_counters() -> None:
-    with make_rig() as rig, SerialKhepera(rig.url) as robot:
-        motors = Motors(5, 5, 255, 0)
-        before = run_rounds(rig, robot, motors, 5)
-        rig.firmwares[0].handle(b"T,1,E,215")
-        rig.firmwares[0].handle(b"T,1,D,0")
-        rig.ports[0].faults = Faults(reset=1.0)
-        robot.begin_receive()
-        while not rig.ports[0].fault_counts["reset"]:
-            time.sleep(0.001)
-        rig.ports[0].faults = Faults()
-        after = run_rounds(rig, robot, motors, 25)
-        assert robot.statistics.restarts >= 1
-        assert rig.wheel_pulses() == (50, 50)
-        assert (after.arm, after.jaw) == (255, 0)
-        assert 0 <= after.left_pulses - before.left_pulses - 25 * 50 <= 50
-
-
-def test_restart_without_banner_is_detected_by_the_counters() -> None:
+@pytest.mark.parametrize("banner", [True, False], ids=["banner", "noticed by the counters"])
+def test_restart_restores_the_command_and_continues_the_counters(banner: bool) -> None:
     with make_rig() as rig, SerialKhepera(rig.url) as robot:
         motors = Motors(10, 10, 255, 0)
         before = run_rounds(rig, robot, motors, 20)
-        rig.firmwares[0].handle(b"T,1,E,215")
-        rig.firmwares[0].handle(b"T,1,D,0")
-        rig.firmwares[0].power_on()
+        rig.firmware.handle(b"T,1,E,215")
+        rig.firmware.handle(b"T,1,D,0")
+        if banner:
+            rig.ports[0].faults = Faults(reset=1.0)
+            robot.begin(robot._receive)
+            wait_for(lambda: rig.ports[0].fault_counts["reset"] > 0)
+            rig.ports[0].faults = Faults()
+        else:
+            rig.firmware.power_on()
         after = run_rounds(rig, robot, motors, 25)
-        assert robot.statistics.restarts == 0
+        assert (robot.statistics.restarts > 0) == banner
+        assert rig.wheel_pulses() == (100, 100)
         assert (after.arm, after.jaw) == (255, 0)
-        assert 24 * 100 <= after.left_pulses - before.left_pulses <= 25 * 100
+        assert abs(after.left_pulses - before.left_pulses - 25 * 100) <= 100, "at most a round is lost"
 
 
 def test_robot_that_restarts_repeatedly_is_lost() -> None:
@@ -220,16 +157,22 @@ def test_robot_that_restarts_repeatedly_is_lost() -> None:
         robot.close()
 
 
-def test_unplugged_robot_is_lost_at_once(caplog: pytest.LogCaptureFixture) -> None:
+@pytest.mark.parametrize("stopped", [False, True])
+def test_unplugged_robot_is_lost_at_once_and_named_unless_it_had_stopped(
+    stopped: bool, caplog: pytest.LogCaptureFixture
+) -> None:
     with make_rig() as rig:
         robot = SerialKhepera(rig.url)
         run_rounds(rig, robot, FORWARD)
+        if stopped:
+            robot.stop()
         rig.ports[0].faults = Faults(unplug=1.0)
         with pytest.raises(RobotLost, match="the port failed") as lost:
             robot.receive()
         assert lost.value.port == rig.url
         robot.close()
-    assert "may still be moving" in caplog.text
+    assert (caplog.text == "") == stopped
+    assert ("may still be moving" in caplog.text) != stopped
 
 
 ROUNDS = 150
@@ -279,17 +222,3 @@ def test_senses_are_correct_under_faults(name: str) -> None:
         if "reset" not in name and name != "all":
             assert robot.sense() == rig.robots[0].sense()
     assert rig.is_stopped()
-
-
-def test_unplugged_robot_that_had_confirmed_its_stop_is_not_reported_as_moving(
-    caplog: pytest.LogCaptureFixture,
-) -> None:
-    with make_rig() as rig:
-        robot = SerialKhepera(rig.url)
-        run_rounds(rig, robot, FORWARD)
-        robot.stop()
-        rig.ports[0].faults = Faults(unplug=1.0)
-        with pytest.raises(RobotLost, match="the port failed"):
-            robot.receive()
-        robot.close()
-    assert caplog.text == ""

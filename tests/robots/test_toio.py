@@ -4,23 +4,30 @@ import pytest
 
 pytest.importorskip("toio")
 
-from khepera_forage.robots.fleet import Fleet
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.toio.driver import CubePose, ToioRobot
 from khepera_forage.robots.toio.virtual import RADIUS, Table, use_table
 
 
 class SteppedTable:
-    """A table whose time passes only in `advance`."""
+    """A table with one cube, whose time passes only in `advance`."""
 
     def __init__(self) -> None:
         self.now = 0.0
         self.table = Table(lambda: self.now, interval=0.001)
+        self.cube = self.table.cube("a", CubePose(200.0, 200.0, 0.0))
         use_table(self.table)
 
     def advance(self, seconds: float) -> None:
         self.now += seconds
         self.table.advance()
+
+    def drive(self, robot: ToioRobot, left: int, right: int, rounds: int) -> None:
+        for _ in range(rounds):
+            robot.drive(Motors(left, right, 215, 0))
+            robot.transmit()
+            self.advance(0.1)
+            robot.receive()
 
 
 @pytest.fixture
@@ -28,52 +35,29 @@ def stepped() -> SteppedTable:
     return SteppedTable()
 
 
-def test_positions_are_those_of_the_plan(stepped: SteppedTable) -> None:
-    stepped.table.cube("a", CubePose(300.0, 200.0, 1.0))
+@pytest.mark.parametrize(("left", "right"), [(6, 6), (1, -1), (2, 2), (-3, 3)])
+def test_wheels_turn_at_the_commanded_speed_and_counters_follow(
+    stepped: SteppedTable, left: int, right: int
+) -> None:
+    """A wheel does not turn slower than 4.8 speed units: slow speeds are short motions."""
     with ToioRobot("virtual:a") as robot:
-        robot.receive()
-        assert robot.on_mat
-        assert robot.pose == pytest.approx((300.0, 200.0, 1.0), abs=2.0)
-
-
-def test_wheels_turn_at_the_commanded_speed_and_counters_follow(stepped: SteppedTable) -> None:
-    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
-    with ToioRobot("virtual:a") as robot:
-        for _ in range(10):
-            robot.drive(Motors(6, 6, 215, 0))
-            robot.transmit()
-            stepped.advance(0.1)
-            robot.receive()
-        assert robot.pose.x == pytest.approx(200 + 6 * 8.0, rel=0.05)
-        assert robot.sense().left_pulses == pytest.approx((robot.pose.x - 200) / 0.08, abs=30)
-        assert (robot.sense().arm, robot.sense().jaw, robot.sense().object_presence) == (255, 200, 0)
-
-
-@pytest.mark.parametrize(("left", "right"), [(1, -1), (2, 2), (-3, 3)])
-def test_slow_speeds_are_short_motions(stepped: SteppedTable, left: int, right: int) -> None:
-    """A wheel does not turn slower than 4.8 speed units."""
-    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
-    with ToioRobot("virtual:a") as robot:
-        for _ in range(20):
-            robot.drive(Motors(left, right, 255, 200))
-            robot.transmit()
-            stepped.advance(0.1)
-        robot.receive()
-        senses = robot.sense()
+        stepped.drive(robot, left, right, 20)
+        senses, pose = robot.sense(), robot.pose
     assert senses.left_pulses == pytest.approx(left * 200, abs=110)
     assert senses.right_pulses == pytest.approx(right * 200, abs=110)
+    assert pose.x - 200 == pytest.approx((senses.left_pulses + senses.right_pulses) / 2 * 0.08, abs=3)
+    assert (senses.arm, senses.jaw, senses.object_presence) == (255, 200, 0)
 
 
 @pytest.mark.parametrize(("period", "longest"), [(0.1, 0.3), (0.5, 1.0)])
 def test_command_ends_by_itself(stepped: SteppedTable, period: float, longest: float) -> None:
     """A program that is killed, crashes or is frozen sends nothing more."""
-    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
     with ToioRobot("virtual:a", period=period) as robot:
         robot.drive(Motors(8, 8, 215, 200))
         robot.transmit()
         assert not robot.stop_confirmed
         stepped.advance(period)
-        assert stepped.table.cube("a").turning
+        assert stepped.cube.turning
         stepped.advance(longest - period + 0.05)
         robot.receive()
         there = robot.pose
@@ -83,7 +67,6 @@ def test_command_ends_by_itself(stepped: SteppedTable, period: float, longest: f
 
 
 def test_stop_and_close_stop_the_cube(stepped: SteppedTable) -> None:
-    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
     for stop in (True, False):
         robot = ToioRobot("virtual:a")
         robot.drive(Motors(8, 8, 215, 200))
@@ -92,40 +75,21 @@ def test_stop_and_close_stop_the_cube(stepped: SteppedTable) -> None:
             robot.stop()
             assert robot.stop_confirmed
         robot.close()
-        assert not stepped.table.cube("a").turning
+        assert not stepped.cube.turning
 
 
 def test_cube_does_not_leave_its_walls(stepped: SteppedTable) -> None:
-    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
     with ToioRobot("virtual:a") as robot:
         robot.clearance = lambda x, y: 300.0 - x
-        for _ in range(60):
-            robot.drive(Motors(8, 8, 215, 200))
-            robot.transmit()
-            stepped.advance(0.1)
-            robot.receive()
+        stepped.drive(robot, 8, 8, 60)
         assert 300.0 - 2 * RADIUS < robot.pose.x < 300.0 - RADIUS + 10
 
 
-def test_lost_connection_loses_the_robot_and_stops_the_others(stepped: SteppedTable) -> None:
-    stepped.table.cube("a", CubePose(200.0, 200.0, 0.0))
-    stepped.table.cube("b", CubePose(200.0, 400.0, 0.0))
-    with Fleet([ToioRobot("virtual:a"), ToioRobot("virtual:b")]) as fleet:
-        for robot in fleet.robots:
-            robot.drive(Motors(8, 8, 215, 200))
-        fleet.transmit()
-        stepped.table.unplugged.add("b")
-        with pytest.raises(RobotLost, match=r"virtual:b: .*connection"):
-            fleet.receive()
-        assert not stepped.table.cube("a").turning
-
-
 def test_cube_off_the_mat_keeps_its_last_place(stepped: SteppedTable) -> None:
-    cube = stepped.table.cube("a", CubePose(300.0, 200.0, 0.0))
     with ToioRobot("virtual:a") as robot:
         robot.receive()
         there = robot.pose
-        cube.pose = CubePose(-100.0, 0.0, 0.0)
+        stepped.cube.pose = CubePose(-100.0, 0.0, 0.0)
         robot.receive()
         assert not robot.on_mat
         assert robot.pose == there

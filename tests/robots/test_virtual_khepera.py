@@ -23,7 +23,8 @@ from khepera_forage.robots.virtual.virtual_khepera import (
     garbled,
     is_undetectable,
 )
-from tests.robots.stage import Stage
+from tests.robots.driver_process import wait_for
+from tests.robots.rig import Rig
 
 pytestmark = pytest.mark.usefixtures("no_leaks")
 
@@ -57,7 +58,7 @@ def send_until_disconnected(host: serial.Serial) -> None:
 
 @contextmanager
 def connected(
-    stage: Stage, *, timeout: float = WAIT, **options: Any
+    stage: Rig, *, timeout: float = WAIT, **options: Any
 ) -> Iterator[tuple[VirtualKhepera, serial.Serial]]:
     """A virtual robot, as fast as possible by default, and its host."""
     with (
@@ -67,13 +68,19 @@ def connected(
         yield khepera, host
 
 
-def test_requests_are_executed_and_answered(stage: Stage, tcp: int | None) -> None:
+def asked(host: serial.Serial, line: bytes) -> bytes:
+    """The reply to a request."""
+    host.write(line)
+    reply: bytes = host.readline()
+    return reply
+
+
+def test_requests_are_executed_and_answered(stage: Rig, tcp: int | None) -> None:
     with connected(stage, tcp=tcp) as (khepera, host):
         assert khepera.url.startswith("/dev/pts/" if tcp is None else "socket://127.0.0.1:")
         for line, reply in ((b"D,5,5\n", b"d\r\n"), (b"T,1,E,255\r", b"t,1,e\r\n"), (b"H\r\n", b"h,0,0\r\n")):
-            host.write(line)
-            assert host.readline() == reply
-        stage.rounds(12)
+            assert asked(host, line) == reply
+        stage.advance(12)
         host.write(b"H\nT,1,H,1\nfoo\n")
         assert [host.readline() for _ in range(3)] == [
             b"h,600,600\r\n",
@@ -85,7 +92,7 @@ def test_requests_are_executed_and_answered(stage: Stage, tcp: int | None) -> No
         assert khepera.fault_counts == {"replies": 7}
 
 
-def test_pseudo_terminal_works_without_any_configuration(stage: Stage) -> None:
+def test_pseudo_terminal_works_without_any_configuration(stage: Rig) -> None:
     """The terminal itself neither echoes nor translates, so programs can open it as a file."""
     with VirtualKhepera(stage.firmware, baud=None) as khepera:
         terminal = os.open(khepera.url, os.O_RDWR | os.O_NOCTTY)
@@ -100,61 +107,50 @@ def test_pseudo_terminal_works_without_any_configuration(stage: Stage) -> None:
     assert read == b"b,5.02,5.01\r\n"
 
 
-def test_hosts_can_reconnect(stage: Stage, tcp: int | None) -> None:
+def test_hosts_can_reconnect(stage: Rig, tcp: int | None) -> None:
     with VirtualKhepera(stage.firmware, tcp=tcp, baud=None) as khepera:
         for turn in range(3):
             with connected_host(khepera) as host:
-                host.write(f"G,{turn},0\n".encode())
-                assert host.readline() == b"g\r\n"
-                host.write(b"H\n")
-                assert host.readline() == f"h,{turn},0\r\n".encode()
+                assert asked(host, f"G,{turn},0\n".encode()) == b"g\r\n"
+                assert asked(host, b"H\n") == f"h,{turn},0\r\n".encode()
         assert khepera.connected
 
 
-def test_second_tcp_host_is_disconnected(stage: Stage) -> None:
+def test_second_tcp_host_is_disconnected(stage: Rig) -> None:
     with connected(stage, tcp=0) as (khepera, host):
-        host.write(b"B\n")
-        assert host.readline() == b"b,5.02,5.01\r\n"
+        assert asked(host, b"B\n") == b"b,5.02,5.01\r\n"
         with socket.create_connection(("127.0.0.1", int(khepera.url.rpartition(":")[2])), WAIT) as second:
             assert second.recv(1) == b""
-        host.write(b"E\n")
-        assert host.readline() == b"e,0,0\r\n"
+        assert asked(host, b"E\n") == b"e,0,0\r\n"
 
 
-def test_host_that_does_not_read_loses_replies(stage: Stage) -> None:
+def test_host_that_does_not_read_loses_replies(stage: Rig) -> None:
     with connected(stage) as (khepera, host):
         for _ in range(40):
             host.write(b"O\n" * 20)
             time.sleep(0.001)
-        deadline = time.monotonic() + WAIT
-        while khepera.fault_counts["replies"] < 800 and time.monotonic() < deadline:
-            time.sleep(0.01)
-        assert khepera.fault_counts["replies"] == 800
+        wait_for(lambda: khepera.fault_counts["replies"] == 800)
         host.reset_input_buffer()
         host.write(b"B\n")
         # Some replies may still have been under way.
         assert any(line.endswith(b"b,5.02,5.01\r\n") for line in iter(host.readline, b""))
 
 
-class TestLineSpeed:
-    @pytest.mark.parametrize("baud", [9600, 115200])
-    def test_round_trip_takes_the_transmission_time(self, stage: Stage, tcp: int | None, baud: int) -> None:
-        rounds = 400 * baud // 115200
-        with connected(stage, tcp=tcp, baud=baud) as (_, host):
-            begin, count = time.monotonic(), 0
-            for _ in range(rounds):
-                host.write(b"N\n")
-                count += 2 + len(host.readline())
-            took = time.monotonic() - begin
-        wire = count * 11 / baud
-        assert took >= wire, "no faster than the line"
-
-    def test_unsupported_baud_rate_is_rejected(self, stage: Stage) -> None:
-        with pytest.raises(ValueError, match=r"12345.*38400"):
-            VirtualKhepera(stage.firmware, baud=12345)
+@pytest.mark.parametrize("baud", [9600, 115200])
+def test_round_trip_takes_the_transmission_time(stage: Rig, tcp: int | None, baud: int) -> None:
+    with connected(stage, tcp=tcp, baud=baud) as (_, host):
+        begin, count = time.monotonic(), 0
+        for _ in range(400 * baud // 115200):
+            count += 2 + len(asked(host, b"N\n"))
+        assert time.monotonic() - begin >= count * 11 / baud, "no faster than the line"
 
 
-def test_close_disconnects_even_during_a_reply(stage: Stage, tcp: int | None) -> None:
+def test_unsupported_baud_rate_is_rejected(stage: Rig) -> None:
+    with pytest.raises(ValueError, match=r"12345.*38400"):
+        VirtualKhepera(stage.firmware, baud=12345)
+
+
+def test_close_disconnects_even_during_a_reply(stage: Rig, tcp: int | None) -> None:
     khepera = VirtualKhepera(stage.firmware, tcp=tcp, baud=9600)
     with connected_host(khepera) as host:
         host.write(b"O\n" * 50)
@@ -167,55 +163,43 @@ def test_close_disconnects_even_during_a_reply(stage: Stage, tcp: int | None) ->
         assert not Path(khepera.url).exists()
 
 
-def rng(seed: int = 0) -> np.random.Generator:
-    return np.random.default_rng(seed)
-
-
-def test_drop_loses_requests_and_replies_equally(stage: Stage) -> None:
-    done = 0
+def test_drop_loses_requests_and_replies_equally(stage: Rig) -> None:
     with connected(stage, faults=Faults(drop=1.0), timeout=SILENCE) as (khepera, host):
         for address in range(64):
             host.write(f"W,1,{address}\n".encode())
         assert host.read(1) == b""
         khepera.faults = Faults()
         host.timeout = WAIT
-        for address in range(64):
-            host.write(f"R,{address}\n".encode())
-            done += host.readline() == b"r,1\r\n"
+        done = [asked(host, f"R,{address}\n".encode()) for address in range(64)].count(b"r,1\r\n")
         assert khepera.fault_counts["drop"] == 64
     assert 16 < done < 48
 
 
-def test_delayed_reply_arrives_after_the_next_request(stage: Stage) -> None:
+def test_delayed_reply_arrives_after_the_next_request(stage: Rig) -> None:
     faults = Faults(delay=1.0, lateness=(0.15, 0.2))
     with connected(stage, faults=faults, timeout=0.05) as (khepera, host):
-        host.write(b"B\n")
-        assert host.readline() == b""
+        assert asked(host, b"B\n") == b""
         khepera.faults = Faults()
-        host.write(b"E\n")
         host.timeout = WAIT
-        assert [host.readline(), host.readline()] == [b"b,5.02,5.01\r\n", b"e,0,0\r\n"]
+        assert [asked(host, b"E\n"), host.readline()] == [b"b,5.02,5.01\r\n", b"e,0,0\r\n"]
         assert khepera.fault_counts["delay"] == 1
 
 
-def test_garble_changes_the_reply_but_not_the_execution(stage: Stage) -> None:
+def test_garble_changes_the_reply_but_not_the_execution(stage: Rig) -> None:
     with connected(stage, faults=Faults(garble=1.0), timeout=SILENCE) as (khepera, host):
         for value in range(40):
             host.write(f"W,{value},7\n".encode())
-        deadline = time.monotonic() + WAIT
-        while khepera.fault_counts["garble"] < 40 and time.monotonic() < deadline:
-            time.sleep(0.005)
+        wait_for(lambda: khepera.fault_counts["garble"] == 40)
         assert stage.numbers("R,7") == [39]
         assert b"w\r\n" * 4 not in host.read(1000)
 
 
-def test_reset_stops_the_robot_and_sends_the_banner(stage: Stage, tcp: int | None) -> None:
+def test_reset_stops_the_robot_and_sends_the_banner(stage: Rig, tcp: int | None) -> None:
     with connected(stage, tcp=tcp) as (khepera, host):
         beginnings = set()
         for _ in range(12):
-            host.write(b"D,5,5\n")
-            assert host.readline() == b"d\r\n"
-            stage.rounds(1)
+            assert asked(host, b"D,5,5\n") == b"d\r\n"
+            stage.advance(1)
             khepera.faults = Faults(reset=1.0)
             host.write(b"H\n")
             first, *rest = (host.readline().rstrip() for _ in KHEPERA.banner)
@@ -225,42 +209,35 @@ def test_reset_stops_the_robot_and_sends_the_banner(stage: Stage, tcp: int | Non
             assert read.text.endswith(KHEPERA.banner[0])
             beginnings.add(read.text.removesuffix(KHEPERA.banner[0]))
             assert rest == [line.encode() for line in KHEPERA.banner[1:]]
-            stage.rounds(2)
-            host.write(b"H\n")
-            assert host.readline() == b"h,0,0\r\n", "stopped, counters at 0"
+            stage.advance(2)
+            assert asked(host, b"H\n") == b"h,0,0\r\n", "stopped, counters at 0"
     assert "" in beginnings
     assert len(beginnings) > 2
     assert all("h,50,50\r\n".startswith(beginning.replace("\r", "")) for beginning in beginnings)
 
 
-def test_unplug_is_permanent_and_stops_the_robot(stage: Stage, tcp: int | None) -> None:
+def test_unplug_is_permanent_and_stops_the_robot(stage: Rig, tcp: int | None) -> None:
     with connected(stage, tcp=tcp) as (khepera, host):
-        host.write(b"D,5,5\n")
-        assert host.readline() == b"d\r\n"
+        assert asked(host, b"D,5,5\n") == b"d\r\n"
         khepera.faults = Faults(unplug=1.0)
         with pytest.raises(serial.SerialException):
             send_until_disconnected(host)
-        deadline = time.monotonic() + WAIT
-        while khepera.connected and time.monotonic() < deadline:
-            time.sleep(0.01)
-        assert not khepera.connected
+        wait_for(lambda: not khepera.connected)
         assert khepera.fault_counts["unplug"] == 1
-        before = stage.robot.sense()
-        stage.rounds(3)
-        assert stage.robot.sense().left_pulses == before.left_pulses
+        before = stage.robots[0].sense()
+        stage.advance(3)
+        assert stage.robots[0].sense().left_pulses == before.left_pulses
         with pytest.raises(serial.SerialException), connected_host(khepera):
             pass
 
 
-def test_same_seed_sends_the_same_bytes(stage: Stage) -> None:
+def test_same_seed_sends_the_same_bytes(stage: Rig) -> None:
     faults = Faults(drop=0.1, garble=0.3, duplicate=0.2, reset=0.1)
     runs: list[tuple[bytes, Counter[str]]] = []
     for _ in range(2):
-        with connected(stage, faults=faults, rng=rng(4)) as (khepera, host):
+        with connected(stage, faults=faults, rng=np.random.default_rng(4)) as (khepera, host):
             host.write(b"H\nT,1,H,0\nN\nB\n" * 10)
-            deadline = time.monotonic() + WAIT
-            while khepera.fault_counts["replies"] < 40 and time.monotonic() < deadline:
-                time.sleep(0.005)
+            wait_for(lambda khepera=khepera: khepera.fault_counts["replies"] == 40)  # type: ignore[misc]
             khepera.faults = Faults()
             host.write(b"\nI,3\n")
             runs.append((host.read_until(b"i,0\r\n"), khepera.fault_counts))
@@ -268,12 +245,9 @@ def test_same_seed_sends_the_same_bytes(stage: Stage) -> None:
     assert runs[0][0].endswith(b"i,0\r\n")
 
 
-REPLY = KHEPERA.encode_reply(Reply("N", (12, 345, 6, 1023, 77, 0, 8, 910)))
-
-
 def test_faults_occur_at_their_rates() -> None:
     faults = Faults(drop=0.05, delay=0.1, garble=0.15, duplicate=0.2, reset=0.02, unplug=0.01)
-    generator = rng()
+    generator = np.random.default_rng(0)
     drawn = [faults.draw(generator) for _ in range(20_000)]
     for fault in FAULTS:
         assert abs(drawn.count(fault) / len(drawn) - getattr(faults, fault)) < 0.01
@@ -290,18 +264,19 @@ def test_faults_occur_at_their_rates() -> None:
         ({"lateness": (-1.0, 0.3)}, "lateness"),
     ],
 )
-def test_invalid_rates_are_rejected(rates: dict[str, float], message: str) -> None:
+def test_invalid_rates_are_rejected(rates: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        Faults(**rates)  # type: ignore[arg-type]
+        Faults(**rates)
 
 
 def test_garbled_replies_differ_in_at_most_three_bytes_and_some_are_undetectable() -> None:
-    generator, undetectable = rng(), 0
+    reply = KHEPERA.encode_reply(Reply("N", (12, 345, 6, 1023, 77, 0, 8, 910)))
+    generator, undetectable = np.random.default_rng(0), 0
     for _ in range(2000):
-        data = garbled(REPLY, generator)
-        matcher = SequenceMatcher(None, REPLY, data, autojunk=False)
-        assert sum(block.size for block in matcher.get_matching_blocks()) >= len(REPLY) - 6
-        assert abs(len(data) - len(REPLY)) <= 3
-        undetectable += is_undetectable(data, REPLY, KHEPERA)
+        data = garbled(reply, generator)
+        matcher = SequenceMatcher(None, reply, data, autojunk=False)
+        assert sum(block.size for block in matcher.get_matching_blocks()) >= len(reply) - 6
+        assert abs(len(data) - len(reply)) <= 3
+        undetectable += is_undetectable(data, reply, KHEPERA)
     assert 100 < undetectable < 1000
-    assert not is_undetectable(REPLY, REPLY, KHEPERA)
+    assert not is_undetectable(reply, reply, KHEPERA)

@@ -42,17 +42,14 @@ if TYPE_CHECKING:
 POLL = 0.005
 """Seconds after which a read without input returns. Constant: `rfc2217://` negotiates every change with the server."""
 DEFAULT_TIMEOUT, MAX_TIMEOUT = 0.1, 10.0
-_TRIES = 6
-"""The robot counts as lost after so many tries in a row that bring no reply."""
-_COST_OF_GARBAGE = 0.25
-"""How much a try counts whose reply was garbled: the robot is there."""
+_TRIES, _COST_OF_GARBAGE = 6, 0.25
+"""The robot counts as lost after so many tries in a row that bring no reply; a garbled one counts less: it is there."""
 _MAX_BACKOFF = 8
 """Timeouts that a try may last: the wait doubles after each silent try, up to this."""
 _MAX_ADAPTED_TIMEOUT = 0.5
 """Seconds: limit of the timeout that follows from the latency of the line."""
 _OPENING_TIMEOUT, _PATIENCE = 1.9, 0.6
-"""Seconds for opening, after which the robot counts as lost, or its line as too slow; and for the first reply, since a
-repeated request would distort the measurement."""
+"""Seconds for opening, and for the first reply: a repeated request would distort the measurement."""
 _NOT_REPEATABLE = ("G", RESTART)
 """Setting the counters twice loses the counts in between; a restart has no reply."""
 _MAX_REPLY_LENGTH = 60
@@ -61,13 +58,10 @@ _WAIT_AFTER_GARBAGE = 0.02
 """Seconds to wait, in addition to the latency of the line, for further replies once a garbled line has arrived."""
 _BANNER_GAP, _MAX_BANNER_DURATION = 0.06, 3.0
 """Seconds without a byte that mark the end of a restart banner; its 17 lines (KNET) take one second at 9600 baud."""
-_RFC2217 = "rfc2217://"
-"""For these, pyserial has a fixed write timeout and rejects any other."""
 FAST = 0.005
 """Seconds: up to this latency, a command is confirmed before the round goes on."""
 _ROUND = (4, 61)
-"""Requests, and bytes both ways, of a round in which the gripper rests (D, N, T,1,G and H): a median of
-`benchmarks/wire.py`."""
+"""Requests, and bytes both ways, of a round in which the gripper rests: a median of `benchmarks/wire.py`."""
 
 
 class RobotRestarted(Exception):  # noqa: N818 (an event, not an error)
@@ -104,11 +98,7 @@ class LineTiming(NamedTuple):
     def duration(self, requests: int, length: int) -> float:
         """Seconds that requests take whose bytes, with those of the replies, have this length."""
         waits = requests if not self.pipelined else 1 if self.latency > FAST else min(requests, 2)
-        return waits * self.latency + self.on_wire(length)
-
-    def on_wire(self, count: int) -> float:
-        """Transmission time of a number of bytes."""
-        return seconds_on_wire(count, self.baud, self.stop_bits)
+        return waits * self.latency + seconds_on_wire(length, self.baud, self.stop_bits)
 
     def check(self, port: str, period: float) -> None:
         """Raise `LineTooSlow` if a round does not fit into its period."""
@@ -127,21 +117,24 @@ class LineTiming(NamedTuple):
 
 @dataclass(slots=True)
 class LineStatistics:
-    """Counts of events on a line since it was opened."""
+    """Counts of events on a line since it was opened.
+
+    Attributes:
+        timeouts: Tries that left requests without a reply.
+        garbled: Received lines that are not part of the protocol.
+        unmatched: Well-formed replies to another request, such as late and repeated ones.
+        rejected: Error replies (`z,...`).
+        unknown: Readings that contradicted each other, so that the previous one was kept.
+    """
 
     sent: int = 0
     answered: int = 0
     timeouts: int = 0
-    """Tries that left requests without a reply."""
     garbled: int = 0
-    """Received lines that are not part of the protocol."""
     unmatched: int = 0
-    """Well-formed replies to another request, such as late and repeated ones."""
     rejected: int = 0
-    """Error replies (`z,...`)."""
     restarts: int = 0
     unknown: int = 0
-    """Readings that contradicted each other, so that the previous one was kept."""
 
 
 @dataclass(slots=True, eq=False)
@@ -159,7 +152,7 @@ class Line:
     Args:
         port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`.
         protocol: Of the robot.
-        baud: One of the protocol's; a `socket://` ignores it.
+        baud: One of the protocol's.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes; two, four and eight
             times as many after silence. The port may take as long to accept a request. `measure` may lengthen it.
         replace: Called with each request before it is sent; returns what is sent.
@@ -209,8 +202,7 @@ class Line:
     @property
     def descriptor(self) -> int | None:
         """File descriptor of the open port; None if it has none, as `loop://`."""
-        try:
-            # `rfc2217://` has no `fileno`.
+        try:  # `rfc2217://` has no `fileno`
             return int((getattr(self._serial, "_socket", None) or self._serial).fileno())
         except (AttributeError, OSError):
             return None
@@ -233,27 +225,27 @@ class Line:
         # the transmission of its two requests overlaps.
         self.timeout = max(patience, min(2 * statistics.median_low(latencies), _MAX_ADAPTED_TIMEOUT))
         self.timing = self.timing._replace(latency=min(latencies[1:] or latencies))
-        # Again: a stall of the computer looks like a robot that replies to one request after the other.
-        together = any(self._answers_together(begin) for _ in range(3))
-        self.timing = self.timing._replace(pipelined=together)
-
-    def _answers_together(self, opened: float) -> bool:
-        """Whether all replies to pipelined requests arrive together, after one latency."""
-        if self.now() + self.timing.latency > opened + _OPENING_TIMEOUT:
-            return True  # no time to test it
-        requests = [query for query in self.protocol.queries if query.command in ("N", "E", "O")]
-        self.deadline = self.now() + self.timeout + self.timing.on_wire(len(requests) * _MAX_REPLY_LENGTH)
-        try:
-            return self._excess_time(requests) <= 1.5 * self.timing.latency + 0.01
-        except RobotLost:
-            return False
+        # Do all replies to pipelined requests arrive together? Three tries: a stall of the computer looks like a robot
+        # that replies to one request after the other.
+        pipelined = [query for query in self.protocol.queries if query.command in ("N", "E", "O")]
+        for _ in range(3):
+            if self.now() + self.timing.latency > begin + _OPENING_TIMEOUT:
+                return  # no time to test it
+            self.deadline = self.now() + self.timeout + self._on_wire(len(pipelined) * _MAX_REPLY_LENGTH)
+            with contextlib.suppress(RobotLost):
+                if self._excess_time(pipelined) <= 1.5 * self.timing.latency + 0.01:
+                    return
+        self.timing = self.timing._replace(pipelined=False)
 
     def _excess_time(self, requests: Sequence[Request]) -> float:
         """Seconds that requests take in addition to the transmission of all bytes."""
         begin, replies = self.now(), self.exchange(requests)
         took = self.now() - begin
         data = [*map(self.protocol.encode_request, requests), *map(self.protocol.encode_reply, replies)]
-        return max(0.0, took - self.timing.on_wire(len(b"".join(data))))
+        return max(0.0, took - self._on_wire(len(b"".join(data))))
+
+    def _on_wire(self, count: int) -> float:
+        return seconds_on_wire(count, self.timing.baud, self.timing.stop_bits)
 
     def send_ahead(self, requests: Sequence[Request]) -> None:
         """Send requests for whose replies the next exchange waits."""
@@ -307,12 +299,10 @@ class Line:
                 left = [slot for slot in missing if slot.reply is None]
                 if not left:
                     break
-                failed = (
-                    0.0
-                    if len(left) < len(missing)
-                    else failed + (_COST_OF_GARBAGE if garbled and not rejected else 1.0)
-                )
-                rejections = rejections + rejected if failed else 0.0
+                failed += _COST_OF_GARBAGE if garbled and not rejected else 1.0
+                rejections += rejected
+                if len(left) < len(missing):
+                    failed = rejections = 0.0
                 missing = left
                 if failed >= _TRIES or self.now() > self.deadline:
                     self._check()
@@ -339,13 +329,19 @@ class Line:
         """
         garbled, rejected, reason = 0, False, "received nothing"
         self._forget_answered()
-        if to_send[0].request.command in {slot.command for slot in self._pending}:
-            # A query first: no late reply is then taken for that to the first request.
-            to_send = [self._fresh_query(to_send), *to_send]
+        taken = {slot.command for slot in self._pending}
+        if to_send[0].request.command in taken:
+            # A query first: no late reply is then taken for that to the first request. If all queries are taken, the
+            # first is as good as any: its reply shows only that there is a robot.
+            taken |= {slot.request.command for slot in to_send}
+            queries = self.protocol.queries
+            to_send = [_Slot(next((q for q in queries if q.command not in taken), queries[0])), *to_send]
         deadline = self._send(to_send) + patience
         while any(slot.reply is None for slot in missing):
             self._check()
-            line = self._receive_line()
+            if not self._lines:
+                self._read(1)
+            line = self._lines.popleft() if self._lines else None
             now = self.now()
             if now > (self.deadline if line else min(deadline, self.deadline)):
                 self.statistics.timeouts += 1
@@ -366,7 +362,7 @@ class Line:
                 rejected = True
                 self.statistics.rejected += 1
             rest = max(1, len(to_send) - garbled + 1)
-            wait = self.timing.on_wire(rest * _MAX_REPLY_LENGTH) + self.timing.latency + _WAIT_AFTER_GARBAGE
+            wait = self._on_wire(rest * _MAX_REPLY_LENGTH) + self.timing.latency + _WAIT_AFTER_GARBAGE
             deadline = min(deadline, now + wait)
         return garbled, rejected, reason
 
@@ -384,8 +380,12 @@ class Line:
         backwards = _first_places(commands[::-1], received[::-1])
         last = [len(commands) - 1 - place for place in reversed(backwards)]
         for i, (low, high) in enumerate(zip(first, last, strict=True)):
-            slot = self._pending[low]
-            if low >= self._stale and slot is self._pending[high] and slot.reply is None:
+            slot, command = self._pending[low], received[i].command
+            if low < self._stale or slot is not self._pending[high] or slot.reply is not None:
+                continue
+            # Positions of arm and jaw look alike.
+            possible = {s.request for s in self._pending[low:high] if s.command == command}
+            if len(possible) <= 1 or not received[i].values:
                 slot.reply = received[i]
                 self.statistics.answered += 1
         return first[-1]
@@ -396,13 +396,6 @@ class Line:
         count = places[-1] if places else 0
         del self._pending[:count]
         self._stale, self._received = max(0, self._stale - count), []
-
-    def _fresh_query(self, to_send: list[_Slot]) -> _Slot:
-        """A query whose reply cannot be taken for another."""
-        taken = {slot.command for slot in self._pending} | {slot.request.command for slot in to_send}
-        # If all are taken, the first is as good as any: its reply shows only that there is a robot.
-        queries = self.protocol.queries
-        return _Slot(next((query for query in queries if query.command not in taken), queries[0]))
 
     def _send(self, slots: Sequence[_Slot]) -> float:
         """Send requests; returns the moment at which their replies have arrived if they are not late.
@@ -420,7 +413,7 @@ class Line:
             self._serial.write(data)
         self.statistics.sent += len(requests)
         replies = len(slots) + len(self._ahead)
-        return self.now() + self.timing.on_wire(len(data) + replies * _MAX_REPLY_LENGTH)
+        return self.now() + self._on_wire(len(data) + replies * _MAX_REPLY_LENGTH)
 
     def _discard_input(self) -> None:
         """Discard all received bytes: none of them can belong to the next reply."""
@@ -430,12 +423,6 @@ class Line:
             if isinstance(self._decode(self._lines.popleft()), Reply | ErrorReply):
                 self.statistics.unmatched += 1
         self._splitter.skip()
-
-    def _receive_line(self) -> bytes | None:
-        """The next line; None without one within `POLL` seconds."""
-        if not self._lines:
-            self._read(1)
-        return self._lines.popleft() if self._lines else None
 
     def _decode(self, line: bytes) -> Reply | ErrorReply | TextLine | None:
         """The reply in a line, or a remark without a meaning; None if it is garbled.
@@ -515,7 +502,8 @@ def open_port(port: str, baud: int, stop_bits: int, write_timeout: float) -> "Se
             baudrate=baud,
             stopbits=stop_bits,
             timeout=POLL,
-            write_timeout=None if port.startswith(_RFC2217) else write_timeout,
+            # For `rfc2217://`, pyserial has a fixed write timeout and rejects any other.
+            write_timeout=None if port.startswith("rfc2217://") else write_timeout,
             exclusive=True,
         )
     except OSError as error:

@@ -10,7 +10,6 @@ a leading zero or a minus zero shows that bytes were lost or changed in transmis
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 MAX_LINE = 256
@@ -38,12 +37,6 @@ class Range(NamedTuple):
     def __str__(self) -> str:
         return f"a whole number {self.low}..{self.high}"
 
-    def read(self, text: str) -> int | None:
-        """The number in a text; None if it is not allowed."""
-        # Check the length first: int() rejects strings of thousands of digits with another error.
-        is_number = len(text) <= _MAX_DIGITS and _DECIMAL.fullmatch(text)
-        return int(text) if is_number and self.low <= int(text) <= self.high else None
-
 
 class Text(NamedTuple):
     """A value that is not a number: a regular expression, and an example for messages."""
@@ -53,10 +46,6 @@ class Text(NamedTuple):
 
     def __str__(self) -> str:
         return self.example
-
-    def read(self, text: str) -> str | None:
-        """The text; None if it is not allowed."""
-        return text if re.fullmatch(self.pattern, text) else None
 
 
 VERSION = Text(r"[0-9]{1,3}(\.[0-9]{1,3})?", "a version such as 5.02")
@@ -131,36 +120,28 @@ class Protocol:
     end: bytes = b"\n"
     hint: str = ""
 
-    @cached_property
-    def _names(self) -> dict[str, str]:
-        """The commands by the beginning of their replies."""
-        return {name.lower(): name for name in self.commands if name != RESTART}
-
-    @cached_property
-    def _banner_words(self) -> frozenset[str]:
-        return frozenset(word for line in self.banner for word in _WORD.findall(line))
-
     def encode_request(self, request: Request) -> bytes:
         """Encode a request; raises `ProtocolError` for an unknown command, or values that it does not allow."""
-        fields = _encoded(request.command, request.values, self._command(request.command).arguments)
-        return ",".join([request.command, *fields]).encode() + self.end
+        return _encoded(request.command, request, self._command(request.command).arguments) + self.end
 
     def decode_request(self, line: bytes) -> Request:
         """Decode a request, with or without its ending; raises `ProtocolError`, `ArgumentError` for wrong values."""
-        name, fields = _split_command(_text(line))
+        text = _text(line)
+        name, *fields = text.split(",")
+        if name == "T":
+            if len(fields) < 2 or fields[0] != "1":
+                raise ArgumentError(
+                    f"{text!r} addresses an absent turret; allowed: T,1 and a gripper message"
+                )
+            name, fields = f"T,1,{fields[1]}", fields[2:]
         values = _decoded(name, fields, self._command(name).arguments)
         return Request(name, tuple(value for value in values if isinstance(value, int)))
 
     def encode_reply(self, reply: Reply | ErrorReply) -> bytes:
-        """Encode a reply, terminated by CR LF; raises `ProtocolError`, also for restart, which has only a banner."""
+        """Encode a reply, terminated by CR LF; raises `ProtocolError`. Restart has no reply but the banner."""
         if isinstance(reply, ErrorReply):
-            if not _printable(reply.text):
-                raise ArgumentError(f"error reply {reply.text!r}; allowed: printable ASCII")
             return f"z,{reply.text}\r\n".encode()
-        if reply.command == RESTART:
-            raise ProtocolError(f"a reply to {RESTART!r}; allowed: the banner")
-        fields = _encoded(reply.command, reply.values, self._command(reply.command).results)
-        return ",".join([reply.command.lower(), *fields]).encode() + b"\r\n"
+        return _encoded(reply.command.lower(), reply, self._command(reply.command).results) + b"\r\n"
 
     def decode_reply(self, line: bytes) -> Reply | ErrorReply | TextLine:
         """Decode a reply, with or without its ending; raises `ProtocolError` for a line that the robot does not send.
@@ -175,10 +156,8 @@ class Protocol:
         parts = 3 if fields[0] == "t" else 1
         letters = ",".join(fields[:parts])
         try:
-            name = self._names.get(letters)
-            if name is None:
-                raise ProtocolError(f"reply {letters!r}; allowed: {', '.join(self._names)}")
-            return Reply(name, _decoded(name, fields[parts:], self.commands[name].results))
+            name = next((n for n in self.commands if n.lower() == letters and n != RESTART), "")
+            return Reply(name, _decoded(name, fields[parts:], self._command(name).results))
         except ProtocolError:
             if NOT_FOUND_TEXT in text or PROTOCOL_ERROR_TEXT in text or not re.search("[A-Za-z]{3}", text):
                 raise
@@ -186,7 +165,7 @@ class Protocol:
 
     def is_banner(self, line: TextLine) -> bool:
         """Whether a line contains a whole word of the restart banner, wherever the robot breaks its lines."""
-        return not self._banner_words.isdisjoint(_WORD.findall(line.text))
+        return not set(_WORD.findall(line.text)).isdisjoint(_WORD.findall("\n".join(self.banner)))
 
     def _command(self, name: str) -> Command:
         if name not in self.commands:
@@ -198,21 +177,17 @@ class LineSplitter:
     """Splits bytes into lines, without LF, CR or CR LF; drops empty ones, and cuts longer ones than `MAX_LINE` off."""
 
     def __init__(self) -> None:
-        self._incomplete = bytearray()
+        self._incomplete = b""
         self._skips = False
 
     def feed(self, data: bytes) -> list[bytes]:
         """Take the next chunk; returns the lines that it completes, oldest first. Never raises."""
-        lines = []
-        *ends, rest = re.split(rb"[\r\n]", data)
-        for end in ends:
-            line = (bytes(self._incomplete) + end)[:MAX_LINE]
-            self._incomplete.clear()
-            if line and not self._skips:
-                lines.append(line)
+        *lines, rest = re.split(rb"[\r\n]", self._incomplete + data)
+        self._incomplete = rest[:MAX_LINE]
+        if lines and self._skips:
+            del lines[0]
             self._skips = False
-        self._incomplete += rest[: MAX_LINE - len(self._incomplete)]
-        return lines
+        return [line[:MAX_LINE] for line in lines if line]
 
     def skip(self) -> None:
         """Drop the line that is not complete yet."""
@@ -230,36 +205,22 @@ def wrap_counter(count: int, bits: int = 32) -> int:
     return (count + half) % (2 * half) - half
 
 
-def _split_command(text: str) -> tuple[str, list[str]]:
-    """The command name, which has three parts for a turret, and the fields after it."""
-    letter, *fields = text.split(",")
-    if letter != "T":
-        return letter, fields
-    if len(fields) < 2 or fields[0] != "1":
-        raise ArgumentError(f"{text!r} addresses an absent turret; allowed: T,1 and a gripper message")
-    return ",".join((letter, *fields[:2])), fields[2:]
-
-
 def _text(line: bytes) -> str:
     """The line without its ending."""
     text = re.sub(r"(\r\n|\r|\n)\Z", "", line.decode("latin-1"))
-    if not text or not _printable(text):
+    if not re.fullmatch("[ -~]+", text):
         raise ProtocolError(f"line {line[:MAX_LINE]!r}; allowed: printable ASCII")
     return text
 
 
-def _printable(text: str) -> bool:
-    return all(" " <= character <= "~" for character in text)
-
-
-def _encoded(name: str, values: Sequence[int | str], allowed: Sequence[Range | Text]) -> list[str]:
-    fields = [str(value) for value in values]
+def _encoded(name: str, message: Request | Reply, allowed: Sequence[Range | Text]) -> bytes:
+    fields = [str(value) for value in message.values]
     # `_decoded` would accept the string of True, of "5" or of numpy's numbers.
-    for value, wanted in zip(values, allowed, strict=False):
+    for value, wanted in zip(message.values, allowed, strict=False):
         if type(value) is not (str if isinstance(wanted, Text) else int):
             raise ArgumentError(f"{name} with {value!r}; allowed: {wanted}")
     _decoded(name, fields, allowed)
-    return fields
+    return ",".join([name, *fields]).encode()
 
 
 def _decoded(name: str, fields: Sequence[str], allowed: Sequence[Range | Text]) -> tuple[int | str, ...]:
@@ -267,16 +228,19 @@ def _decoded(name: str, fields: Sequence[str], allowed: Sequence[Range | Text]) 
         raise ArgumentError(f"{name} with {len(fields)} values; allowed: {len(allowed)}")
     values: list[int | str] = []
     for text, wanted in zip(fields, allowed, strict=True):
-        value = wanted.read(text)
-        if value is None:
+        if isinstance(wanted, Text) and re.fullmatch(wanted.pattern, text):
+            values.append(text)
+        elif (
+            isinstance(wanted, Range) and _DECIMAL.fullmatch(text) and wanted.low <= int(text) <= wanted.high
+        ):
+            values.append(int(text))
+        else:
             raise ArgumentError(f"{name} with {text[:MAX_LINE]!r}; allowed: {wanted}")
-        values.append(value)
     return tuple(values)
 
 
-_DECIMAL = re.compile(r"0|-?[1-9][0-9]*")
+_DECIMAL = re.compile(r"0|-?[1-9][0-9]{0,9}")
 _WORD = re.compile(r"[A-Za-z-]{4,}")
-_MAX_DIGITS = len("-2147483648")
 
 # K-Team's protocol: every command of a Khepera with a gripper, as the manuals and drivers describe it. "Assumption"
 # marks a range without a source.

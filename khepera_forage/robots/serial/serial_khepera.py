@@ -12,13 +12,15 @@ from khepera_forage.robots.khepera import (
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.robots.serial.protocol import KHEPERA as PROTOCOL
 from khepera_forage.robots.serial.protocol import Request
-from khepera_forage.robots.serial.serial_robot import SerialRobot
+from khepera_forage.robots.serial.serial_robot import HOLD_AFTER, SerialRobot
 
 BARRIER_THRESHOLD = 100
 """The optical barrier reads more than this with an object in it (PYRO)."""
 
 _PROXIMITY, _BARRIER, _COUNTERS = Request("N"), Request("T,1,G"), Request("H")
 _JAW, _ARM = Request("T,1,H", (0,)), Request("T,1,H", (1,))
+_SHORT_EXCHANGE = 20
+"""Bytes of a request and its reply with one number."""
 _REFRESH_ROUNDS = 10
 """Rounds after which a position is requested although nothing moves."""
 _AT_TARGET = 3
@@ -43,10 +45,11 @@ class SerialKhepera(SerialRobot):
         """See `RealRobot`."""
         self.request("D", left, right)
 
-    def _prepare(self) -> None:
-        self._arm = Reading(_ARM, max_change=8, can_stall=False, phase=0)
-        self._jaw = Reading(_JAW, max_change=45, can_stall=True, phase=5)
-        self._barrier = Reading(_BARRIER, max_change=0, can_stall=False, phase=0)
+    def _begin_session(self) -> None:
+        self._arm = Reading(max_change=8, can_stall=False, phase=0)
+        self._jaw = Reading(max_change=45, can_stall=True, phase=5)
+        self._barrier = Reading(max_change=0, can_stall=False, phase=0)
+        super()._begin_session()
 
     def _requests(self, command: Motors) -> list[Request]:
         requests = [Request("D", (int(command.left), int(command.right)))]
@@ -63,13 +66,17 @@ class SerialKhepera(SerialRobot):
     def _read_senses(self) -> Senses:
         begin = self._line.now()
         # Equal letters never follow each other: their replies could not be told apart.
-        arm, jaw = ([reading.request] if reading.is_due() else [] for reading in (self._arm, self._jaw))
+        arm, jaw = [_ARM] * self._arm.is_due(), [_JAW] * self._jaw.is_due()
         values = self._read([_PROXIMITY, *arm, _BARRIER, *jaw, _COUNTERS])
         unconfirmed = self._unconfirmed(values)
         if unconfirmed:
             between = [_BARRIER] if unconfirmed == [_ARM, _JAW] else []
             again = [*unconfirmed[:1], *between, *unconfirmed[1:]]
-            if self._has_time(begin, again):
+            now, period = self._line.now(), self._period
+            # That must not make a round late; one that is late already has until its wheels are held.
+            is_late = period is None or now > begin + period + self.timing.latency
+            end = begin + (HOLD_AFTER if period is None or is_late else period)
+            if now + self.timing.duration(len(again), len(again) * _SHORT_EXCHANGE) <= end:
                 unconfirmed = self._unconfirmed(self._read(again))
             self.statistics.unknown += len(unconfirmed)
         left, right = values[_COUNTERS]
@@ -93,26 +100,22 @@ class SerialKhepera(SerialRobot):
 
     def _unconfirmed(self, values: dict[Request, tuple[int, ...]]) -> list[Request]:
         """Take readings; returns the requests of those that another reading must confirm."""
-        return [
-            reading.request
-            for reading in (self._arm, self._barrier, self._jaw)
-            if reading.request in values and not reading.take(values[reading.request][0])
-        ]
+        readings = {_ARM: self._arm, _BARRIER: self._barrier, _JAW: self._jaw}
+        return [r for r, reading in readings.items() if r in values and not reading.take(values[r][0])]
 
 
 class Reading:
     """A reading of the gripper: its value, the commanded target (None: unknown), and when to request it.
 
     Args:
-        request: Reads it.
         max_change: Largest change from round to round that needs no confirmation.
         can_stall: Whether it may stop short of its target for good, as a jaw does that closes on food. An arm that
             rests on an obstacle moves on once there is room: it is requested until it reaches its target.
         phase: Round of `_REFRESH_ROUNDS` in which it is always requested.
     """
 
-    def __init__(self, request: Request, *, max_change: int, can_stall: bool, phase: int) -> None:
-        self.request, self.value = request, 0
+    def __init__(self, *, max_change: int, can_stall: bool, phase: int) -> None:
+        self.value = 0
         self.target: int | None = None
         self._max_change, self._can_stall = max_change, can_stall
         self._doubt: int | None = None

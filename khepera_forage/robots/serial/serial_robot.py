@@ -1,18 +1,13 @@
 """A robot at a serial port: what the drivers of Khepera and e-puck share."""
 
 import time
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import ClassVar, TypeVar
 
 from khepera_forage.robots.khepera import CONTROL_PERIOD, Motors, RobotLost, Senses
 from khepera_forage.robots.real_robot import RealRobot
-from khepera_forage.robots.serial.line import (
-    DEFAULT_TIMEOUT,
-    FAST,
-    Line,
-    LineTiming,
-    RobotRestarted,
-)
+from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, FAST, Line, LineTiming, RobotRestarted
 from khepera_forage.robots.serial.protocol import Protocol, Reply, Request, wrap_counter
 from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
 
@@ -32,8 +27,6 @@ _MAX_RESTARTS = 5
 """Restarts tolerated within one call; after more, the robot counts as lost: its power supply is unusable."""
 _FLASH = 0.3
 """Seconds."""
-_SHORT_EXCHANGE = 20
-"""Bytes of a request and its reply with one number."""
 _RESTART_JUMP = 1000
 """Counts by which a counter does not change in a round: it was reset, or the reading is wrong."""
 
@@ -96,7 +89,6 @@ class SerialRobot(RealRobot):
         )
         self.statistics = self._line.statistics
         self._counters = Counters(self.protocol.counters[1])
-        self._prepare()
         self._open(self._begin_session)
         if watchdog:
             self._watchdog = start_watchdog(port, self._line.descriptor, self.protocol.encode_request(STOP))
@@ -107,14 +99,9 @@ class SerialRobot(RealRobot):
         return self._line.timing
 
     @property
-    def timeout(self) -> float:
-        """Seconds that a reply may take in addition to the transmission time; on a slow line more than the argument."""
-        return self._line.timeout
-
-    @property
     def longest_exchange(self) -> float:
         """See `RealRobot`."""
-        return self.timeout + self.timing.duration(*_LONGEST_ROUND)
+        return self._line.timeout + self.timing.duration(*_LONGEST_ROUND)
 
     def request(self, command: str, *values: int) -> tuple[int | str, ...]:
         """Send any other request of the protocol; returns the values of the reply.
@@ -123,12 +110,14 @@ class SerialRobot(RealRobot):
             ValueError: An unknown command, values out of range; or G or restart, which may not be repeated.
             RobotLost: No reply; `RequestRejected` if the robot sends only error replies.
         """
-        return self._begin(lambda: self._request(Request(command, values))).result().values
+        return self.begin(lambda: self._request(Request(command, values))).result().values
 
-    def end_watchdog(self) -> None:
+    def flash(self) -> None:
         """See `RealRobot`."""
-        if self._watchdog is not None:
-            self._watchdog.end()
+        for action in (1, 0, 1, 0):
+            for lamp in self.protocol.lamps:
+                self.request("L", lamp, action)
+            time.sleep(_FLASH)
 
     def _turns(self, request: Request) -> bool:
         """Whether a request sets the wheels in motion."""
@@ -141,20 +130,18 @@ class SerialRobot(RealRobot):
         try:
             self._line.measure(STOP)
         except RobotLost as lost:
-            if not self.protocol.hint:
-                raise
-            raise RobotLost(
-                self.port, lost.command, lost.tries, f"{lost.reason}; {self.protocol.hint}"
-            ) from lost
+            if self.protocol.hint:
+                lost.args = (f"{lost}; {self.protocol.hint}",)
+            raise
         self.stop_confirmed = True
         if self._period is not None:
             self.timing.check(self.port, self._period)
 
-    def _begin_call(self, duration: float = MAX_DURATION) -> None:
-        """Begin a call, whose time is limited."""
+    def _begin_call(self, duration: float = MAX_DURATION, hold_after: float | None = None) -> None:
+        """Begin a call, with the seconds until the robot counts as lost, and until its wheels are held."""
         now = self._line.now()
         self._line.deadline = now + duration * max(1.0, self._base_timeout / DEFAULT_TIMEOUT)
-        self._hold_at = now + self._hold_after
+        self._hold_at = now + (self._hold_after if hold_after is None else hold_after)
 
     @property
     def _hold_after(self) -> float:
@@ -178,8 +165,10 @@ class SerialRobot(RealRobot):
         restarts = 0
         while True:
             try:
-                if restore:
-                    self._restore()
+                if restore and self._must_restore:
+                    self._note_sent(None)
+                    self._transmit(self._held)
+                    self._must_restore = False
                 return work()
             except RobotRestarted:
                 self._must_restore = True
@@ -188,20 +177,11 @@ class SerialRobot(RealRobot):
                 if restarts > _MAX_RESTARTS:
                     raise RobotLost(self.port, "restart", restarts, "it restarts again and again") from None
 
-    def _restore(self) -> None:
-        if self._must_restore:
-            held = self._held
-            self._note_sent(None)
-            if self._command is not None:
-                self._send_command(self._command, held)
-            self._must_restore = False
-
-    def _transmit(self) -> None:
-        if self._command is not None:
-            self._send_command(self._command, False)
-
-    def _send_command(self, command: Motors, held: bool) -> None:
-        """Send a command; as a stop if the wheels are held."""
+    def _transmit(self, held: bool = False) -> None:
+        """Send the command; as a stop if the wheels are held."""
+        command = self._command
+        if command is None:
+            return
         self._begin_call()
         self._held, self._moves = held, not held and any(command[:2])
         if self._moves:
@@ -216,9 +196,7 @@ class SerialRobot(RealRobot):
         self._time_left = self._hold_at - self._line.now()
 
     def _receive(self) -> None:
-        self._begin_call()
-        if self._time_left is not None:
-            self._hold_at = self._line.now() + self._time_left
+        self._begin_call(hold_after=self._time_left)
         self._senses = self._read_senses()
         self._time_left = None
 
@@ -245,38 +223,20 @@ class SerialRobot(RealRobot):
         self._attempt(lambda: self._line.exchange([STOP]), restore=False)
         self._moves, self.stop_confirmed = False, True
 
-    def _flash(self) -> None:
-        for action in (1, 0, 1, 0):
-            for lamp in self.protocol.lamps:
-                self._request(Request("L", (lamp, action)))
-            time.sleep(_FLASH)
-
     def _disconnect(self) -> None:
+        if self._watchdog is not None:
+            self._watchdog.end()
         self._line.close()
-
-    def _has_time(self, begin: float, requests: Sequence[Request]) -> bool:
-        """Whether a `receive` that began then has time to send requests with short replies again.
-
-        That must not make a round late; one that is late already has until its wheels are held.
-        """
-        now, period = self._line.now(), self._period
-        is_late = period is None or now > begin + period + self.timing.latency
-        limit = HOLD_AFTER if period is None or is_late else period
-        needed = self.timing.duration(len(requests), len(requests) * _SHORT_EXCHANGE)
-        return now + needed <= begin + limit
 
     # What differs between the robots.
 
-    def _prepare(self) -> None:
-        """Create what the methods below need."""
-
+    @abstractmethod
     def _requests(self, command: Motors) -> list[Request]:
         """The requests that transmit a command, the wheel speeds first."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _read_senses(self) -> Senses:
         """Request all readings."""
-        raise NotImplementedError
 
     def _note_sent(self, command: Motors | None) -> None:
         """Record that a command was sent; None if what was sent is lost, and must be sent again completely."""

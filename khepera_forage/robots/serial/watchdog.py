@@ -21,9 +21,8 @@ import threading
 import time
 
 _LOG = logging.getLogger(__name__)
-_SIGN_OF_LIFE = b"."
-_CLOSED = b"c"
-"""The driver has stopped the robot and closes the port: nothing is left to watch."""
+_SIGN_OF_LIFE, _CLOSED = b".", b"c"
+"""What the driver sends: that it runs, and that it has stopped the robot and closes the port."""
 _MAX_SILENCE = 0.5
 """Seconds without a sign of life after which the driver counts as frozen."""
 _INTERVAL = _MAX_SILENCE / 5
@@ -32,12 +31,9 @@ _END_TIMEOUT = 1.0
 """Seconds that the process may take to end."""
 _CONFIRMATION = re.compile(rb"(?:^|[\r\n\xf0])d[\r\n]")
 """The reply to a stop. Over `rfc2217://` a telnet command, which ends with byte 240, may precede it."""
-_CONFIRMATIONS = 2
-"""Replies to wait for: one may belong to the driver's last command."""
-_REPEAT = 0.2
-"""Seconds after which a stop is sent again."""
-_STOP_TIMEOUT = 5.0
-"""Seconds after which a robot that has not confirmed its stop is reported."""
+_CONFIRMATIONS, _REPEAT, _STOP_TIMEOUT = 2, 0.2, 5.0
+"""Replies to wait for, one of which may belong to the driver's last command; seconds after which a stop is sent again,
+and after which a robot that has not confirmed it is reported."""
 _DRIVER = 0
 """Descriptor of the pipe from the driver: standard input."""
 
@@ -64,7 +60,6 @@ class Watchdog:
             start_new_session=True,
             bufsize=0,
         )
-        self.pid = self._process.pid
         assert self._process.stdin is not None
         self._pipe = self._process.stdin
         os.set_blocking(self._pipe.fileno(), False)

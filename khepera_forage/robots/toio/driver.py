@@ -29,9 +29,8 @@ from khepera_forage.robots.real_robot import RealRobot
 if TYPE_CHECKING:
     from toio.device_interface import CubeInterface
 
-MM_PER_UNIT = 560 / 411
-"""Millimetres of the mat for one unit of its positions (toio-sdk-for-unity)."""
-_PLAN = MM_PER_UNIT / TOIO.scale
+_PLAN = 560 / 411 / TOIO.scale
+"""Millimetres on the plan for one unit of the mat's positions (toio-sdk-for-unity)."""
 
 
 class CubePose(NamedTuple):
@@ -42,32 +41,24 @@ class CubePose(NamedTuple):
     heading: float
 
 
-class Mat(NamedTuple):
-    """A mat, by its smallest and largest positions; y points down. The plan's origin is its lower left corner."""
-
-    left: int
-    right: int
-    top: int
-    bottom: int
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height on the plan, in mm."""
-        return (self.right - self.left) * _PLAN, (self.bottom - self.top) * _PLAN
-
-    def to_plan(self, x: float, y: float, angle: float) -> CubePose:
-        """Convert a position of the mat, whose angle is in degrees clockwise from x."""
-        heading = math.remainder(-math.radians(angle), math.tau)
-        return CubePose((x - self.left) * _PLAN, (self.bottom - y) * _PLAN, heading)
-
-    def to_mat(self, pose: CubePose) -> tuple[int, int, int]:
-        """Convert a place on the plan."""
-        angle = round(math.degrees(-pose.heading)) % 360
-        return round(self.left + pose.x / _PLAN), round(self.bottom - pose.y / _PLAN), angle
+_LEFT, _RIGHT, _TOP, _BOTTOM = 98, 402, 142, 358
+"""Positions on the simple mat, the A3 sheet of 414 x 294 mm that comes with each cube; y points down."""
+MAT_SIZE = (_RIGHT - _LEFT) * _PLAN, (_BOTTOM - _TOP) * _PLAN
+"""Width and height on the plan, 712 x 506 mm, whose origin is the lower left corner. Both corridors fit."""
 
 
-SIMPLE_MAT = Mat(98, 402, 142, 358)
-"""The A3 sheet that comes with each cube: 414 x 294 mm, on the plan 712 x 506 mm. Both corridors fit."""
+def to_plan(x: float, y: float, angle: float) -> CubePose:
+    """Convert a position of the mat, whose angle is in degrees clockwise from x."""
+    heading = math.remainder(-math.radians(angle), math.tau)
+    return CubePose((x - _LEFT) * _PLAN, (_BOTTOM - y) * _PLAN, heading)
+
+
+def to_mat(pose: CubePose) -> tuple[int, int, int] | None:
+    """Convert a place on the plan; None off the mat."""
+    x, y = round(_LEFT + pose.x / _PLAN), round(_BOTTOM - pose.y / _PLAN)
+    is_on_mat = _LEFT <= x <= _RIGHT and _TOP <= y <= _BOTTOM
+    return (x, y, round(math.degrees(-pose.heading)) % 360) if is_on_mat else None
+
 
 T = TypeVar("T")
 
@@ -121,13 +112,7 @@ class ToioRobot(RealRobot):
 
     model = TOIO
 
-    def __init__(
-        self,
-        port: str,
-        *,
-        max_speed: int | None = None,
-        period: float = CONTROL_PERIOD,
-    ) -> None:
+    def __init__(self, port: str, *, max_speed: int | None = None, period: float = CONTROL_PERIOD) -> None:
         super().__init__(port, self.model.max_speed if max_speed is None else max_speed)
         require("a toio cube", "toio")
         self.pose = CubePose(0.0, 0.0, 0.0)
@@ -146,7 +131,11 @@ class ToioRobot(RealRobot):
 
     def turn_for(self, left: float, right: float, milliseconds: int) -> None:
         """Turn the wheels at speeds in speed units for a short time."""
-        self._begin(lambda: self._write_motors(left, right, milliseconds)).result()
+        self.begin(lambda: self._write_motors(left, right, milliseconds)).result()
+
+    def flash(self) -> None:
+        """See `RealRobot`."""
+        self.begin(lambda: self._send("light", lambda: self._cube.api.indicator._write(_FLASH))).result()
 
     # The methods below run in the cube's thread.
 
@@ -156,12 +145,10 @@ class ToioRobot(RealRobot):
         try:
             self._cube = ToioCoreCube(interface=self._interface())
             _wait(self._cube.connect(), _SCAN_TIMEOUT)
-            _wait(
-                self._cube.api.id_information.register_notification_handler(self._note_position),
-                _WRITE_TIMEOUT,
-            )
+            api = self._cube.api
+            _wait(api.id_information.register_notification_handler(self._note_position), _WRITE_TIMEOUT)
             # A position every 10 ms, also while the cube stands still; the default pauses.
-            _wait(self._cube.api.configuration._write(b"\x18\x00\x01\x00"), _WRITE_TIMEOUT)
+            _wait(api.configuration._write(b"\x18\x00\x01\x00"), _WRITE_TIMEOUT)
         except RobotLost:
             raise
         except Exception as error:
@@ -192,7 +179,7 @@ class ToioRobot(RealRobot):
         """Take a notification, in the thread of the Bluetooth connection."""
         if payload[0] == _POSITION:
             x, y, angle = (int.from_bytes(payload[i : i + 2], "little") for i in (1, 3, 5))
-            pose, last = SIMPLE_MAT.to_plan(x, y, angle), self.pose
+            pose, last = to_plan(x, y, angle), self.pose
             if self.on_mat:
                 turn = math.remainder(pose.heading - last.heading, math.tau)
                 middle = last.heading + turn / 2
@@ -252,15 +239,9 @@ class ToioRobot(RealRobot):
         units = [_motor_unit(speed * self.model.unit) for speed in (left, right)]
         if any(units):
             self.stop_confirmed = False
-        motor = self._cube.api.motor
-        self._send(
-            f"motors {units[0]}, {units[1]}", lambda: motor.motor_control(*units, milliseconds or None)
-        )
-        if not any(units):
-            self.stop_confirmed = True
-
-    def _flash(self) -> None:
-        self._send("light", lambda: self._cube.api.indicator._write(_FLASH))
+        control = self._cube.api.motor.motor_control
+        self._send(f"motors {units[0]}, {units[1]}", lambda: control(*units, milliseconds or None))
+        self.stop_confirmed = not any(units)
 
     def _send(self, command: str, work: Callable[[], Coroutine[Any, Any, Any]]) -> None:
         """Let toio-py write something."""

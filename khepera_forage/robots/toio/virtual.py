@@ -16,7 +16,7 @@ from toio.toio_uuid import ToioUuid
 
 from khepera_forage.robots.khepera import SPEED_UNIT
 from khepera_forage.robots.model import TOIO
-from khepera_forage.robots.toio.driver import FASTEST_UNIT, SIMPLE_MAT, SLOWEST_UNIT, CubePose
+from khepera_forage.robots.toio.driver import FASTEST_UNIT, MAT_SIZE, SLOWEST_UNIT, CubePose, to_mat
 
 RADIUS = TOIO.radius / TOIO.scale
 """Of a cube on the plan, in mm."""
@@ -63,7 +63,7 @@ class Table:
 
     def _free_place(self) -> CubePose:
         """A place beside the others, in a row along the upper border."""
-        width, height = SIMPLE_MAT.size
+        width, height = MAT_SIZE
         number = len(self._cubes)
         columns = int(width // (3 * RADIUS))
         row, column = divmod(number, columns)
@@ -95,7 +95,6 @@ class VirtualCube(CubeInterface):
         self._until = math.inf
         self._connected = False
         self._handlers: dict[UUID, Callable[..., Any]] = {}
-        self._answer = bytearray(_VERSION)
         self._task: asyncio.Task[None] | None = None
 
     @property
@@ -136,7 +135,7 @@ class VirtualCube(CubeInterface):
 
     async def read(self, char_uuid: UUID) -> bytearray:
         """The answer to the last configuration request."""
-        return self._answer
+        return bytearray(_VERSION)
 
     async def write(
         self, char_uuid: UUID, data: "bytes | bytearray | memoryview[int]", response: bool = False
@@ -176,11 +175,10 @@ class VirtualCube(CubeInterface):
                     await result
 
     def _position(self) -> bytearray:
-        mat = SIMPLE_MAT
-        x, y, angle = mat.to_mat(self.pose)
-        if not (mat.left <= x <= mat.right and mat.top <= y <= mat.bottom):
+        place = to_mat(self.pose)
+        if place is None:
             return bytearray((3,))
-        return bytearray(b"\x01" + b"".join(v.to_bytes(2, "little") for v in (x, y, angle, x, y, angle)))
+        return bytearray(b"\x01" + b"".join(v.to_bytes(2, "little") for v in (*place, *place)))
 
 
 def _effective(direction: int, unit: int) -> int:

@@ -21,6 +21,7 @@ from khepera_forage.robots.khepera import (
     Robot,
 )
 from khepera_forage.robots.model import E_PUCK
+from khepera_forage.robots.model import KHEPERA as KHEPERA_MODEL
 from khepera_forage.robots.serial.protocol import (
     KHEPERA,
     NOT_FOUND_TEXT,
@@ -57,6 +58,8 @@ _FINGERS_TOUCH = 3
 """Jaw position up to which the fingers touch each other: 0 but for the noise of the position. Assumption."""
 
 Values = tuple[int | str, ...]
+Handler = Callable[..., Values | None]
+"""Executes a request with its values; returns the values of the reply, None for none."""
 
 
 class Firmware:
@@ -108,24 +111,18 @@ class Firmware:
         if request.command == RESTART:
             return self.power_on()
         with self._lock:
-            values = self._handler(request.command)(*request.values)
+            values = self._handler(request.command)(*request.values) or ()
         return self.protocol.encode_reply(Reply(request.command, values))
 
     def tick(self) -> None:
         """End a control period, after each `World.advance`: measure the speeds, control wheels with a target."""
         with self._lock:
-            senses = self._robot.sense()
-            pulses = senses.left_pulses, senses.right_pulses
-            left, right = self._last_pulses
-            self._measured_speeds = self._speed(pulses[0] - left), self._speed(pulses[1] - right)
+            pulses = self._pulses()
+            limits = SPEED.high, SPEED.high
+            self._measured_speeds = self._speeds_to(pulses, self._last_pulses, limits)
             self._last_pulses = pulses
-            if self._position_control:
-                left, right = (
-                    self._towards(target - count, limit)
-                    for target, count, limit in zip(
-                        self._targets, self._counters(), self._max_speeds, strict=True
-                    )
-                )
+            if self._targets is not None:
+                left, right = self._speeds_to(self._targets, self._counters(), self._max_speeds)
                 self._drive(left=left, right=right)
 
     def power_on(self) -> bytes:
@@ -150,16 +147,17 @@ class Firmware:
     def _initialise(self) -> None:
         """Set the state at power-on."""
         self._command = self._command._replace(left=0, right=0)
-        self._position_control = False
-        self._targets, self._max_speeds = (0, 0), (_DEFAULT_SPEED, _DEFAULT_SPEED)
+        self._targets: tuple[int, int] | None = None
+        """Of position control; None in speed control."""
+        self._max_speeds = _DEFAULT_SPEED, _DEFAULT_SPEED
         self._last_pulses = self._pulses()
         self._offsets = -self._last_pulses[0], -self._last_pulses[1]
         self._measured_speeds = 0, 0
         self._bus = bytearray(64)  # no device is attached: a read returns the byte last written
 
-    def _handler(self, command: str) -> Callable[..., Values]:
+    def _handler(self, command: str) -> Handler:
         sense = self._robot.sense
-        handlers: dict[str, Callable[..., Values]] = {
+        handlers: dict[str, Handler] = {
             "B": lambda: _VERSIONS,
             "C": self._set_targets,
             "D": self._set_speeds,
@@ -183,16 +181,14 @@ class Firmware:
             "T,1,J": lambda: (0,),
         }
         # The rest has no effect: gains, which the simulated motors do not need (A, F), and LEDs (L).
-        return handlers.get(command, lambda *_: ())
+        return handlers.get(command, lambda *_: None)
 
-    def _write_bus(self, data: int, address: int) -> Values:
+    def _write_bus(self, data: int, address: int) -> None:
         self._bus[address] = data
-        return ()
 
-    def _drive(self, **changes: int) -> tuple[()]:
+    def _drive(self, **changes: int) -> None:
         """Change a part of the motor command and keep the rest."""
         self._command = self._robot.drive(self._command._replace(**changes))
-        return ()
 
     def _pulses(self) -> tuple[int, int]:
         senses = self._robot.sense()
@@ -202,29 +198,26 @@ class Firmware:
         left, right = self._pulses()
         return wrap_counter(left + self._offsets[0]), wrap_counter(right + self._offsets[1])
 
-    def _set_targets(self, *targets: int) -> Values:
-        self._position_control, self._targets = True, (targets[0], targets[1])
-        return ()
+    def _set_targets(self, *targets: int) -> None:
+        self._targets = targets[0], targets[1]
 
-    def _set_speeds(self, left: int, right: int) -> Values:
-        self._position_control = False
-        return self._drive(left=left, right=right)
+    def _set_speeds(self, left: int, right: int) -> None:
+        self._targets = None
+        self._drive(left=left, right=right)
 
-    def _set_pwm(self, left: int, right: int) -> Values:
+    def _set_pwm(self, left: int, right: int) -> None:
         # Assumption: proportional, 255 is 127 units, the maximum of the protocol.
-        return self._set_speeds(round(left * SPEED.high / PWM.high), round(right * SPEED.high / PWM.high))
+        self._set_speeds(round(left * SPEED.high / PWM.high), round(right * SPEED.high / PWM.high))
 
-    def _set_counters(self, *counts: int) -> Values:
+    def _set_counters(self, *counts: int) -> None:
         left, right = self._pulses()
         self._offsets = counts[0] - left, counts[1] - right
-        return ()
 
-    def _set_profiles(self, *profiles: int) -> Values:
+    def _set_profiles(self, *profiles: int) -> None:
         self._max_speeds = profiles[0], profiles[2]  # the simulated motors reach any speed at once
-        return ()
 
     def _position_status(self) -> Values:
-        if not self._position_control:
+        if self._targets is None:
             left, right = self._measured_speeds
             left_error, right_error = int(self._command.left - left), int(self._command.right - right)
             return 0, _SPEED_MODE, left_error, 0, _SPEED_MODE, right_error
@@ -232,16 +225,18 @@ class Firmware:
             wrap_counter(target - count)
             for target, count in zip(self._targets, self._counters(), strict=True)
         ]
-        reached = [int(self._towards(error, 1) == 0) for error in errors]
-        return reached[0], _POSITION_MODE, errors[0], reached[1], _POSITION_MODE, errors[1]
+        left, right = self._speeds_to(self._targets, self._counters(), (1, 1))
+        return int(left == 0), _POSITION_MODE, errors[0], int(right == 0), _POSITION_MODE, errors[1]
 
-    def _towards(self, error: int, max_speed: int) -> int:
-        """The speed at which a wheel reaches its target, as exactly as whole speed units allow."""
-        return max(-max_speed, min(max_speed, round(error / self._pulses_per_unit)))
-
-    def _speed(self, pulses: int) -> int:
-        """The speed, in speed units, of a wheel that turned by `pulses` in one control period."""
-        return max(SPEED.low, min(SPEED.high, round(pulses / self._pulses_per_unit)))
+    def _speeds_to(
+        self, targets: tuple[int, int], counts: tuple[int, int], limits: tuple[int, int]
+    ) -> tuple[int, int]:
+        """The speeds at which wheels reach targets in one control period, as exactly as whole units allow."""
+        left, right = (
+            max(-limit, min(limit, round((target - count) / self._pulses_per_unit)))
+            for target, count, limit in zip(targets, counts, limits, strict=True)
+        )
+        return left, right
 
 
 _E_PUCK_VERSIONS = "Version 2.0 January 2018 GCtronic", "HW version: E"
@@ -271,8 +266,8 @@ class EPuckFirmware(Firmware):
         self._speeds = 0, 0
         self._drive(arm=ARM_RAISED, jaw=JAW_OPEN)
 
-    def _handler(self, command: str) -> Callable[..., Values]:
-        handlers: dict[str, Callable[..., Values]] = {
+    def _handler(self, command: str) -> Handler:
+        handlers: dict[str, Handler] = {
             "D": self._set_steps,
             "E": lambda: self._speeds,
             "N": self._infra_reds,
@@ -284,14 +279,18 @@ class EPuckFirmware(Firmware):
             "S": lambda: self._set_steps(0, 0),
             "V": lambda: (_E_PUCK_VERSIONS[0],),
         }
-        return handlers.get(command, lambda *_: ())
+        return handlers.get(command, lambda *_: None)
 
-    def _set_steps(self, left: int, right: int) -> Values:
+    def _set_steps(self, left: int, right: int) -> None:
         self._speeds = left, right
-        return self._drive(left=round(left / E_PUCK.unit), right=round(right / E_PUCK.unit))
+        self._drive(left=round(left / E_PUCK.unit), right=round(right / E_PUCK.unit))
 
     def _infra_reds(self) -> Values:
         left90, left45, left10, right10, right45, right90, back_right, back_left = (
             4 * reading for reading in self._robot.sense().proximity
         )
         return right10, right45, right90, back_right, back_left, left90, left45, left10
+
+
+FIRMWARES = {KHEPERA_MODEL.name: Firmware, E_PUCK.name: EPuckFirmware}
+"""By the kind of robot."""

@@ -38,47 +38,45 @@ _MAX_GARBLED_BYTES = 3
 class Faults:
     """Rates of the faults of a line, as shares of all replies; a reply has at most one fault.
 
+    Attributes:
+        drop: Lost, with equal probability the request, which the robot then does not execute, or the reply.
+        delay: Late by `lateness`; later replies wait behind it, as in the buffers of a radio link.
+        garble: One to three bytes changed, deleted or inserted.
+        duplicate: Sent twice.
+        reset: The power supply fails: wheels stop, settings are lost, the banner replaces the reply or cuts it off.
+        unplug: The cable is unplugged for good. It also carries the power supply (assumption), so the wheels stop.
+        lateness: Seconds by which a delayed reply is late, uniform between the two: choose more than the host's
+            timeout, so that the reply arrives after the host has repeated its request.
+
     Raises:
         ValueError: A rate outside 0..1, rates that add up to more than 1, or an invalid lateness.
     """
 
     drop: float = 0.0
-    """Lost, with equal probability the request, which the robot then does not execute, or the reply."""
     delay: float = 0.0
-    """Late by `lateness`; later replies wait behind it, as in the buffers of a radio link."""
     garble: float = 0.0
-    """One to three bytes changed, deleted or inserted."""
     duplicate: float = 0.0
-    """Sent twice."""
     reset: float = 0.0
-    """The power supply fails: wheels stop, settings are lost, the banner replaces the reply or cuts it off."""
     unplug: float = 0.0
-    """The cable is unplugged for good. It also carries the power supply (assumption), so the wheels stop."""
     lateness: tuple[float, float] = (0.3, 1.0)
-    """Seconds by which a delayed reply is late, uniform between the two: choose more than the host's timeout, so that
-    the reply arrives after the host has repeated its request."""
 
     def __post_init__(self) -> None:
         for fault in FAULTS:
             rate = getattr(self, fault)
             if not 0 <= rate <= 1:
                 raise ValueError(f"rate of fault {fault} is {rate!r}; allowed: 0..1")
-        if self.total > 1 + 1e-9:
-            raise ValueError(f"rates of faults add up to {self.total:g}; allowed: at most 1")
+        total = sum(getattr(self, fault) for fault in FAULTS)
+        if total > 1 + 1e-9:
+            raise ValueError(f"rates of faults add up to {total:g}; allowed: at most 1")
         shortest, longest = self.lateness
         if not 0 <= shortest <= longest < float("inf"):
             raise ValueError(
                 f"lateness is {self.lateness!r}; allowed: two times in seconds, the shorter first"
             )
 
-    @property
-    def total(self) -> float:
-        """Share of replies with any fault."""
-        return float(sum(getattr(self, fault) for fault in FAULTS))
-
     def draw(self, rng: np.random.Generator) -> Fault | None:
         """The fault of the next reply, or None."""
-        drawn = rng.random() if self.total else 1.0
+        drawn = rng.random() if any(getattr(self, fault) for fault in FAULTS) else 1.0
         for fault in FAULTS:
             drawn -= getattr(self, fault)
             if drawn < 0:
@@ -195,10 +193,8 @@ class VirtualKhepera:
         if fault == "unplug":
             firmware.power_on()
             return False
-        if (fault == "drop" and rng.random() < 0.5) or (fault == "reset" and rng.random() < 0.5):
-            reply = b""  # the request is lost
-        else:
-            reply = firmware.handle(line)
+        is_lost = fault in ("drop", "reset") and rng.random() < 0.5
+        reply = b"" if is_lost else firmware.handle(line)
         if fault == "reset":
             cut_off = reply[: int(rng.integers(1, len(reply)))] if reply else b""
             self._reply(cut_off + firmware.power_on())
@@ -226,10 +222,8 @@ class VirtualKhepera:
         if not ready or self._closing:
             return
         self._received_until = max(self._received_until, time.monotonic())
-        received = self._end.read()
-        if self.interrupted:
-            return
-        for byte in received:
+        received = self._end.read(ready)
+        for byte in b"" if self.interrupted else received:
             self._received_until += self._byte_time
             lines = self._splitter.feed(bytes((byte,)))
             self._requests += ((self._received_until, line) for line in lines)
@@ -291,32 +285,27 @@ class _End:
         self.url = os.ttyname(self._terminal)
 
     def filenos(self) -> list[int]:
-        """Descriptors that become readable when `read` has bytes to return."""
+        """Descriptors to wait for."""
         listener = [] if self._listener is None else [self._listener.fileno()]
         return listener if self._host is None else [self._host, *listener]
 
-    def read(self) -> bytes:
-        """The bytes that have arrived; also accepts a new host after the last one has disconnected."""
+    def read(self, ready: list[int]) -> bytes:
+        """The bytes that have arrived at descriptors; also accepts a new host after the last one has disconnected."""
         data = b""
-        if self._host is not None:
-            try:
+        if self._host is not None and self._host in ready:
+            with contextlib.suppress(OSError):
                 data = os.read(self._host, _CHUNK)
-            except BlockingIOError:
-                pass
-            except OSError:
+            if not data:
                 self._disconnect()
-            else:
-                if not data:
-                    self._disconnect()
-        if self._listener is not None:
-            with contextlib.suppress(BlockingIOError):
+        if self._listener is not None and self._listener.fileno() in ready:
+            with contextlib.suppress(OSError):  # it has gone
                 host, _ = self._listener.accept()
-                if self._host is not None:
-                    host.close()
-                else:
+                if self._host is None:
                     host.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
                     host.setblocking(False)
                     self._host = host.detach()
+                else:
+                    host.close()
         return data
 
     def write(self, data: bytes) -> None:

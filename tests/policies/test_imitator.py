@@ -1,5 +1,9 @@
-"""Votes of the imitator and of its variants, against section 4.6.1 in fractions, on experience of every shape."""
+"""The imitator and its variants: votes against section 4.6.1 in fractions, on experience of every shape."""
 
+import copy
+import itertools
+import math
+import pickle
 from collections import Counter
 from fractions import Fraction
 from typing import Any
@@ -8,8 +12,17 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
+from sklearn.exceptions import NotFittedError
 
-from khepera_forage.policies import KNearestImitator, NearestNeighbourImitator, Neighbours, distance
+from khepera_forage.policies import (
+    GrowingMemory,
+    KNearestImitator,
+    NearestNeighbourImitator,
+    Neighbours,
+    WeightedImitator,
+    distance,
+)
 from khepera_forage.policies.features import encoded
 from khepera_forage.policies.memories import BEHAVIOURS, memories_of, nearest_votes
 from khepera_forage.policies.policy import draw_label
@@ -150,15 +163,6 @@ def test_floats_split_exact_ties() -> None:
     assert min(votes[1:]) == 1
 
 
-def test_wrong_arithmetic_is_an_error() -> None:
-    with pytest.raises(
-        ValueError, match=r"arithmetic is '16-bit'; allowed: 'exact', '32-bit floats', '64-bit"
-    ):
-        NearestNeighbourImitator(arithmetic="16-bit").fit([(0, 1, 0, 215, 2)], [0])
-    with pytest.raises(ValueError, match=r"threshold is 0\.1 with 32-bit floats; allowed: 0, or exact"):
-        NearestNeighbourImitator(threshold=0.1, arithmetic="32-bit floats").fit([(0, 1, 0, 215, 2)], [0])
-
-
 # ---------------------------------------------------------------- memories in arrays, for kernels
 
 
@@ -173,7 +177,7 @@ class FixedGenerator(np.random.Generator):
         return self.chance
 
 
-def compare(memories: Any, number: int, imitator: Any, query: Any, chance: float = 0.5) -> None:
+def compare(memories: Any, number: int, imitator: Any, query: Any, chance: float) -> None:
     """A memory has the votes and draws of the imitator."""
     votes, neighbours = np.zeros(BEHAVIOURS, np.int64), imitator.neighbours(query)
     arithmetic = FIELDS["distance_arithmetic"].as_number(imitator.arithmetic)
@@ -186,41 +190,28 @@ def compare(memories: Any, number: int, imitator: Any, query: Any, chance: float
 
 @settings(max_examples=60, deadline=None)
 @given(
-    st.lists(EXPERIENCE, min_size=1, max_size=3),
-    QUERIES,
-    st.sampled_from((CORRIDOR, RECTANGLE, 1, 7)),
-    st.sampled_from(FIELDS["distance_arithmetic"].choices),
-    st.floats(0, 1, exclude_max=True),
+    seed=st.integers(0, 2**32),
+    counts=st.lists(st.integers(1, 40) | st.integers(1, 3_000), min_size=1, max_size=3),
+    spread=st.sampled_from([3, 5, 30, 139, 2_000]),
+    arms=st.sampled_from([[215], [215, 255], [215, 219, 223, 240, 255], list(range(215, 256))]),
+    diagonal=st.sampled_from([1, 7, 11, 55, CORRIDOR, RECTANGLE]),
+    arithmetic=st.sampled_from(FIELDS["distance_arithmetic"].choices),
+    chance=st.floats(0, 1, exclude_max=True),
 )
 def test_memories_in_arrays_have_the_votes_and_draws_of_the_imitators(
-    experiences: list[Experienced], queries: list[StateVector], diagonal: int, arithmetic: str, chance: float
-) -> None:
-    memories = memories_of([tuple(map(list, zip(*part, strict=True))) for part in experiences])  # type: ignore[misc]
-    for number, part in enumerate(experiences):
-        imitator = imitator_of(part, diagonal).set_params(arithmetic=arithmetic)
-        for query in [*queries, part[0][0]]:
-            compare(memories, number, imitator, query, chance)
-
-
-@settings(max_examples=20, deadline=None)
-@given(
-    seed=st.integers(0, 2**32),
-    count=st.integers(1, 3_000),
-    spread=st.sampled_from([5, 30, 139, 2_000]),
-    arms=st.sampled_from([[215], [215, 255], [215, 219, 223, 240, 255], list(range(215, 256))]),
-    diagonal=st.sampled_from([1, 11, 55, CORRIDOR, RECTANGLE]),
-)
-def test_memories_of_thousands_have_the_votes_of_the_imitator(
-    seed: int, count: int, spread: int, arms: list[int], diagonal: int
+    seed: int, counts: list[int], spread: int, arms: list[int], diagonal: int, arithmetic: str, chance: float
 ) -> None:
     rng = np.random.default_rng(seed)
-    rows = np.column_stack([rng.integers(0, high, count) for high in (2, spread, 4, 1, spread)])
-    rows[:, 3] = rng.choice(arms, count)
-    heard = rng.integers(0, 10, count)
-    imitator = NearestNeighbourImitator(diagonal, arithmetic="exact").fit(rows, heard)
-    memories = memories_of([(rows, heard)])
-    for query in (rows[:15] + rng.integers(0, 2, (len(rows[:15]), 5)) * (0, 3, 0, 0, 2)).tolist():
-        compare(memories, 0, imitator, StateVector(*query))
+    experiences = []
+    for count in counts:
+        rows = np.column_stack([rng.integers(0, high, count) for high in (2, spread, 4, 1, spread)])
+        rows[:, 3] = rng.choice(arms, count)
+        experiences.append((rows, rng.integers(0, 10, count)))
+    memories = memories_of(experiences)
+    for number, (rows, heard) in enumerate(experiences):
+        imitator = NearestNeighbourImitator(diagonal, arithmetic=arithmetic).fit(rows, heard)
+        for query in (rows[:10] + rng.integers(0, 2, (len(rows[:10]), 5)) * (0, 3, 0, 0, 2)).tolist():
+            compare(memories, number, imitator, StateVector(*query), chance)
 
 
 VECTOR = (0, 1, 0, 215, 1)
@@ -270,14 +261,182 @@ def test_confidence_levels_of_k_vectors_equal_shares_in_fractions(
     assert np.abs(first - second).sum() == pytest.approx(float(distance(query, rows[0], diagonal)), abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("parameters", "message"),
-    [
-        *(({"k": k}, f"k is {k!r}; allowed: an integer, at least 1") for k in (0, 2.0, True, None)),
-        ({"weighting": "votes"}, "weighting is 'votes'; allowed: uniform, distance"),
-        ({"diagonal": 0}, "diagonal is 0; allowed: an integer above 0"),
-    ],
-)
-def test_parameters_of_k_nearest_out_of_range_are_refused(parameters: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        KNearestImitator(**parameters).fit([VECTOR], [0])
+# ---------------------------------------------------------------- labels, rows and copies
+
+X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1, 48, 1, 215, 14]])
+Y = np.array([0, 2, 3, 7])
+
+
+def test_imitator_without_experience_raises() -> None:
+    with pytest.raises(NotFittedError):
+        NearestNeighbourImitator().act(X[0], np.random.default_rng())
+    with pytest.raises(NotFittedError):
+        NearestNeighbourImitator().neighbours(X[0])
+
+
+def test_act_refuses_rows_that_are_no_state_vectors() -> None:
+    imitator = NearestNeighbourImitator().fit(X[:, :3], Y)
+    np.testing.assert_array_equal(imitator.predict(X[:, :3]), Y)
+    with pytest.raises(ValueError, match="learned from rows of 3 columns; allowed: 5"):
+        imitator.act(X[0], np.random.default_rng())
+
+
+@pytest.mark.parametrize("labels", [["a", "b", "c", "d"], [0, 2, 3, 11]])
+def test_act_refuses_labels_that_are_no_behaviours(labels: list[Any]) -> None:
+    imitator = NearestNeighbourImitator().fit(X, labels)
+    assert imitator.predict(X).tolist() == labels
+    with pytest.raises(ValueError, match=r"labels learned are .*; allowed: behaviours, 0 to 10"):
+        imitator.act(X[0], np.random.default_rng())
+
+
+def test_labels_outside_classes_are_refused() -> None:
+    imitator = NearestNeighbourImitator()
+    with pytest.raises(
+        ValueError, match=r"labels are \[0, 2, 3, 7\]; allowed: those among classes, \[0, 2\]"
+    ):
+        imitator.partial_fit(X, Y, classes=[0, 2])
+    imitator.partial_fit(X[:1], Y[:1], classes=range(10))
+    assert imitator.classes_.tolist() == list(range(10))
+    assert imitator.predict_proba(X[:1]).tolist() == [[1.0] + [0.0] * 9]
+
+
+@pytest.mark.parametrize("again", [lambda i: pickle.loads(pickle.dumps(i)), copy.deepcopy])
+def test_copy_learns_independently(again: Any) -> None:
+    imitator = NearestNeighbourImitator().fit(X, Y)
+    imitator.act(X[0], np.random.default_rng())
+    twin = again(imitator)
+    twin.partial_fit(np.repeat(X[:1], 4, axis=0), [7] * 4)  # neither a new row nor a new class
+    assert twin.neighbours(X[0]).votes == ((Behaviour.SEARCH_FOR_FOOD, 1), (Behaviour.GO_HOME, 4))
+    twin.partial_fit([[0, 90, 0, 215, 61]], [5])
+    assert twin.neighbours((0, 90, 0, 215, 62)).votes == ((Behaviour.PUSH_FOOD, 1),)
+    assert imitator.neighbours(X[0]).votes == ((Behaviour.SEARCH_FOR_FOOD, 1),)
+
+
+def test_behaviours_are_drawn_with_their_confidence_levels() -> None:
+    """The example of section 4.6.2: of five equally near vectors, four say x and one says y."""
+    query, near = StateVector(0, 50, 0, 215, 18), [(0, 50, 0, 215, food) for food in (20, 20, 16, 16)]
+    imitator = NearestNeighbourImitator().fit(
+        [*near, (0, 52, 0, 215, 18), (0, 90, 0, 215, 60)], [2, 2, 2, 2, 1, 0]
+    )
+    levels = imitator.confidence_levels(query)
+    assert levels == {Behaviour.ORIENT_WITH_FOOD: 0.8, Behaviour.MOVE_SLOWLY: 0.2}
+    rng = np.random.default_rng(11)
+    counts = Counter(imitator.act(query, rng) for _ in range(20_000))
+    assert counts.keys() == levels.keys()
+    # Five standard deviations of the binomial distribution.
+    assert abs(counts[Behaviour.MOVE_SLOWLY] - 4_000) < 5 * (20_000 * 0.2 * 0.8) ** 0.5
+
+
+# ---------------------------------------------------------------- attribute weights learned from experience
+
+Data = tuple[NDArray[np.int64], NDArray[np.int64]]
+
+
+def misleading(seed: int, count: int = 200) -> Data:
+    """Only the food distance decides the behaviour; the home distance is noise with four times the range."""
+    rng = np.random.default_rng(seed)
+    food = rng.integers(0, 30, count)
+    rows = np.column_stack(
+        [np.zeros(count), rng.integers(0, 120, count), np.zeros(count), np.full(count, 215), food]
+    )
+    return rows.astype(np.int64), np.where(food <= 15, 2, 0)
+
+
+def left_out(data: Data, weights: tuple[int, ...], groups: NDArray[np.int64]) -> float:
+    """The leave-one-out error, one vector at a time: the share of votes for another behaviour."""
+    wrong = []
+    for row, heard, group in zip(*data, groups, strict=True):
+        others = groups != group
+        if others.any():
+            rest = WeightedImitator(weights=weights).fit(data[0][others], data[1][others])
+            levels = dict(zip(rest.classes_.tolist(), rest.predict_proba([row])[0], strict=True))
+            wrong.append(1 - levels.get(int(heard), 0.0))
+    return float(np.mean(wrong))
+
+
+def test_significant_attribute_gets_the_larger_weight() -> None:
+    plain = NearestNeighbourImitator(arithmetic="exact").fit(*misleading(0))
+    learned = WeightedImitator(random_state=0).fit(*misleading(0))
+    assert learned.weights_[4] > learned.weights_[1]
+    rows, expected = misleading(1)
+    assert (learned.predict(rows) == expected).mean() > (plain.predict(rows) == expected).mean() + 0.03
+    assert learned.error_ < learned.plain_error_
+
+
+def test_error_equals_leave_one_out_error() -> None:
+    data = misleading(2, 40)
+    for groups in (np.arange(40), np.arange(40) // 8):
+        learned = WeightedImitator(choices=(0, 1, 4), random_state=0).fit(*data, groups=groups)
+        assert learned.plain_error_ == pytest.approx(left_out(data, (1,) * 5, groups))
+        assert learned.error_ == pytest.approx(left_out(data, learned.weights_, groups))
+        for column, choice in itertools.product(range(5), (0, 1, 4)):  # no single change improves it
+            tried = (*learned.weights_[:column], choice, *learned.weights_[column + 1 :])
+            if any(tried):
+                assert left_out(data, tried, groups) >= learned.error_ - 1e-9
+
+
+def test_equal_weights_equal_the_imitator() -> None:
+    rng = np.random.default_rng(3)
+    rows = np.column_stack([rng.integers(0, high, 200) for high in (2, 9, 4, 3, 9)]) + np.array(
+        [0, 0, 0, 215, 0]
+    )
+    heard = rng.integers(0, 10, 200)
+    same = WeightedImitator(weights=(3,) * 5).fit(rows, heard)
+    np.testing.assert_array_equal(
+        same.predict_proba(rows + 1),
+        NearestNeighbourImitator(arithmetic="exact").fit(rows, heard).predict_proba(rows + 1),
+    )
+    assert not hasattr(same, "error_")
+
+
+# ---------------------------------------------------------------- growing memory (section 2.3)
+
+HERE, THERE = [0, 90, 0, 215, 60], [0, 30, 0, 215, 18]
+
+
+def test_node_grows_at_a_new_stimulus() -> None:
+    memory = GrowingMemory(reach=0.02)
+    memory.fit([HERE, [0, 91, 0, 215, 61], THERE, HERE], [0, 0, 2, 0])  # 2 of 138 is within reach
+    assert len(memory.nodes_) == 2
+    assert memory.votes_.tolist() == [[3, 0], [0, 1]]
+    assert memory.predict([HERE, THERE]).tolist() == [0, 2]
+    assert len(GrowingMemory(reach=0.01).fit([HERE, [0, 91, 0, 215, 61]], [0, 0]).nodes_) == 2
+
+
+def test_habituation_falls_with_perception_and_recovers_without() -> None:
+    memory = GrowingMemory(habituation=0.3, recovery=0.01).fit([HERE], [0])
+    assert memory.habituation_.tolist() == pytest.approx([0.7])
+    memory.partial_fit([HERE], [0])
+    assert memory.habituation_.tolist() == pytest.approx([(0.7 + 0.01 * 0.3) * 0.7])
+    before = memory.habituation_[0]
+    memory.partial_fit([THERE], [2])
+    assert memory.habituation_[0] == pytest.approx(before + 0.01 * (1 - before))
+
+
+def test_rare_node_is_forgotten_in_time_and_frequent_node_later() -> None:
+    settings: dict[str, Any] = {"habituation": 0.3, "recovery": 0.01, "forgetting": 0.95}
+    lasts = math.ceil(math.log(0.3 / 0.05) / -math.log(1 - 0.01))
+    rare = GrowingMemory(**settings).fit([HERE] + [THERE] * (lasts - 1), [0] + [2] * (lasts - 1))
+    assert rare.predict([HERE]).tolist() == [0]
+    rare.partial_fit([THERE], [2])
+    assert len(rare.nodes_) == 1
+    assert rare.predict([HERE]).tolist() == [2], "the remaining node is nearest"
+    frequent = GrowingMemory(**settings).fit(
+        [HERE] * 20 + [THERE] * (lasts + 20), [0] * 20 + [2] * (lasts + 20)
+    )
+    assert frequent.predict([HERE]).tolist() == [0]
+
+
+def test_partial_fit_equals_fit() -> None:
+    rng = np.random.default_rng(0)
+    rows = np.column_stack(
+        [np.zeros(300), rng.integers(0, 40, 300), np.zeros(300), np.full(300, 215), np.zeros(300)]
+    )
+    heard = rng.integers(0, 4, 300)
+    whole = GrowingMemory(recovery=0.05).fit(rows, heard)
+    parts = GrowingMemory(recovery=0.05).partial_fit(rows[:10], heard[:10])
+    pickle.loads(pickle.dumps(parts)).partial_fit(rows[10:], heard[10:])  # a copy learns independently
+    parts.partial_fit(rows[10:], heard[10:])
+    np.testing.assert_array_equal(whole.nodes_, parts.nodes_)
+    np.testing.assert_array_equal(whole.predict_proba(rows), parts.predict_proba(rows))
+    assert len(whole.nodes_) < 40
