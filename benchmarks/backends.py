@@ -85,32 +85,16 @@ Vectors = tuple[NDArray[np.int64], NDArray[np.int64]]
 
 @dataclass(frozen=True, slots=True)
 class Recall:
-    """One recall on one backend.
+    """One recall on one backend, and how many of its food objects became what."""
 
-    Attributes:
-        part: A name of `PARTS`.
-        policy: `teacher`, `SEARCH for ORIENT` or `imitator`.
-        arena: A named arena, or a difficulty.
-        level: Of a procedural arena; 0 in named ones.
-        food: Type of all food, or `a third each`.
-        seed: Of the episode.
-        backend: `pymunk` or `compiled`.
-        score: Equation 5.1, percent.
-        steps: Until all food was delivered or known to be poisonous, or the limit was reached.
-        foods: Food objects.
-        deliverable: Those that are not poisonous.
-        delivered: Those that were brought home.
-        poison_home: Poisonous food brought home.
-    """
-
-    part: str
+    part: str  # of `PARTS`
     policy: str
-    arena: str
-    level: int
-    food: str
+    arena: str  # or a difficulty
+    level: int  # of a procedural arena
+    food: str  # type of all food, or `a third each`
     seed: int
     backend: str
-    score: float
+    score: float  # equation 5.1, percent
     steps: int
     foods: int
     deliverable: int
@@ -211,27 +195,25 @@ def _trained(seed: int, imitator: int) -> Vectors:
 def blocks(part: str, seed: int, imitators: tuple[Vectors, ...], counts: dict[str, int]) -> list[Block]:
     """All recalls of a part."""
     if part == ARENAS:
-        lines = [(TEACHER, food, ()) for food in (*GOALS, ONE_THIRD_EACH)] + [
-            (IMITATOR, ONE_THIRD_EACH, imitators[:1])
-        ]
+        lines: list[tuple[str, str, tuple[Vectors, ...]]]
+        lines = [(TEACHER, food, ()) for food in (*GOALS, ONE_THIRD_EACH)]
+        lines += [(IMITATOR, ONE_THIRD_EACH, imitators[:1])]
         many = tuple(range(seed, seed + counts["recalls"]))
         places = [(arena, 0, many) for arena in FAMILY]
-        places += [
-            (arena, level, (seed + level,)) for arena in DIFFICULTIES for level in range(counts["levels"])
-        ]
+        places += [(arena, i, (seed + i,)) for arena in DIFFICULTIES for i in range(counts["levels"])]
         return [
             Block(part, policy, arena, level, food, 0, seeds, own)
             for policy, food, own in lines
             for arena, level, seeds in places
         ]
-    work = []
-    of_teacher = [(TEACHER, PICKABLE), (TEACHER, PUSHABLE), (TEACHER, POISONOUS), (NO_ORIENT, PICKABLE)]
+    work, of_teacher = [], part == ONLY_TEACHER
+    lines_of = [(TEACHER, PICKABLE), (TEACHER, PUSHABLE), (TEACHER, POISONOUS), (NO_ORIENT, PICKABLE)]
     for number, arena in enumerate(THESIS_ARENAS):
         for line, (policy, food) in enumerate(
-            of_teacher if part == ONLY_TEACHER else [(TEACHER, PICKABLE), (IMITATOR, PICKABLE)]
+            lines_of if of_teacher else [(p, PICKABLE) for p in (TEACHER, IMITATOR)]
         ):
-            key = (number,) if part == ONLY_TEACHER else (1, 2 * number + line)
-            count = counts["forages" if part == ONLY_TEACHER else "episodes"]
+            key = (number,) if of_teacher else (1, 2 * number + line)
+            count = counts["forages" if of_teacher else "episodes"]
             seeds = np.random.SeedSequence(seed, spawn_key=key).generate_state(count).tolist()
             own = imitators * (policy == IMITATOR)
             work += [
@@ -310,22 +292,19 @@ def paired_parts(rows: Sequence[Recall]) -> list[str | Table | Picture]:
 def compared(a: Floats, b: Floats) -> tuple[Value, ...]:
     """Means with 95 % intervals, their difference, and p of Welch's and of the Kolmogorov-Smirnov test."""
 
-    def mean_of(values: Floats) -> Estimate:
-        value, half = float(values.mean()), 1.96 * float(values.std(ddof=1)) / math.sqrt(len(values))
+    def around(value: float, half: float) -> Estimate:
         return Estimate(value, value - half, value + half)
 
+    means = [around(float(x.mean()), 1.96 * float(x.std(ddof=1)) / math.sqrt(len(x))) for x in (a, b)]
     value = float(b.mean() - a.mean())
-    change, p = Estimate(value, value, value), float(value == 0.0)
+    change, p = around(value, 0.0), float(value == 0.0)
     parts = a.var(ddof=1) / len(a), b.var(ddof=1) / len(b)
     if spread := math.sqrt(sum(parts)):  # otherwise all values of a sample are equal
         freedom = sum(parts) ** 2 / (parts[0] ** 2 / (len(a) - 1) + parts[1] ** 2 / (len(b) - 1))
-        half = float(stats.t.ppf(1 - LEVEL / 2, freedom)) * spread
-        change, p = (
-            Estimate(value, value - half, value + half),
-            float(2 * stats.t.sf(abs(value) / spread, freedom)),
-        )
+        change = around(value, float(stats.t.ppf(1 - LEVEL / 2, freedom)) * spread)
+        p = float(2 * stats.t.sf(abs(value) / spread, freedom))
     same = float(stats.ks_2samp(a, b, method="asymp").pvalue)
-    return mean_of(a), mean_of(b), change, p, same
+    return *means, change, p, same
 
 
 def tested_table(stem: str, title: str, lines: Sequence[tuple[Value, ...]], note: str) -> Table:

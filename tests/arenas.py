@@ -3,13 +3,13 @@
 from khepera_forage.sim.arena import Arena, Point, Pose
 
 
-def _corners(*places: tuple[float, float]) -> tuple[Point, ...]:
+def corners(*places: tuple[float, float]) -> tuple[Point, ...]:
     return tuple(Point(x, y) for x, y in places)
 
 
 HALL = Arena(
     "hall",
-    _corners((0, 0), (600, 0), (600, 450), (0, 450)),
+    corners((0, 0), (600, 0), (600, 450), (0, 450)),
     Point(500, 225),
     70.0,
     Pose(90, 225, 0.0),
@@ -17,7 +17,7 @@ HALL = Arena(
 )
 L_ROOM = Arena(
     "L-room",
-    _corners((100, 50), (900, 50), (900, 350), (450, 350), (450, 800), (100, 800)),
+    corners((100, 50), (900, 50), (900, 350), (450, 350), (450, 800), (100, 800)),
     Point(790, 190),
     80.0,
     Pose(270, 680, -1.5),
@@ -25,14 +25,11 @@ L_ROOM = Arena(
 )
 BLOCKS = Arena(
     "blocks",
-    _corners((50, 100), (1150, 100), (1150, 800), (50, 800)),
+    corners((50, 100), (1150, 100), (1150, 800), (50, 800)),
     Point(1000, 450),
     90.0,
     Pose(180, 450, 0.0),
     (Point(350, 250),),
-    (
-        _corners((500, 330), (600, 330), (600, 430), (500, 430)),
-        _corners((700, 520), (780, 520), (740, 600)),
-    ),
+    (corners((500, 330), (600, 330), (600, 430), (500, 430)), corners((700, 520), (780, 520), (740, 600))),
 )
 POOL = (HALL, L_ROOM, BLOCKS)

@@ -1,22 +1,13 @@
-"""The direction of dependencies between packages, and one place for defaults."""
+"""The direction of dependencies between packages, and policies under the default decisions."""
 
 import ast
-import inspect
-from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 import khepera_forage
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.lab.clock import WallClock
-from khepera_forage.lab.settings_file import LabSettings, load, parse
 from khepera_forage.policies import NearestNeighbourImitator, Teacher
-from khepera_forage.sim.arenas.named import named_arena
-from khepera_forage.sim.arenas.thesis import SetUp
-from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import Timing
 from khepera_forage.task.decisions import Decisions
 
 PACKAGE = Path(khepera_forage.__file__).parent
@@ -26,13 +17,7 @@ FORBIDDEN = {
     "geometry": ("robots", "vision", "task", "experience", *ABOVE_TASK),
     "robots": ("task", "experience", *ABOVE_TASK),
     "vision": ("task", "experience", *ABOVE_TASK),
-    "task": (
-        "vision.tracker",
-        "vision.detection",
-        "vision.rendering",
-        "noise",
-        *ABOVE_TASK,
-    ),
+    "task": ("vision.tracker", "vision.detection", "vision.rendering", "noise", *ABOVE_TASK),
     "sim": ("task", "lab", "envs", "policies", "rollouts", *ABOVE_ROLLOUTS),
     "lab": ("task", "envs", "policies", "rollouts", *ABOVE_ROLLOUTS),
     "policies": ("sim", "lab", "envs", "rollouts", *ABOVE_ROLLOUTS),
@@ -72,27 +57,6 @@ def test_task_imports_only_the_language_and_the_package() -> None:
     for path in (PACKAGE / "task").glob("*.py"):
         foreign = {name.split(".")[0] for name in imported(path)}
         assert foreign <= ALLOWED_IN_TASK, path.name
-
-
-DECIDED = {field.name for field in fields(Decisions)} | {
-    "set_up",
-    "timing",
-    "arm_speed",
-    "jaw_speed",
-    "period",
-}
-"""Names of what the decisions decide, as parameters of worlds and laboratories."""
-
-
-@pytest.mark.parametrize(
-    "function",
-    [SetUp, Timing, named_arena, PymunkWorld, load, parse, LabSettings, WallClock],
-)
-def test_worlds_and_laboratories_have_no_defaults_of_what_is_decided(function: Any) -> None:
-    parameters = inspect.signature(function).parameters
-    decided = DECIDED & parameters.keys()
-    assert decided
-    assert {name for name in decided if parameters[name].default is not inspect.Parameter.empty} == set()
 
 
 def test_policies_have_the_default_decisions() -> None:

@@ -22,7 +22,7 @@ from khepera_forage.option_values import OneLineParser
 from khepera_forage.policies.learners import LEARNERS
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
-from khepera_forage.task.decisions import decision_table, markdown_table
+from khepera_forage.task.decisions import markdown_table
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = {
@@ -32,7 +32,6 @@ LEARNER_PAGE = PAGES["plug_in_a_learner.md"]
 INDEX = "index.md"
 INCLUDED = {"contributing.md", "changelog.md"}
 """Pages that consist of a file of the repository's own folder."""
-EXTRAS = {"baselines": "stable_baselines3", "minari": "minari"}
 LINKS = [
     (page, link)
     for page, text in PAGES.items()
@@ -41,31 +40,31 @@ LINKS = [
 ]
 
 
-def run_blocks(name: str) -> dict[str, Any]:
-    """Run all Python blocks of a page in one namespace, without those for extras that are not installed."""
-    names: dict[str, Any] = {}
-    for block in re.findall(r"```python\n(.*?)```", PAGES[name], flags=re.DOTALL):
-        extra = re.match(r"# needs the extra: (\w+)", block)
-        if extra is None or (extra[1] == "minari" and find_spec("minari")):  # baselines: see tests/baselines
-            exec(compile(block, name, "exec"), names)
-    return names
+Show = Callable[..., tuple[dict[str, Any], str]]
 
 
-def run_block(page: str, number: int) -> dict[str, Any]:
-    """Run one Python block of a page, alone."""
-    names: dict[str, Any] = {}
-    blocks = re.findall(r"```python\n(.*?)```", PAGES[page], flags=re.DOTALL)
-    exec(compile(blocks[number], page, "exec"), names)
-    return names
-
-
-def test_blocks_of_learner_page_run(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+@pytest.fixture
+def show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Show:
+    """Run Python blocks of a page, all but those for missing extras, or some by number; names, and what is printed."""
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     monkeypatch.setattr("khepera_forage.policies.learners.LEARNERS", dict(LEARNERS))
-    names = run_blocks("plug_in_a_learner.md")
-    printed = capsys.readouterr().out
+
+    def show(page: str, *numbers: int) -> tuple[dict[str, Any], str]:
+        names: dict[str, Any] = {}
+        blocks = re.findall(r"```python\n(.*?)```", PAGES[page], flags=re.DOTALL)
+        for block in [blocks[number] for number in numbers] or blocks:
+            extra = re.match(r"# needs the extra: (\w+)", block)
+            # baselines: see tests/baselines
+            if extra is None or (extra[1] == "minari" and find_spec("minari")):
+                exec(compile(block, page, "exec"), names)
+        return names, capsys.readouterr().out
+
+    return show
+
+
+def test_blocks_of_learner_page_run(show: Show) -> None:
+    names, printed = show("plug_in_a_learner.md")
     assert len(names["rows"]) == 3
     scores = [float(score) for score in re.findall(r"score +(-?[\d.]+) %", printed)]
     assert len(scores) == 7
@@ -74,25 +73,17 @@ def test_blocks_of_learner_page_run(
     assert names["out"].rounds[0].agreed == 100
 
 
-def test_blocks_of_decisions_page_run(capsys: pytest.CaptureFixture[str]) -> None:
-    names = run_blocks("decisions.md")
+def test_blocks_of_decisions_page_run(show: Show) -> None:
+    names, printed = show("decisions.md")
     assert names["env"].unwrapped.decisions == names["training"].unwrapped.decisions == names["decisions"]
-    changed, parsed = capsys.readouterr().out.splitlines()
+    changed, parsed = printed.splitlines()
     assert f"print(decisions.changed())  # {changed}\n" in PAGES["decisions.md"]
     assert "next_to_food=22.0" in parsed
 
 
-def test_blocks_of_compiled_page_run() -> None:
-    names = run_blocks("compiled.md")
-    assert names["rewards"]["learner_0"].shape == (256,)
-    assert names["episodes"].delivered.sum() > 990
-    assert names["recalls"].score.shape == (1000,)
-
-
 def test_getting_started_page_shows_what_its_reader_will_see(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    show: Show, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     shell = "\n".join(re.findall(r"```sh\n(.*?)```", PAGES["getting_started.md"], flags=re.DOTALL))
     lines = [line for line in shell.splitlines() if re.match("khepera-forage (train|recall) ", line)]
     assert len(lines) == 4
@@ -101,33 +92,53 @@ def test_getting_started_page_shows_what_its_reader_will_see(
         assert main(shlex.split(command)[1:]) == 0
         food = re.match(r"(\d+) of 10", promised)
         assert food is None or f"food {food[1]} / 10" in capsys.readouterr().out
-    names = run_blocks("getting_started.md")
+    names, printed = show("getting_started.md")
     assert names["vectors"].shape == (len(names["behaviours"]), 5)
-    assert re.fullmatch(r"score \d+ %, food 10 of 10\n", capsys.readouterr().out), "as the commands"
+    assert re.fullmatch(r"score \d+ %, food 10 of 10\n", printed), "as the commands"
 
 
-def test_examples_of_environments_page_run_alone(capsys: pytest.CaptureFixture[str]) -> None:
-    forage, paired, decided, compiled = (run_block("environments.md", number) for number in range(4))
-    printed = capsys.readouterr().out
+def test_examples_of_environments_page_run_alone(show: Show) -> None:
+    (forage, food), (paired, _), (decided, changes), (compiled, _) = (
+        show("environments.md", i) for i in range(4)
+    )
     assert forage["terminated"]
-    assert "food 1" in printed
+    assert "food 1" in food
     assert 0 <= paired["imitator"].act((0, 60, 0, 215, 40), np.random.default_rng(0)) <= 9
     changed = {"next_to_food": 22.0, "search_speed": 10.0}
     assert decided["env"].unwrapped.decisions.changed() == changed == decided["teacher"].decisions.changed()
-    assert f"{changed}\n" in printed
+    assert f"{changed}\n" in changes
     assert compiled["rewards"].shape == (256,)
     assert compiled["env"].unwrapped.backend == "compiled"
 
 
-def test_blocks_of_arenas_page_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.chdir(tmp_path)
-    names = run_blocks("arenas.md")
+def test_blocks_of_arenas_page_run(show: Show) -> None:
+    names, _ = show("arenas.md")
     assert names["arena"] == names["procedural_arena"](5, "hard")
     (toml,) = re.findall(r"```toml\n(.*?)```", PAGES["arenas.md"], flags=re.DOTALL)
-    (tmp_path / "den.toml").write_text(toml, encoding="utf-8")
+    Path("den.toml").write_text(toml, encoding="utf-8")
     assert names["read_arena"]("den.toml") == names["den"]
     names["env"].reset(seed=1)
     names["training"].reset(seed=1)
+
+
+def test_example_of_wheels_page_films_a_forage(show: Show) -> None:
+    names, _ = show("environments/wheels.md", 0)
+    assert (names["terminated"], names["info"]["delivered"]) == (True, 1)
+    assert names["info"]["score"] == 100, "every step is what the teacher would do"
+    assert Path("wheels.gif").stat().st_size > 10_000
+
+
+def test_blocks_of_other_pages_run(show: Show) -> None:
+    compiled, _ = show("compiled.md")
+    assert compiled["rewards"]["learner_0"].shape == (256,)
+    assert compiled["episodes"].delivered.sum() > 990
+    assert compiled["recalls"].score.shape == (1000,)
+    training, _ = show("environments/training.md")
+    assert training["env"].possible_agents == ["teacher_0", "learner_0", "learner_1"]
+    assert show("noise.md")[0]["env"].unwrapped.world.noise == Noise(wheel_slip=0.1)
+    learning, printed = show("reinforcement_learning.md")
+    assert learning["rewards"].shape == (256,)
+    assert printed == "5 rounds\n"
 
 
 def test_arenas_page_has_the_family_and_the_difficulties() -> None:
@@ -156,41 +167,9 @@ def test_arenas_page_has_the_family_and_the_difficulties() -> None:
         assert (float(noise), int(limit)) == (difficulty.noise, difficulty.limit)
 
 
-def test_example_of_wheels_page_films_a_forage(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.chdir(tmp_path)
-    names = run_block("environments/wheels.md", 0)
-    assert (names["terminated"], names["info"]["delivered"]) == (True, 1)
-    assert names["info"]["score"] == 100, "every step is what the teacher would do"
-    assert (tmp_path / "wheels.gif").stat().st_size > 10_000
-
-
-def test_blocks_of_short_pages_run() -> None:
-    agents = run_blocks("environments/training.md")["env"].possible_agents
-    assert agents == ["teacher_0", "learner_0", "learner_1"]
-    assert run_blocks("noise.md")["env"].unwrapped.world.noise == Noise(wheel_slip=0.1)
-
-
 def test_sources_of_noise_page_are_all() -> None:
     listed = re.findall(r"^\| `([^`]+)` \| ([^|]*) \|$", PAGES["noise.md"], flags=re.MULTILINE)
     assert {name: tuple(re.findall(r"`(\w+)`", given)) for name, given in listed} == SOURCES
-
-
-def test_blocks_of_reinforcement_learning_page_run(capsys: pytest.CaptureFixture[str]) -> None:
-    names = run_blocks("reinforcement_learning.md")
-    assert names["rewards"].shape == (256,)
-    assert capsys.readouterr().out == "5 rounds\n"
-
-
-@pytest.mark.parametrize(
-    ("page", "extras"),
-    [("plug_in_a_learner.md", ["baselines", "minari"]), ("reinforcement_learning.md", ["baselines"])],
-)
-def test_blocks_for_extras_name_their_extra(page: str, extras: list[str]) -> None:
-    found = set(re.findall(r"# needs the extra: (\w+)", PAGES[page]))
-    assert sorted(found) == extras
-    assert found <= set(EXTRAS)
-    for extra in found:
-        assert f"khepera-forage[{extra}]" in PAGES[page]
 
 
 @pytest.mark.parametrize("page", ["environments/behaviours.md", "environments/wheels.md"])
@@ -223,14 +202,6 @@ def test_decisions_page_has_the_current_table() -> None:
     assert PAGES["decisions/fields.md"].endswith(f"\n\n{markdown_table()}"), (
         "replace the table by what python -m khepera_forage.task.decisions prints"
     )
-
-
-def test_decision_table_has_no_empty_cell() -> None:
-    rows = decision_table()
-    assert len({row.name for row in rows}) == len(rows)
-    for row in rows:
-        assert all(row), row.name
-        assert "|" not in "".join(row), row.name
 
 
 SCRIPTS = "|".join(path.stem for path in (DOCS.parent / "benchmarks").glob("*.py"))

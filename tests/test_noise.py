@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import fields, replace
-from typing import Any
 
 import pytest
 
@@ -41,27 +40,16 @@ def test_unknown_source_is_refused_with_its_name() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("value", [-1, -0.001, float("nan"), float("inf")])
-def test_value_that_is_negative_or_not_finite_is_refused(name: str, value: float) -> None:
-    change: dict[str, Any] = {name: value}
-    with pytest.raises(ValueError, match=rf"{name}.*{value}"):
-        replace(Noise.none(), **change)
-
-
-@pytest.mark.parametrize("name", RATES)
-def test_rate_above_1_is_refused(name: str) -> None:
-    certain: dict[str, Any] = {name: 1.0}
-    replace(Noise.none(), **certain)
-    beyond: dict[str, Any] = {name: 1.001}
-    with pytest.raises(ValueError, match=rf"{name}.*1\.001"):
-        replace(Noise.none(), **beyond)
-
-
-@pytest.mark.parametrize("name", ["loss_rounds", "cable_loss_factor"])
-def test_value_below_1_is_refused_where_it_has_no_meaning(name: str) -> None:
-    change: dict[str, Any] = {name: 0.5}
-    with pytest.raises(ValueError, match=rf"{name}.*0\.5"):
-        replace(Noise.none(), **change)
+def test_value_that_has_no_meaning_is_refused(name: str) -> None:
+    wrong = [-1, -0.001, math.nan, math.inf]
+    if name in RATES:
+        wrong.append(1.001)
+        replace(Noise.none(), **{name: 1.0})
+    if name in ("loss_rounds", "cable_loss_factor"):
+        wrong.append(0.5)
+    for value in wrong:
+        with pytest.raises(ValueError, match=rf"{name}.*{value}"):
+            replace(Noise.none(), **{name: value})
 
 
 def test_scaled_noise_has_other_sizes_and_the_same_durations() -> None:

@@ -14,11 +14,6 @@ def test_readme_is_short() -> None:
     assert len(README.splitlines()) <= 150
 
 
-def test_readme_has_one_picture_and_one_results_table() -> None:
-    assert len(re.findall(r"^!\[", README, flags=re.MULTILINE)) == 1
-    assert README.count("| arena | training episodes |") == 1
-
-
 def test_example_of_readme_delivers_the_food(capsys: pytest.CaptureFixture[str]) -> None:
     example = BLOCKS[0]
     assert len(example.splitlines()) <= 10

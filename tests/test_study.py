@@ -66,20 +66,9 @@ def test_processes_are_counted_as_joblib_does() -> None:
         parse("walking", "", jobs=None, given=["--jobs", "1"])
 
 
-def test_rows_come_in_the_order_of_the_units(tmp_path: Path) -> None:
-    assert walk(tmp_path, "ba") == ["b", "b", "a", "a"]
-    assert (tmp_path / "steps.csv").read_text() == "unit,number\nb,0\nb,1\na,0\na,1\n"
-
-
-def test_two_processes_write_the_tables_of_one(tmp_path: Path) -> None:
-    for jobs in "12":
-        walk(tmp_path / jobs, "dcba", "--jobs", jobs)
-    one, two = ({path.name: path.read_text() for path in (tmp_path / jobs).glob("*.csv")} for jobs in "12")
-    assert set(one) == {"steps.csv", "falls.csv"}
-    assert one == two
-
-
-def test_finished_units_are_not_done_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_finished_units_are_not_done_again_and_rows_come_in_the_order_of_the_units(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     walk(tmp_path, "c")
     assert walk(tmp_path, "abc") == list("aabbcc")
     assert f"1 of 3 units are done already, in {tmp_path}" in capsys.readouterr().out

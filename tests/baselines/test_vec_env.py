@@ -15,6 +15,7 @@ from khepera_forage.policies.features import behaviour_features, wheels_features
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.reinforcement import COMPILED_MODE, recall_envs
 from khepera_forage.rollouts.sb3_vector_env import VecEnvAdapter
+from khepera_forage.wrappers import VectorActionRepeat
 
 WORLDS, LIMIT = 5, 40
 MODES = ["sync", COMPILED_MODE]
@@ -36,10 +37,11 @@ def drawn(wheels: bool, rng: np.random.Generator) -> NDArray[Any]:
 
 
 @pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("wheels", [False, True])
-def test_adapter_equals_the_vector_environment(mode: str, wheels: bool) -> None:
+@pytest.mark.parametrize(("wheels", "hold"), [(False, 1), (True, 1), (False, 3)])
+def test_adapter_equals_the_vector_environment(mode: str, wheels: bool, hold: int) -> None:
     features = wheels_features if wheels else behaviour_features
-    env, other = adapter(mode, wheels), vector_env(mode, wheels)
+    env, other = adapter(mode, wheels, hold=hold), vector_env(mode, wheels)
+    other = VectorActionRepeat(other, hold) if hold > 1 else other
     assert env.seed(3) == [3, 4, 5, 6, 7]
     rows = env.reset()
     shown, info = other.reset(seed=3)
@@ -71,31 +73,6 @@ def test_adapter_equals_the_vector_environment(mode: str, wheels: bool) -> None:
     assert ends >= 3 * WORLDS
     env.close()
     other.close()
-
-
-@pytest.mark.parametrize("mode", MODES)
-def test_held_action_equals_a_repeated_action(mode: str) -> None:
-    env, each = adapter(mode, hold=3), adapter(mode)
-    rng = np.random.default_rng(1)
-    for vec in (env, each):
-        vec.seed(4)
-    np.testing.assert_array_equal(env.reset(), each.reset())
-    for decision in range(1, 15):
-        actions = drawn(False, rng)
-        rows, rewards, ended, infos = env.step(actions)
-        parts = [each.step(actions) for _ in range(3 if decision < 14 else 1)]  # 13 * 3 + 1 is the limit
-        np.testing.assert_allclose(rewards, np.sum([part[1] for part in parts], axis=0), rtol=1e-6)
-        if decision < 14:
-            np.testing.assert_array_equal(rows, parts[-1][0])
-            assert not ended.any()
-    assert ended.all()
-    for i in range(WORLDS):
-        last = parts[-1][3][i]["terminal_observation"]
-        np.testing.assert_array_equal(infos[i]["terminal_observation"], last)
-        assert infos[i]["episode"]["l"] == LIMIT
-    # Episodes that ended early begin again at the end of the decision: the next episode has its full length.
-    lengths = [bool(env.step(drawn(False, rng))[2].any()) for _ in range(14)]
-    assert lengths == [False] * 13 + [True]
 
 
 @pytest.mark.parametrize("features", [None, behaviour_features])

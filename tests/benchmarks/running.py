@@ -11,7 +11,7 @@ import runpy
 import subprocess
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import chdir, contextmanager, nullcontext, redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -100,39 +100,51 @@ def quick_here(script: str, out: Path, *arguments: str, notes: Path | None = Non
     return output
 
 
+def refused(script: str, *arguments: str) -> str:
+    """The error output of a quick run that fails without a traceback."""
+    status, _, errors = _run_here(script, "--quick", *arguments)
+    assert status
+    return errors
+
+
 def _run_here(script: str, *arguments: str) -> tuple[object, str, str]:
-    """Run a script in this process, which has imported most modules already; warnings are errors.
+    if script in COMMANDS:
+        return run_here(main, "khepera-forage", COMMANDS[script], *arguments)
+    return run_file(ROOT / "benchmarks" / f"{script}.py", *arguments)
+
+
+def run_file(path: Path, *arguments: str) -> tuple[object, str, str]:
+    """Run a script in this process, see `run_here`."""
+
+    def program() -> None:
+        runpy.run_path(str(path), run_name="__main__")
+
+    return run_here(program, str(path), *arguments)
+
+
+def run_here(program: Callable[[], object], *command: str) -> tuple[object, str, str]:
+    """Run a program in this process, with warnings as errors.
 
     An error other than `SystemExit`, for which Python prints a traceback, is raised here.
 
     Returns:
         The exit status, what it printed, and its error output.
     """
-    path = str(ROOT / "benchmarks" / f"{script}.py")
-    command = ["khepera-forage", COMMANDS[script]] if script in COMMANDS else [path]
     output, errors = io.StringIO(), io.StringIO()
-    status: object = None
     with (
-        mock.patch("sys.argv", [*command, *arguments]),
+        mock.patch("sys.argv", list(command)),
         redirect_stdout(output),
         redirect_stderr(errors),
         warnings.catch_warnings(action="error"),
     ):
         try:
-            if script in COMMANDS:
-                status = main()
-            else:
-                runpy.run_path(path, run_name="__main__")
+            status = program()
         except SystemExit as end:
             status = end.code
+    if isinstance(status, str):  # which Python prints at the end
+        errors.write(f"{status}\n")
+        status = 1
     return status, output.getvalue(), errors.getvalue()
-
-
-def refused(script: str, *arguments: str) -> str:
-    """The error output of a quick run that fails without a traceback."""
-    status, _, errors = _run_here(script, "--quick", *arguments)
-    assert status
-    return errors + (f"{status}\n" if isinstance(status, str) else "")  # which Python prints at the end
 
 
 def read(path: Path) -> list[dict[str, str]]:

@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from sklearn.ensemble import RandomForestClassifier
 
 from khepera_forage.comparison.learning import ARENAS, RecallBatch, all_learners
@@ -56,51 +54,26 @@ def drawn(found: list[Curve], learners: dict[str, ReadLearner]) -> Figure:
     return lay_out(figure(found, learners))
 
 
-def title_of(axes: Axes) -> str:
-    return axes.get_title().replace("\n", " ")
-
-
-def coloured(axes: Axes) -> list[Line2D]:
-    """The curves of the panel's own learner; those of others are grey and without marks."""
-    return [line for line in axes.lines if line.get_marker() not in ("", "None", None)]
-
-
-def test_every_learner_has_a_panel_of_its_own(drawn: Figure, learners: dict[str, ReadLearner]) -> None:
-    panels = [axes for axes in drawn.axes if axes.axison]
-    titles = [title_of(axes) for axes in panels]
-    assert sorted(titles) == sorted(
-        learner.title for learner in learners.values() if learner.needs is not None
-    )
-    assert len(set(titles)) == len(titles)
-    for axes in panels:
-        lines = coloured(axes)
-        styles = [(line.get_color(), line.get_marker(), line.get_linestyle()) for line in lines]
-        assert styles == [tuple(style[:3]) for style in STYLES.values()]
-
-
-def test_curves_in_a_panel_are_those_of_its_learner(
+def test_every_learner_has_a_panel_with_its_own_curves_over_its_own_range(
     drawn: Figure, found: list[Curve], learners: dict[str, ReadLearner]
 ) -> None:
-    by_title: dict[str, list[list[float]]] = {learners[curve.learner].title: [] for curve in found}
-    for curve in found:
-        by_title[learners[curve.learner].title].append([point.delivered.value for point in curve.points])
-    for axes in drawn.axes:
-        if axes.axison:
-            shown = [np.asarray(line.get_xydata())[:, 1].tolist() for line in coloured(axes)]
-            assert shown == by_title[title_of(axes)]
-            check_points_are_shown(axes)
-
-
-def test_each_kind_has_an_axis_of_steps_for_its_own_range(
-    drawn: Figure, learners: dict[str, ReadLearner]
-) -> None:
     """Imitators learn from 200 to 2,200 steps: on an axis up to 1,000,000 their curves cannot be told apart."""
-    kinds = {learner.title: learner.needs for learner in learners.values()}
-    for axes in drawn.axes:
-        if axes.axison:
-            amounts = AMOUNTS[kinds[title_of(axes)]]
-            low, high = axes.get_xlim()
-            assert np.log(amounts[-1] / amounts[0]) > 0.8 * np.log(high / low)
+    kinds = {learner.title: learner.needs for learner in learners.values() if learner.needs is not None}
+    shares: dict[str, list[list[float]]] = {}
+    for curve in found:
+        points = [point.delivered.value for point in curve.points]
+        shares.setdefault(learners[curve.learner].title, []).append(points)
+    panels = {axes.get_title().replace("\n", " "): axes for axes in drawn.axes if axes.axison}
+    assert sorted(panels) == sorted(kinds)
+    for title, axes in panels.items():
+        # Curves of other learners are grey and without marks.
+        lines = [line for line in axes.lines if line.get_marker() not in ("", "None", None)]
+        styles = [(line.get_color(), line.get_marker(), line.get_linestyle()) for line in lines]
+        assert styles == [tuple(style[:3]) for style in STYLES.values()]
+        assert [np.asarray(line.get_xydata())[:, 1].tolist() for line in lines] == shares[title]
+        check_points_are_shown(axes)
+        amounts, (low, high) = AMOUNTS[kinds[title]], axes.get_xlim()
+        assert np.log(amounts[-1] / amounts[0]) > 0.8 * np.log(high / low)
 
 
 def test_picture_is_readable_and_complete_in_its_legend(drawn: Figure) -> None:

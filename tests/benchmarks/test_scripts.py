@@ -115,52 +115,30 @@ def test_script_imports_all_that_it_needs_itself(path: Path) -> None:
 
 
 @all_scripts
-def test_tables_are_printed_and_written(script: str, quick_run: QuickRun) -> None:
+def test_quick_run_leaves_page_tables_pictures_and_rows(script: str, quick_run: QuickRun) -> None:
     out = quick_run(script, *SCRIPTS[script].run)
     page = page_of(script, out)
-    lines = page.read_text(encoding="utf-8").splitlines()
-    printed = (out.parent / "printed").read_text(encoding="utf-8").splitlines()
-    sections = "\n".join(lines).split("\n## ")[1:]
-    tables = [section.partition("\n")[0] for section in sections if "\n| " in section]
+    text, printed = page.read_text(encoding="utf-8"), (out.parent / "printed").read_text(encoding="utf-8")
+    assert text.startswith("# ")
+    tables = [part.partition("\n")[0] for part in text.split("\n## ")[1:] if "\n| " in part]
     assert tables
-    assert all(title in printed for title in tables[: 1 if script == "learners" else None])
-    assert not any(line.startswith("| ") for line in printed), "Markdown is for the page"
+    assert all(title in printed.splitlines() for title in tables[: 1 if script == "learners" else None])
+    assert "\n| " not in printed, "Markdown is for the page"
     assert list(page.parent.glob("table_*.csv"))
-    assert lines[0].startswith("# ")
-
-
-@all_scripts
-def test_page_names_its_command_and_the_machine(script: str, quick_run: QuickRun) -> None:
-    text = page_of(script, quick_run(script, *SCRIPTS[script].run)).read_text(encoding="utf-8")
+    assert all(read(page.parent / f"{name}.csv") for name in SCRIPTS[script].rows)
     command, machine = text.split("## Command\n\n    ")[1].strip().split("\n\n")[:2]
     launched = program(script) if SCRIPTS[script].subcommand else f"python benchmarks/{script}.py"
     assert command.startswith(f"{launched} ")
     assert "--quick --seed 1" in command
     assert "numpy" in machine
-
-
-@all_scripts
-def test_pictures_of_the_page_are_drawn(script: str, quick_run: QuickRun) -> None:
-    page = page_of(script, quick_run(script, *SCRIPTS[script].run))
-    pictures = re.findall(r"\]\((\w+\.png)\)", page.read_text(encoding="utf-8"))
+    pictures = re.findall(r"\]\((\w+\.png)\)", text)
     assert pictures
     assert all(is_picture(page.parent / picture) for picture in pictures)
-
-
-@all_scripts
-def test_pictures_are_readable_and_explain_their_shading(script: str, quick_run: QuickRun) -> None:
-    out = quick_run(script, *SCRIPTS[script].run)
-    lines = (out.parent / "pictures").read_text(encoding="utf-8").splitlines()
-    assert lines
-    for line in lines:
-        name, fault = line.split("\t")
-        assert not fault, f"{name}: {fault}"
-
-
-@all_scripts
-def test_rows_are_written(script: str, quick_run: QuickRun) -> None:
-    page = page_of(script, quick_run(script, *SCRIPTS[script].run))
-    assert all(read(page.parent / f"{name}.csv") for name in SCRIPTS[script].rows)
+    checked = [
+        line.split("\t") for line in (out.parent / "pictures").read_text(encoding="utf-8").splitlines()
+    ]
+    assert checked
+    assert [(name, fault) for name, fault in checked if fault] == [], "readable, and shading is explained"
 
 
 def rows_of(script: str, out: Path) -> dict[str, list[str]]:

@@ -15,6 +15,7 @@ from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, run_recal
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour
 from tests.compiled.decisions import DECISIONS
+from tests.version_0_1 import V0_1
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 RECTANGLE: dict[str, Any] = {"foods": 2, "limit": 150, "food_types": MIXED}
@@ -139,6 +140,9 @@ def test_teacher_is_always_right_and_chance_one_time_in_ten() -> None:
     right, steps = int(chance.correct.sum()), int(chance.steps.sum())
     assert stats.binomtest(right, steps, 0.1).pvalue > 1e-3
     assert not chance.ties.any()
+    in_0_1 = run_teacher("corridor", 4000, 7, decisions=V0_1)
+    assert in_0_1.delivered.mean() > 0.998
+    assert in_0_1.score.mean() > 99.9
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,10 @@
 """The task in compiled worlds: the same episodes as in Python, and teachers as good as on pymunk."""
 
-import math
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
 import pytest
-from scipy import stats
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.counter_rng import key_of
@@ -15,15 +13,11 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import applicable
-from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import NUM_BEHAVIOURS
 from tests.arenas import BLOCKS
 from tests.compiled.decisions import DECISIONS, IDS
-from tests.version_0_1 import V0_1
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 LOSSES = Noise(loss_rate_food=0.01)
@@ -137,67 +131,3 @@ def test_episodes_are_those_of_the_task_in_python(
         wrong += info["steps"] - info["correct"]
     assert wrong > 20
     assert delivered or "decisions" in kwargs
-
-
-@pytest.mark.parametrize("name", ["Corridor", "RectangleWheels"])
-def test_an_episode_is_that_on_pymunk_bit_for_bit_until_something_is_touched(name: Any) -> None:
-    envs = [gym.make(f"khepera_forage/{name}-v1", backend=backend) for backend in ("pymunk", "compiled")]
-    options = {"start": (90, 115, 0), "foods": [(400, 115)]} if name == "Corridor" else None
-    for reset in ({"seed": 3, "options": options}, {"options": options}):
-        (obs, info), (other, other_info) = (env.reset(**reset) for env in envs)
-        for _ in range(15 if options else 1):
-            np.testing.assert_equal((obs, info), (other, other_info))
-            action = info["correct_behaviour"] if options else np.zeros(4)
-            (obs, *_, info), (other, *_, other_info) = (env.step(action) for env in envs)
-
-
-@pytest.mark.parametrize(
-    ("name", "arguments", "least"),
-    [("Doors", {}, 60), ("Rectangle", {"foods": 5, "food_types": {"pickable": 1, "poisonous": 1}}, 10)],
-    ids=["around walls", "past poison"],
-)
-def test_robots_that_do_not_go_straight_home_are_commanded_by_the_rules(
-    name: str, arguments: dict[str, Any], least: int
-) -> None:
-    """They look up the way home when a behaviour uses it."""
-    env: Any = gym.make(f"khepera_forage/{name}-v1", backend="compiled", **arguments).unwrapped
-    rng, around = np.random.default_rng(2), 0
-    for seed in range(6):
-        _, info = env.reset(seed=seed)
-        for step in range(250):
-            behaviour = int(rng.integers(NUM_BEHAVIOURS)) if step % 4 == 0 else info["correct_behaviour"]
-            known = env.forager
-            straight = known.raw.home_bearing
-            motors = applicable(known.motors_for(behaviour))
-            around += abs(straight - known.raw.home_bearing) > 1.0
-            _, _, terminated, _, info = env.step(behaviour)
-            robot = env._recalls._batch.worlds.robots[0, 0]
-            given = [float(robot[name]) for name in ("left", "right", "arm_target", "jaw_target")]
-            assert given == pytest.approx(list(motors))
-            if terminated:
-                break
-    assert around > least
-
-
-def _pymunk_steps(episodes: int) -> Any:
-    env = BehavioursEnv()
-    steps = []
-    for seed in range(episodes):
-        _, info = env.reset(seed=seed)
-        over = False
-        while not over:
-            _, _, terminated, truncated, info = env.step(info["correct_behaviour"])
-            over = terminated or truncated
-        steps.append(info["steps"])
-    return np.array(steps)
-
-
-def test_teacher_takes_as_many_steps_as_on_pymunk() -> None:
-    """Some hundred episodes here; thousands, with all scores, in benchmarks."""
-    single = _pymunk_steps(120)
-    compiled = run_teacher("corridor", 4000, 7)
-    assert stats.ks_2samp(single, compiled.steps).pvalue > 1e-3
-    assert abs(single.mean() - compiled.steps.mean()) < 4 * single.std() / math.sqrt(120)
-    in_0_1 = run_teacher("corridor", 4000, 7, decisions=V0_1)
-    assert in_0_1.delivered.mean() > 0.998
-    assert in_0_1.score.mean() > 99.9

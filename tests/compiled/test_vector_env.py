@@ -88,21 +88,18 @@ def assert_same(one: Any, other: Any) -> None:
             assert (mine[name].shape, mine[name].dtype.kind) == (theirs[name].shape, theirs[name].dtype.kind)
 
 
-def test_rollouts_repeat_bit_for_bit_in_fresh_arrays_for_any_number_of_worlds() -> None:
-    def rollout(num_envs: int) -> list[Any]:
-        env = make(num_envs=num_envs)
-        shown = [env.reset(seed=3)]
-        for _ in range(150):
-            shown.append(env.step(shown[-1][-1]["correct_behaviour"]))
-        return shown[1:]
-
-    one, two, three = rollout(6), rollout(6), rollout(200)
-    for a, b, c in zip(one, two, three, strict=True):
-        np.testing.assert_equal(a[:4], b[:4])
-        np.testing.assert_equal(a[0], {key: values[:6] for key, values in c[0].items()})
-        np.testing.assert_equal(a[1:4], [part[:6] for part in c[1:4]])
-    assert not np.shares_memory(one[0][0]["robot_home_distance"], one[1][0]["robot_home_distance"])
-    assert any(a[2].any() for a in one)
+def test_rollouts_are_the_same_for_any_number_of_worlds() -> None:
+    few, many = make(num_envs=6), make(num_envs=200)
+    shown, others = few.reset(seed=3), many.reset(seed=3)
+    ended = False
+    for _ in range(150):
+        shown, others = (
+            env.step(one[-1]["correct_behaviour"]) for env, one in ((few, shown), (many, others))
+        )
+        np.testing.assert_equal(shown[0], {key: values[:6] for key, values in others[0].items()})
+        np.testing.assert_equal(shown[1:4], tuple(part[:6] for part in others[1:4]))
+        ended |= shown[2].any()
+    assert ended
 
 
 def test_pictures_of_worlds_are_those_of_single_environments() -> None:

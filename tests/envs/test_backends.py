@@ -1,19 +1,23 @@
-"""Choosing a backend: errors, and what environments offer on either backend."""
+"""Choosing a backend: errors, and environments that are the same on either until something is touched."""
 
 import sys
 from importlib.util import find_spec
 from typing import Any
 
 import gymnasium as gym
+import numpy as np
 import pytest
 
 import khepera_forage  # noqa: F401 (registers the environments)
-from khepera_forage import Decisions
+from khepera_forage import Decisions, Noise
 from khepera_forage.task.states import Behaviour
+from tests.sim.worlds import FIELD
 
 NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
-OF_ENVIRONMENT = ("arena", "decisions", "foods", "limit", "home_radius", "diagonal", "confidence", "metadata")
-OF_FORAGER = ("arena", "holes", "decisions", "senses", "vector", "state", "correct_behaviour")
+OF_ENVIRONMENT = (
+    "arena decisions foods limit home_radius diagonal confidence metadata observation_space action_space"
+)
+OF_FORAGER = "arena holes decisions senses vector state correct_behaviour raw"
 needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba")
 
 
@@ -42,33 +46,67 @@ def test_without_numba_compiled_worlds_are_refused(name: str, monkeypatch: pytes
 
 
 @needs_numba
+@pytest.mark.parametrize("arena", ["its own", "field"])
 @pytest.mark.parametrize("name", NAMES)
-def test_compiled_environment_offers_what_that_on_pymunk_offers(name: str) -> None:
-    """The same public names, and the same values at the start of every episode."""
-    kwargs: Any = {"decisions": Decisions(next_to_food=17, recall_marker=1)}
+def test_environment_is_the_same_bit_for_bit_until_something_is_touched(name: str, arena: str) -> None:
+    """The same public names, types and values, at the start of episodes and under all noise.
+
+    In the field wheels turn on the spot, the arm goes up and down, and food around is seen, hidden and lost; behaviours
+    drive towards food.
+    """
+    noise = Noise(loss_rate_food=0.03, loss_rate_one_hole=0.03)
+    decisions, options, steps = Decisions(next_to_food=17, recall_marker=1), None, 1
+    kwargs: dict[str, Any] = {"noise": noise, "decisions": decisions}
+    if arena == "field":
+        kwargs |= {"arena": FIELD, "foods": 3}
+        foods: Any = [(1500, 1000), (1500, 1500), (1500, 500)]
+        if name.endswith("Wheels"):
+            foods = [(1700, 1700), (1071.2, 928.8), (928.8, 1071.2)]
+        options, steps = {"start": (1000, 1000, 46), "foods": foods}, 200 if name.endswith("Wheels") else 30
     pymunk: Any = gym.make(_id(name), **kwargs).unwrapped
     compiled: Any = gym.make(_id(name), backend="compiled", **kwargs).unwrapped
     assert (pymunk.backend, compiled.backend) == ("pymunk", "compiled")
     assert _public(pymunk) == _public(compiled)
-    for attribute in OF_ENVIRONMENT:
+    for attribute in OF_ENVIRONMENT.split():
         assert getattr(compiled, attribute) == getattr(pymunk, attribute), attribute
+    rng, tracked, near = np.random.default_rng(0), set(), set()
     for seed in range(4):
-        pymunk.reset(seed=seed)
-        compiled.reset(seed=seed)
-        one, other = pymunk.forager, compiled.forager
-        assert _public(one) == _public(other)
-        for attribute in OF_FORAGER:
-            assert getattr(other, attribute) == getattr(one, attribute), attribute
-        # Only labels of tracks differ: on pymunk the marker has the first one.
-        assert other.food._replace(links=[]) == one.food._replace(links=[])
-        assert other.raw == one.raw
-        for behaviour in Behaviour:
-            assert other.motors_for(behaviour) == pytest.approx(one.motors_for(behaviour))
+        shown, others = (env.reset(seed=seed, options=options) for env in (pymunk, compiled))
         _check_views(pymunk.view(), compiled.view())
+        for step in range(steps):
+            np.testing.assert_equal(others, shown)
+            assert _types(others) == _types(shown)
+            _check_foragers(pymunk.forager, compiled.forager)
+            tracked.add(pymunk.forager.raw.tracked)
+            near.add(max(pymunk.forager.senses.proximity) > 7)  # beyond the noise of infra-reds
+            action = shown[-1]["correct_behaviour"]
+            if name.endswith("Wheels"):
+                turn = (-1) ** (step // 4) * rng.uniform(0, 0.4)
+                action = np.array((-turn, turn, *rng.choice((-1.0, 1.0), 2)))
+            shown, others = (env.step(action) for env in (pymunk, compiled))
+    assert steps < 200 or tracked == near == {True, False}
 
 
 def _public(thing: Any) -> set[str]:
     return {name for name in dir(thing) if not name.startswith("_")}
+
+
+def _types(shown: Any) -> Any:
+    if isinstance(shown, dict):
+        return {name: _types(value) for name, value in shown.items()}
+    return (
+        [_types(one) for one in shown] if isinstance(shown, tuple) else (type(shown), np.asarray(shown).dtype)
+    )
+
+
+def _check_foragers(one: Any, other: Any) -> None:
+    assert _public(one) == _public(other)
+    for attribute in OF_FORAGER.split():
+        assert getattr(other, attribute) == getattr(one, attribute), attribute
+    # Only labels of tracks differ: on pymunk the marker has the first one.
+    assert other.food._replace(links=[]) == one.food._replace(links=[])
+    for behaviour in Behaviour:
+        assert other.motors_for(behaviour) == pytest.approx(one.motors_for(behaviour))
 
 
 def _check_views(one: Any, other: Any) -> None:

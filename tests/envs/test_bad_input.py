@@ -1,10 +1,11 @@
 """Every mistake raises one clear error that quotes the value and what is allowed."""
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import gymnasium as gym
 import numpy as np
@@ -21,7 +22,6 @@ from tests.version_0_1 import CORRIDOR, V0_1
 
 pytest.importorskip("numba")
 
-on_both_backends = pytest.mark.parametrize("backend", ["pymunk", "compiled"])
 PROCEDURAL = "khepera_forage/Procedural-v1"
 
 
@@ -59,6 +59,10 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (ALL, {"food_types": {"PICKABLE": -1}}, "-1.*allowed: a number >= 0"),
     (ALL, {"food_types": {"PICKABLE": math.nan}}, "nan.*allowed: a number >= 0"),
     (ALL, {"food_types": {"PICKABLE": 0}}, "{'PICKABLE': 0}.*allowed.*at least one above 0"),
+    (ALL, {"food_types": {"PICKABLE": "a"}}, "odds of PICKABLE are 'a'; allowed: a number"),
+    (ALL, {"food_types": ["PICKABLE"]}, r"food type \['PICKABLE'\] is unknown; allowed: PICK"),
+    *((ALL, {"noise": wrong}, "noise is .*; allowed: a Noise, 'laboratory' or 'none'") for wrong in (
+        "quiet", 0.5, {"wheel_slip": 0})),
     (ALL, {"arena": "circle"}, f"arena is 'circle'; {ARENAS}"),
     (ALL, {"arena": 7}, "arena is 7; allowed: an Arena"),
     ((*RECALLS, "training"), {"arena": ()}, "at least one arena"),
@@ -112,68 +116,82 @@ def test_wrong_arguments_are_refused(makers: tuple[str, ...], kwargs: dict[str, 
             assert repr(*kwargs.values()) in str(error.value)
 
 
-@pytest.mark.parametrize("action", [10, -1, 2.5, math.nan, None, "3", True, np.array([1, 2])])
-@on_both_backends
-def test_wrong_behaviour_actions_are_refused(backend: str, action: Any) -> None:
-    env = make(backend=backend)
-    env.reset(seed=0)
-    with pytest.raises(ValueError, match="allowed: a whole number from 0 to 9") as error:
-        env.step(action)
-    assert repr(action) in str(error.value)
-    assert env.step(3)[4]["steps"] == 1, "a refused action is no step"
+class Form(NamedTuple):
+    """A form of environment: how it is made, actions to its end, how the next step is then refused, and wrong ones."""
+
+    make: Callable[[], Any]
+    actions: list[Any]
+    ended: str
+    wrong: list[Any]
+    message: str
 
 
-@pytest.mark.parametrize(
-    "action", [[0, 0, 0], [2, 0, 0, 0], [math.nan, 0, 0, 0], [math.inf] * 4, "drive", None]
-)
-@on_both_backends
-def test_wrong_wheel_actions_are_refused(backend: str, action: Any) -> None:
-    env = make("CorridorWheels", backend=backend)
-    env.reset(seed=0)
-    with pytest.raises(ValueError, match=r"allowed: four numbers in -1\.\.1"):
-        env.step(action)
+BEHAVIOURS = [10, -1, 2.5, math.nan, None, "3", True, np.array([1, 2])]
+WHEELS = [[0, 0, 0], [2, 0, 0, 0], [math.nan, 0, 0, 0], [math.inf] * 4, "drive", None]
+SAID: Any = {"teacher_0": 0, "learner_0": 0}
+EACH = {agent: [0, 1] for agent in SAID}
+WHOLE_10 = "{wrong!r}; allowed: a whole number from 0 to 10"
+ONE_EACH = r"actions are of \[.*\]; allowed: one each of teacher_0, learner_0"
+NUMBER_9, FOUR = "{wrong!r}; allowed: a whole number from 0 to 9", r"allowed: four numbers in -1\.\.1"
 
 
-def test_wrong_actions_and_seeds_of_many_worlds_are_refused() -> None:
-    env, wheels = make_vec(num_envs=5), make_vec("CorridorWheels")
+def single(
+    action: Any, wrong: list[Any], message: str, name: str = "Corridor", backend: str = "pymunk"
+) -> Form:
+    made = partial(make, name, backend=backend, limit=2)
+    return Form(made, [action] * 2, "ended after 2 steps", wrong, message)
+
+
+FORMS = {
+    "pymunk": single(3, BEHAVIOURS, NUMBER_9),
+    "compiled": single(3, BEHAVIOURS, NUMBER_9, backend="compiled"),
+    "wheels on pymunk": single(np.zeros(4), WHEELS, FOUR, "CorridorWheels"),
+    "compiled wheels": single(np.zeros(4), WHEELS, FOUR, "CorridorWheels", "compiled"),
+    "vector": Form(partial(make_vec, num_envs=5), [np.zeros(5, np.int64)], "",
+                   [np.zeros(4, np.int64), np.full(5, 10), np.zeros(5)], "allowed: 5 whole numbers from 0 to 9"),
+    "vector of wheels": Form(partial(make_vec, "CorridorWheels"), [np.zeros((2, 4))], "", [np.full((2, 4), 1.5)],
+                             r"allowed: numbers in -1\.\.1"),
+    "training": Form(partial(paired_corridors_v1.raw_env, max_cycles=1), [10, 10, None, None], "ended after 1 rounds",
+                     [11, -1, 2.5, "search"], f"action of teacher_0 is {WHOLE_10}"),
+    "parallel": Form(partial(paired_corridors_v1.parallel_env, max_cycles=1), [SAID], "call reset",
+                     [{}, {"teacher_0": 0}, SAID | {"learner_1": 0}], ONE_EACH),
+    "parallel, one wrong": Form(partial(paired_corridors_v1.parallel_env, max_cycles=1), [SAID], "call reset",
+                                [SAID | {"learner_0": 11}, SAID | {"learner_0": None}],
+                                "action of learner_0 is (11|None); allowed: a whole number from 0 to 10"),
+    "pairs": Form(partial(paired_corridors_v1.vector_env, 2), [EACH], "",
+                  [{}, {"teacher_0": [0, 1]}, EACH | {"learner_0": [0, 11]}, EACH | {"learner_0": [0]}], "allowed: "),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_wrong_actions_change_nothing_and_steps_need_an_episode(form: str) -> None:
+    maker, actions, ended, wrong, message = FORMS[form]
+    env, other = maker(), maker()
     with pytest.raises(ResetNeeded):
-        env.step(np.zeros(5, np.int64))
+        env.step(actions[0])
+    env.reset(seed=1)
+    other.reset(seed=1)
+    for action in wrong:
+        with pytest.raises(ValueError, match=message.replace("{wrong!r}", re.escape(repr(action)))):
+            env.step(action)
+    for action in actions:
+        np.testing.assert_equal(env.step(action), other.step(action))
+        if form == "training" and env.agents:
+            np.testing.assert_equal(env.last(), other.last())
+    if ended:
+        with pytest.raises(ResetNeeded, match=ended):
+            env.step(actions[0])
+
+
+def test_wrong_seeds_and_masks_of_many_worlds_are_refused() -> None:
+    env = make_vec(num_envs=5)
     with pytest.raises(ResetNeeded, match="reset_mask"):
         env.reset(options={"reset_mask": np.ones(5, np.bool_)})
     env.reset(seed=0)
-    wheels.reset(seed=0)
-    for actions in (np.zeros(4, np.int64), np.full(5, 10), np.zeros(5)):
-        with pytest.raises(ValueError, match="allowed: 5 whole numbers from 0 to 9"):
-            env.step(actions)
-    with pytest.raises(ValueError, match=r"allowed: numbers in -1\.\.1"):
-        wheels.step(np.full((2, 4), 1.5))
     with pytest.raises(ValueError, match="reset_mask is"):
         env.reset(options={"reset_mask": np.zeros(5, np.bool_)})
     with pytest.raises(ValueError, match="4 seeds for 5 worlds"):
         env.reset(seed=[1, 2, 3, 4])
-
-
-@on_both_backends
-def test_step_before_reset_and_after_the_end_is_refused(backend: str) -> None:
-    env = make(limit=2, backend=backend).unwrapped
-    with pytest.raises(ResetNeeded, match="not reset"):
-        env.step(0)
-    env.reset(seed=0)
-    env.step(0)
-    assert env.step(0)[3]
-    with pytest.raises(ResetNeeded, match="ended after 2 steps"):
-        env.step(0)
-
-
-def test_training_step_before_reset_and_after_the_end_is_refused() -> None:
-    env = paired_corridors_v1.raw_env(max_cycles=1)
-    with pytest.raises(ResetNeeded, match="not reset"):
-        env.step(0)
-    env.reset(seed=0)
-    for action in (10, 10, None, None):
-        env.step(action)
-    with pytest.raises(ResetNeeded, match="ended after 1 rounds"):
-        env.step(0)
 
 
 @pytest.mark.parametrize("maker", ENVS)

@@ -15,10 +15,9 @@ from khepera_forage import Decisions
 from khepera_forage.envs import paired_corridors_v0, paired_corridors_v1
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.training import TEACHER, TrainingEnv
+from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, SPEED_UNIT
-from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.task.states import Behaviour, State
 from tests.version_0_1 import CORRIDOR, V0_1
@@ -160,25 +159,6 @@ def test_thresholds_of_the_decisions_bound_the_states(
         states.append(env.reset(seed=1, options=options)[1]["state"])
     assert states.count(State.NEXT_TO_FOOD) == next_to - 15
     assert states.count(State.CLOSE_TO_FOOD) == close_to - next_to
-
-
-def test_separation_and_patience_of_training_follow_the_decisions() -> None:
-    env = TrainingEnv(decisions=Decisions(separation=30, patience=5), **QUIET)
-    assert env.patience == 5
-    assert TrainingEnv(patience=7, decisions=Decisions(patience=5)).patience == 7
-    env.reset(seed=0)
-    rounds = []
-    for dx in (100.0, 100.0):
-        x, y, heading = env.world.poses()[1]
-        env.world.place(1, Pose(x + dx, y, heading))
-        for _ in env.possible_agents:
-            env.step(int(Behaviour.WAIT))
-        rounds.append(env.infos["learner_0"]["separated_rounds"])
-    assert rounds == [0, 1], "20 pixels apart, then 40"
-    while not env.truncations[TEACHER]:
-        for _ in env.possible_agents:
-            env.step(int(Behaviour.EXPLORE_FOOD))
-    assert env.infos["learner_0"]["separated_rounds"] == 5
 
 
 @pytest.mark.parametrize("holes", [1, 2])

@@ -1,14 +1,10 @@
 """What Gymnasium and its users expect of the recall environments, on both backends."""
 
-import copy
-import json
-import pickle
 import subprocess
 import sys
 from typing import Any
 
 import gymnasium as gym
-import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
@@ -21,24 +17,6 @@ EVERY = sorted(name for name in gym.registry if name.startswith("khepera_forage/
 on_both_backends = pytest.mark.parametrize("backend", ["pymunk", "compiled"])
 
 
-def rollout(env: Any, seed: int | None, steps: int = 60) -> list[object]:
-    """Everything that an environment returns under random actions of its own action space."""
-    out: list[object] = []
-    if seed is not None:
-        env.action_space.seed(seed)
-        out += map(plain, env.reset(seed=seed))
-    for _ in range(steps):
-        observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
-        out += [plain(observation), reward, terminated, truncated, plain(info)]
-        if terminated or truncated:
-            break
-    return out
-
-
-def plain(values: dict[str, object]) -> dict[str, object]:
-    return {key: np.asarray(value).tolist() for key, value in values.items()}
-
-
 @on_both_backends
 @pytest.mark.parametrize("env_id", EVERY)
 def test_check_env_passes(env_id: str, backend: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -47,51 +25,6 @@ def test_check_env_passes(env_id: str, backend: str, monkeypatch: pytest.MonkeyP
     assert env.backend == backend
     check_env(env, skip_render_check=env_id not in IDS)
     env.close()
-
-
-@pytest.mark.parametrize("env_id", IDS)
-def test_spaces_and_types_are_the_same_on_both_backends(env_id: str) -> None:
-    env, other = (gym.make(env_id, backend=backend) for backend in ("pymunk", "compiled"))
-    assert env.observation_space == other.observation_space
-    assert env.action_space == other.action_space
-    assert env.metadata == other.metadata
-    env.action_space.seed(0)
-    shown: Any = env.reset(seed=1)
-    others: Any = other.reset(seed=1)
-    for _ in range(5):
-        for mine, theirs in ((shown[0], others[0]), (shown[-1], others[-1])):
-            assert list(mine) == list(theirs)
-            for key in mine:
-                assert type(mine[key]) is type(theirs[key])
-                assert np.asarray(mine[key]).dtype == np.asarray(theirs[key]).dtype
-                assert np.shape(mine[key]) == np.shape(theirs[key])
-        assert [type(value) for value in shown[1:-1]] == [type(value) for value in others[1:-1]]
-        action = env.action_space.sample()
-        shown, others = env.step(action), other.step(action)
-
-
-@on_both_backends
-@pytest.mark.parametrize("env_id", IDS)
-def test_same_seed_gives_the_same_rollout_also_in_copies(env_id: str, backend: str) -> None:
-    env = gym.make(env_id, backend=backend)
-    new = pickle.loads(pickle.dumps(env))
-    run = rollout(env, 5)
-    assert rollout(new, 5) == run == rollout(env, 5)
-    assert rollout(new, 6) != run
-    twins = [pickle.loads(pickle.dumps(env)), copy.deepcopy(env)]
-    expected = rollout(env, None, 10)
-    for twin in twins:
-        assert rollout(twin, None, 10) == expected
-
-
-def test_same_seed_gives_the_same_rollout_in_another_process() -> None:
-    code = (
-        "import json, sys; sys.path.insert(0, 'tests/envs'); import test_gymnasium as t; "
-        "print(json.dumps([t.rollout(t.gym.make(t.IDS[1], backend=b), 9) for b in ('pymunk', 'compiled')]))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    expected = [rollout(gym.make(IDS[1], backend=backend), 9) for backend in ("pymunk", "compiled")]
-    assert json.loads(done.stdout) == json.loads(json.dumps(expected))
 
 
 @pytest.mark.parametrize("mode", ["sync", "async"])
@@ -117,21 +50,6 @@ def test_version_is_that_of_the_installed_package() -> None:
     from importlib.metadata import version
 
     assert version("khepera-forage") == khepera_forage.__version__
-
-
-@pytest.mark.parametrize("env_id", IDS)
-def test_observations_and_infos_share_no_memory(env_id: str) -> None:
-    env = gym.make(env_id)
-    first, info = env.reset(seed=0)
-    kept = {key: np.array(value, copy=True) for key, value in first.items()}
-    second, _, _, _, later = env.step(env.action_space.sample())
-    for key, value in second.items():
-        if isinstance(value, np.ndarray):
-            value[...] = 0
-            assert not np.shares_memory(value, first[key])
-    for key, value in kept.items():
-        assert np.array_equal(first[key], value)
-    assert not np.shares_memory(info["pose"], later["pose"])
 
 
 def test_spawned_processes_import_the_package_by_the_name() -> None:

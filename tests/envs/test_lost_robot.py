@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import gymnasium as gym
 import numpy as np
@@ -26,9 +27,9 @@ pytest.importorskip("cv2")
 
 
 @pytest.fixture
-def pair() -> Iterator[VirtualLaboratory]:
+def env() -> Iterator[TrainingEnv]:
     with virtual_laboratory("corridor", 2) as lab:
-        yield lab
+        yield TrainingEnv(world=lab, noise=Noise.none())
 
 
 @pytest.fixture
@@ -37,11 +38,11 @@ def alone() -> Iterator[VirtualLaboratory]:
         yield lab
 
 
-def unplug(lab: VirtualLaboratory, robot: int) -> None:
+def unplug(lab: Any, robot: int) -> None:
     lab.virtual_kheperas[robot].faults = Faults(unplug=1.0)
 
 
-def standing(lab: VirtualLaboratory) -> bool:
+def standing(lab: Any) -> bool:
     lab.simulation.advance()
     before = [robot.sense()[1:3] for robot in lab.simulation.robots]
     lab.simulation.advance()
@@ -55,20 +56,19 @@ def rounds(env: TrainingEnv, count: int) -> None:
 
 
 @pytest.mark.parametrize("robot", [0, 1])
-def test_training_is_truncated_with_the_reason(pair: VirtualLaboratory, robot: int) -> None:
-    env = TrainingEnv(world=pair, noise=Noise.none())
+def test_training_is_truncated_with_the_reason(env: Any, robot: int) -> None:
     env.reset(seed=1)
     rounds(env, 5)
     assert not any("robot_lost" in info for info in env.infos.values())
     before = {agent: env.observe(agent) for agent in env.agents}
-    unplug(pair, robot)
+    unplug(env.world, robot)
     rounds(env, 1)
-    assert standing(pair)
+    assert standing(env.world)
     assert env.agents == [TEACHER, "learner_0"], "PettingZoo's own loop takes them away one by one"
     for agent in env.agents:
         assert env.truncations[agent]
         assert not env.terminations[agent]
-        assert env.infos[agent]["robot_lost"].startswith(f"{pair.settings.robots[robot].port}: ")
+        assert env.infos[agent]["robot_lost"].startswith(f"{env.world.settings.robots[robot].port}: ")
         assert env.infos[agent]["steps"] == 6
         np.testing.assert_array_equal(env.observe(agent)[:5], before[agent][:5])
     env.reset(seed=2)
@@ -76,21 +76,18 @@ def test_training_is_truncated_with_the_reason(pair: VirtualLaboratory, robot: i
     assert not any(env.truncations.values())
 
 
-def test_robots_stand_still_after_the_end_of_a_training_episode(pair: VirtualLaboratory) -> None:
-    env = TrainingEnv(max_cycles=6, world=pair, noise=Noise.none())
+def test_robots_stand_still_after_the_end_of_a_training_episode(env: Any) -> None:
+    env.max_cycles = 6
     env.reset(seed=1)
     rounds(env, 5)
-    assert not standing(pair)
+    assert not standing(env.world)
     rounds(env, 1)
     assert env.truncations[TEACHER]
-    assert standing(pair)
+    assert standing(env.world)
 
 
 @pytest.mark.parametrize("error", [OSError("disk full"), KeyboardInterrupt(), RuntimeError("of a policy")])
-def test_robots_stand_still_after_an_error_between_rounds(
-    pair: VirtualLaboratory, error: BaseException
-) -> None:
-    env = TrainingEnv(world=pair, noise=Noise.none())
+def test_robots_stand_still_after_an_error_between_rounds(env: Any, error: BaseException) -> None:
     count: list[int] = []
 
     def fail() -> None:
@@ -100,18 +97,17 @@ def test_robots_stand_still_after_an_error_between_rounds(
 
     with pytest.raises(type(error)):
         training.train(env, 1, callback=fail)
-    assert standing(pair)
+    assert standing(env.world)
 
 
-def test_robot_lost_in_a_pause_ends_the_episode(pair: VirtualLaboratory) -> None:
-    env = TrainingEnv(world=pair, noise=Noise.none())
+def test_robot_lost_in_a_pause_ends_the_episode(env: Any) -> None:
     env.reset(seed=1)
     rounds(env, 5)
-    unplug(pair, 0)
+    unplug(env.world, 0)
     env.resume_beside("learner_0")
     assert all(env.truncations.values())
     assert "robot_lost" in env.infos[TEACHER]
-    assert standing(pair)
+    assert standing(env.world)
 
 
 @pytest.mark.parametrize("kind", [BehavioursEnv, WheelsEnv])
@@ -180,9 +176,8 @@ def test_robot_lost_while_it_is_placed_ends_the_attempt() -> None:
 
 
 def test_experience_recorded_before_a_loss_is_kept(
-    pair: VirtualLaboratory, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    env: Any, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    env = TrainingEnv(world=pair, noise=Noise.none())
     path = tmp_path / "g1.csv"
     (tmp_path / "g1.lost-1.csv").write_text("of an earlier training")
     seen: list[int] = []
@@ -190,7 +185,7 @@ def test_experience_recorded_before_a_loss_is_kept(
     def watch() -> None:
         seen.append(1)
         if len(seen) == 40:
-            unplug(pair, 1)
+            unplug(env.world, 1)
 
     with caplog.at_level(logging.WARNING, training.__name__):
         experience, rows = training.train(env, np.random.SeedSequence(1), path=path, callback=watch)
@@ -223,11 +218,11 @@ def test_recall_with_a_lost_robot_raises_an_error(alone: VirtualLaboratory) -> N
     assert recalling.recall(env, Teacher(env.home_radius), 3).steps > 20
 
 
-def test_world_needs_one_robot_in_each_arena(pair: VirtualLaboratory) -> None:
+def test_world_needs_one_robot_in_each_arena(env: Any) -> None:
     with pytest.raises(ValueError, match="world has 2 robots in 2 arenas; allowed: 1"):
-        BehavioursEnv(world=pair)
+        BehavioursEnv(world=env.world)
     with pytest.raises(ValueError, match="allowed: 3, one in each"):
-        TrainingEnv(num_learners=2, world=pair)
+        TrainingEnv(num_learners=2, world=env.world)
 
 
 def test_operator_who_gives_up_leaves_no_empty_file(tmp_path: Path) -> None:

@@ -1,8 +1,5 @@
 """What PettingZoo and its users expect of the training environment."""
 
-import copy
-import pickle
-import re
 import warnings
 from collections.abc import Callable
 from typing import Any
@@ -10,7 +7,6 @@ from typing import Any
 import numpy as np
 import pettingzoo
 import pytest
-from gymnasium.error import ResetNeeded
 
 from khepera_forage.envs import paired_corridors_v0, paired_corridors_v1, paired_corridors_wheels_v1
 
@@ -76,19 +72,6 @@ def test_state_is_what_all_agents_observe(module: Any, form: str) -> None:
     assert env.state_space.contains(env.state())
 
 
-@pytest.mark.parametrize("backend", ["pymunk", "compiled"])
-def test_a_copy_continues_like_its_original_amid_an_episode(backend: str) -> None:
-    env = paired_corridors_v1.parallel_env(backend=backend)
-    _, infos = env.reset(seed=0)
-    for _ in range(60):  # until they touch their food
-        infos = env.step({agent: infos[agent]["correct_behaviour"] for agent in env.agents})[4]
-    twins = [env, copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
-    for behaviour in range(4):
-        for _ in range(5):
-            shown = [str(twin.step(dict.fromkeys(env.possible_agents, behaviour))) for twin in twins]
-            assert shown[0] == shown[1] == shown[2]
-
-
 def test_parallel_learner_hears_the_last_round() -> None:
     env = paired_corridors_v1.parallel_env(max_cycles=50)
     env.reset(seed=2)
@@ -107,52 +90,3 @@ def test_training_is_made_by_name(version: str) -> None:
         assert env.unwrapped.metadata["name"] == f"paired_corridors_{version}"
         assert env.agents == ["teacher_0", "learner_0", "learner_1"]
         assert env.unwrapped.max_cycles == 30
-
-
-def test_action_outside_its_space_is_named_and_changes_nothing() -> None:
-    env = paired_corridors_v1.env(max_cycles=50)
-    env.reset(seed=1)
-    for wrong in (11, -1, 2.5, "search"):
-        with pytest.raises(ValueError, match=rf"action of teacher_0 is {wrong!r}; allowed: .* 0 to 10"):
-            env.step(wrong)
-    assert env.agent_selection == "teacher_0"
-    env.step(0)
-    assert env.agent_selection == "learner_0"
-
-
-@pytest.mark.parametrize(
-    ("actions", "message"),
-    [
-        ({}, "actions are of []; allowed: one each of teacher_0, learner_0"),
-        ({"teacher_0": 0}, "actions are of ['teacher_0']; allowed"),
-        ({"teacher_0": 0, "learner_0": 0, "learner_1": 0}, "learner_1']; allowed"),
-        (
-            {"teacher_0": 0, "learner_0": 11},
-            "action of learner_0 is 11; allowed: a whole number from 0 to 10",
-        ),
-        ({"teacher_0": 0, "learner_0": None}, "action of learner_0 is None; allowed"),
-    ],
-)
-def test_wrong_parallel_actions_change_nothing(actions: dict[str, Any], message: str) -> None:
-    env, other = (paired_corridors_v1.parallel_env(max_cycles=50) for _ in range(2))
-    rounds = []
-    for each in (env, other):
-        each.reset(seed=1)
-        if each is env:
-            with pytest.raises(ValueError, match=re.escape(message)):
-                each.step(actions)
-        rounds.append(each.step({"teacher_0": 0, "learner_0": 0}))
-    (seen, *rest), (expected, *others) = rounds
-    assert all(np.array_equal(seen[agent], expected[agent]) for agent in expected)
-    assert rest == others
-
-
-def test_parallel_step_without_an_episode_asks_for_reset() -> None:
-    env = paired_corridors_v1.parallel_env(max_cycles=1)
-    actions = {"teacher_0": 0, "learner_0": 0}
-    with pytest.raises(ResetNeeded, match="call reset"):
-        env.step(actions)
-    env.reset(seed=1)
-    env.step(actions)
-    with pytest.raises(ResetNeeded, match="call reset"):
-        env.step(actions)

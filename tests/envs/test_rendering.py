@@ -1,15 +1,21 @@
-"""Pictures of the environments: arrays, colours, layout, and that every value of a view is visible."""
+"""Pictures and films of the environments: every value of a view is visible, and films can be read again."""
 
 import copy
 import pickle
 from collections.abc import Iterator
+from itertools import combinations
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pygame
 import pytest
+import shapely
 from numpy.typing import NDArray
+from PIL import Image
 
-from khepera_forage.envs.rendering import FoodView, RobotView, Screen, View
+from khepera_forage.envs.rendering import FoodView, RobotView, Screen, View, save_film
+from khepera_forage.envs.rendering.output import CODECS
 from khepera_forage.envs.rendering.picture import MAX_HEIGHT, MAX_WIDTH, PictureLayout, arrange
 from khepera_forage.sim.arena import Arena, Pose, copies
 from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
@@ -79,30 +85,23 @@ def test_equal_views_give_equal_new_pictures_in_any_order(screen: Screen) -> Non
     other.close()
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"arm": 255},
-        {"jaw": 0},
-        {"holes": 1},
-        {"proximity": (0,) * 8},
-        {"name": "learner 7"},
-        {"vector": StateVector(1, 80, 0, 215, 44)},
-        {"vector": None},
-        {"state": State.AT_HOME_NO_FOOD},
+CHANGES: list[dict[str, Any]] = [
+    *({"arm": 255}, {"jaw": 0}, {"holes": 1}, {"proximity": (0,) * 8}, {"name": "learner 7"}),
+    *({"vector": StateVector(1, 80, 0, 215, 44)}, {"vector": None}, {"state": State.AT_HOME_NO_FOOD}),
+    *(
         {"heard": Behaviour.GO_HOME},
         {"heard": Behaviour.WAIT},
         {"executed": Behaviour.WAIT},
         {"executed": None},
-        {"confidence": None},
-        {"separated": True},
-        {"tracked": False},
-    ],
-    ids=lambda change: "-".join(change),
-)
-def test_every_attribute_of_a_robot_is_visible(screen: Screen, change: dict[str, object]) -> None:
+    ),
+    *({"confidence": None}, {"separated": True}, {"tracked": False}),
+]
+
+
+@pytest.mark.parametrize("change", CHANGES, ids="-".join)
+def test_every_attribute_of_a_robot_is_visible(screen: Screen, change: dict[str, Any]) -> None:
     plain = draw(screen, VIEW)
-    changed = draw(screen, VIEW._replace(robots=(LEARNER._replace(**change),)))  # type: ignore[arg-type]
+    changed = draw(screen, VIEW._replace(robots=(LEARNER._replace(**change),)))
     assert changed.shape == plain.shape
     assert not np.array_equal(changed, plain)
 
@@ -138,31 +137,22 @@ def test_extreme_values_are_drawn(screen: Screen) -> None:
         confidence=(2.0,),
         name="x\0\n" * 200,
     )
+    title, unknown = "A title\nof many words " * 30, StateVector(1, -1, 9, 0, 10**6)
     views = (
         View((BLOCKS,)),
-        View(
-            (BLOCKS,),
-            (stray, LEARNER),
-            title="A title\nof many words " * 30,
-            limit=0,
-            step=10**12,
-            score=-20.0,
-        ),
-        View((CORRIDOR,), (LEARNER._replace(vector=StateVector(1, -1, 9, 0, 10**6), state=State.UNKNOWN),)),
+        View((BLOCKS,), (stray, LEARNER), title=title, limit=0, step=10**12, score=-20.0),
+        View((CORRIDOR,), (LEARNER._replace(vector=unknown, state=State.UNKNOWN),)),
     )
     for view in views:
         assert draw(screen, view).size
 
 
-def test_other_modes_and_no_arena_are_refused(screen: Screen) -> None:
+def test_other_modes_and_no_arena_are_refused_and_no_mode_makes_no_view(screen: Screen) -> None:
     with pytest.raises(ValueError, match=r"'ansi'; allowed: None, 'human', 'rgb_array'"):
         Screen("ansi", 0.1)
     with pytest.raises(ValueError, match="at least one"):
         draw(screen, View(()))
     assert draw(screen, VIEW).size
-
-
-def test_environment_without_pictures_warns_and_makes_no_view() -> None:
     with pytest.warns(UserWarning, match="without a render_mode"):
         assert Screen(None, 0.1).show(lambda: pytest.fail("made a view")) is None
 
@@ -175,18 +165,83 @@ def test_arena_and_panels_do_not_overlap(arena: Arena, robots: int) -> None:
     if robots <= 5:
         assert layout.size[0] <= MAX_WIDTH + 2
         assert layout.size[1] <= MAX_HEIGHT + 210  # five rectangles are in two rows
-    boxes = [layout.arena, *layout.panels]
+    boxes = [
+        shapely.box(a.left, a.top, a.left + a.width, a.top + a.height) for a in (layout.arena, *layout.panels)
+    ]
     assert len(boxes) == robots + 1
-    for i, a in enumerate(boxes):
-        assert a.left >= 0
-        assert a.top >= 0
-        assert a.left + a.width <= layout.size[0]
-        assert a.top + a.height <= layout.size[1]
-        for b in boxes[:i]:
-            beside = a.left >= b.left + b.width or b.left >= a.left + a.width
-            assert beside or a.top >= b.top + b.height or b.top >= a.top + a.height
+    assert all(shapely.box(0, 0, *layout.size).covers(box) for box in boxes)
+    assert all(one.intersection(other).area == 0 for one, other in combinations(boxes, 2))
     for shown in copies(arena, robots):
         for x, y in shown.walls:
             column, row = layout.pixel(x, y)
             assert 0 <= column - layout.arena.left < layout.arena.width
             assert 0 <= row - layout.arena.top < layout.arena.height
+
+
+# ---------------------------------------------------------------- films
+
+
+@pytest.mark.parametrize("ending", CODECS)
+def test_films_have_all_frames_and_their_colours(ending: str, tmp_path: Path) -> None:
+    cv2 = pytest.importorskip("cv2")
+    frames = [np.full((48, 64, 3), (200, 40 * k, 40 * k), np.uint8) for k in range(5)]  # red
+    film = cv2.VideoCapture(str(save_film(frames, tmp_path / f"film{ending}", 10.0)))
+    assert film.get(cv2.CAP_PROP_FPS) == pytest.approx(10.0)
+    shown: list[NDArray[Any]] = []
+    while (read := film.read())[0]:
+        shown.append(cv2.cvtColor(read[1], cv2.COLOR_BGR2RGB))
+    assert len(shown) == len(frames)
+    for one, other in zip(shown, frames, strict=True):
+        assert np.abs(one.mean(axis=(0, 1)) - other.mean(axis=(0, 1))).max() < 12
+
+
+def test_gif_has_the_frames(screen: Screen, tmp_path: Path) -> None:
+    moved = [LEARNER._replace(pose=Pose(100.0 + 30 * i, 115.0, 0.0)) for i in range(4)]
+    frames = [draw(screen, VIEW._replace(robots=(robot,), step=i)) for i, robot in enumerate(moved)]
+    path = save_film(frames, tmp_path / "animation.gif", fps=5)
+    assert list(tmp_path.iterdir()) == [path]
+    with Image.open(path) as gif:
+        assert gif.size == (frames[0].shape[1], frames[0].shape[0])
+        assert getattr(gif, "n_frames") == 4  # noqa: B009  only animated pictures have it
+        assert (gif.info["duration"], gif.info["loop"]) == (200, 0)
+        for number, frame in enumerate(frames):
+            gif.seek(number)
+            error = np.abs(np.asarray(gif.convert("RGB")).astype(int) - frame)
+            assert error.mean() < 0.5
+            assert (error.max(axis=2) > 60).mean() < 0.001
+
+
+def test_other_endings_and_folders_are_named(tmp_path: Path) -> None:
+    with pytest.raises(
+        ValueError, match=r"film is 'film.mov'; allowed: a name that ends in .gif, .mp4, .avi"
+    ):
+        save_film([FRAME], "film.mov", 10.0)
+    with pytest.raises(OSError, match="nowhere"):
+        save_film([FRAME], tmp_path / "nowhere" / "film.mp4", 10.0)
+
+
+FRAME = np.zeros((4, 4, 3), np.uint8)
+
+
+@pytest.mark.parametrize(
+    ("frames", "words"),
+    [
+        ([], "no frames"),
+        ([np.zeros((4, 4, 3))], "float64"),
+        ([np.zeros((4, 4), np.uint8)], r"\(4, 4\)"),
+        ([np.zeros((4, 4, 4), np.uint8)], r"\(4, 4, 4\)"),
+        ([np.zeros((0, 4, 3), np.uint8)], "not empty"),
+        ([FRAME, np.zeros((4, 5, 3), np.uint8)], "one size"),
+        ([None], "NoneType"),
+    ],
+)
+def test_invalid_frames_are_refused_and_the_old_file_is_kept(
+    tmp_path: Path, frames: list[NDArray[np.uint8]], words: str
+) -> None:
+    (tmp_path / "animation.gif").write_text("old")
+    with pytest.raises(ValueError, match=words):
+        save_film(frames, tmp_path / "animation.gif", fps=10)
+    with pytest.raises(ValueError, match="fps"):
+        save_film([FRAME], tmp_path / "animation.gif", fps=0)
+    assert (tmp_path / "animation.gif").read_text() == "old"
+    assert len(list(tmp_path.iterdir())) == 1

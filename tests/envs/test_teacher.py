@@ -12,10 +12,10 @@ import pytest
 from khepera_forage import Teacher
 from khepera_forage.envs import paired_arenas_v1
 from khepera_forage.rollouts.compiled.recalls import run_teacher
-from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import score
-from khepera_forage.task.states import Behaviour
+from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from tests.sim.test_waypoints import CLOSED, DOOR, HALL, L_ROOM, WINDING
 
@@ -108,6 +108,37 @@ def test_policy_that_only_explores_scores_its_correct_share_minus_the_penalty() 
         assert not terminated
     assert (info["steps"], info["correct"]) == (50, correct)
     assert info["score"] == pytest.approx(100 * correct / 50 - 20)
+
+
+@on_both_backends
+@pytest.mark.parametrize(
+    ("first", "second", "width", "passed"),
+    [
+        ("PICKABLE", "POISONOUS", 600, True),
+        ("PUSHABLE", "POISONOUS", 600, True),
+        ("PICKABLE", "PUSHABLE", 600, False),
+        ("PICKABLE", "POISONOUS", 180, False),  # there is no room beside it
+    ],
+)
+def test_teacher_takes_food_home_past_what_may_be_poison(
+    first: str, second: str, width: int, passed: bool, backend: str
+) -> None:
+    """The second object lies on the way from the first one to the home, and is shoved where it is not passed."""
+    middle, walls = width / 2, (Point(0, 0), Point(1000, 0), Point(1000, width), Point(0, width))
+    hall = Arena("hall", walls, Point(900, middle), 70, Pose(100, middle, 0.0), (Point(500, middle),))
+    env = in_arena(hall, backend, foods=2, food_types={first: 1, second: 1})
+    teacher = Teacher.of(env)
+    for pixels in (-8, -1, 0, 1, 8) if passed else (0, 1):
+        place = 600, middle + 5 * pixels
+        for seed in range(20):
+            options = {"start": (100, middle, 0), "foods": [(300, middle), place]}
+            observation, info = env.reset(seed=seed, options=options)
+            if [FoodType(food.type).name for food in env.forager.food.objects] == [first, second]:
+                break
+        while not info["delivered"]:
+            observation, *_, info = env.step(teacher.act(observation))
+        shoved = math.dist(env.world.food_places()[1][:2], place)
+        assert shoved < 2 if passed else shoved > 5
 
 
 # ---------------------------------------------------------------- walls and obstacles

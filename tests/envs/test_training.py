@@ -1,5 +1,6 @@
 """Training episodes of teacher and learners (4.5, 5.3), on marks, in pools of arenas, and on both backends."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -7,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from khepera_forage.envs import paired_arenas_v1, paired_corridors_v1, paired_corridors_wheels_v1
+from khepera_forage.envs import paired_corridors_v1, paired_corridors_wheels_v1
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
@@ -15,7 +16,6 @@ from khepera_forage.policies import Listener, Teacher
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
 from khepera_forage.rollouts.training import IncompleteTrainingError, train
 from khepera_forage.sim.arena import Pose
-from khepera_forage.sim.layout_checks import check_robot
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour
 from tests.arenas import HALL
@@ -91,24 +91,30 @@ def test_teacher_waits_while_a_separated_learner_recovers() -> None:
     history = play(env, 2)
     assert history == [[Behaviour.WAIT, Behaviour.WAIT]] * 2
     after = env.world.poses()
-    assert np.hypot(after[0][0] - before[0][0], after[0][1] - before[0][1]) < 2.0, (
-        "the teacher rolls out and stands"
-    )
-    assert np.hypot(after[1][0] - before[1][0], after[1][1] - before[1][1]) > 5.0, (
-        "the learner moves in an arc"
-    )
+    moved = [math.dist(one[:2], other[:2]) for one, other in zip(before, after, strict=True)]
+    assert moved[0] < 2.0, "the teacher rolls out and stands"
+    assert moved[1] > 5.0, "the learner moves in an arc"
     assert env.infos["learner_0"]["separated_rounds"] == 4
     assert env.infos["learner_0"]["separations"] == 1
 
 
-def test_separation_longer_than_patience_ends_the_attempt() -> None:
-    env = TrainingEnv(noise=QUIET, patience=4)
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"patience": 4},
+        {"decisions": Decisions(patience=4)},
+        {"patience": 4, "decisions": Decisions(patience=9)},
+    ],
+)
+def test_separation_longer_than_patience_ends_the_attempt(given: dict[str, Any]) -> None:
+    env = TrainingEnv(noise=QUIET, **given)
     env.reset(seed=0)
     put_learner(env, 200.0)
     history = play(env)
     assert env.truncations[TEACHER]
     assert not env.terminations[TEACHER]
     assert env.infos[TEACHER]["complete"] == 0
+    assert env.infos["learner_0"]["separated_rounds"] == 4
     assert len(history) < 8
 
 
@@ -162,16 +168,10 @@ def test_placement_error_applies_to_given_marks() -> None:
     assert np.abs(second - first - (0, 300)).max() > 1e-3
 
 
-def test_robot_that_would_stand_in_a_wall_is_placed_again() -> None:
-    env = TrainingEnv(noise=Noise(placement_error=15.0, placement_heading_error=30.0))
-    for seed in range(100):
-        env.reset(seed=seed, options={"start": (75, 75, 0)})
-        for arena, start in zip(env.arenas, env.world.poses(), strict=True):
-            check_robot(arena, start)
+def test_marks_with_the_gripper_in_a_wall_are_refused() -> None:
     facing_the_wall = {"start": (60, 100, 180)}
-    with pytest.raises(
-        ValueError, match=r"placement error of 0 mm.*\(60, 100\) mm has its gripper in a wall"
-    ):
+    message = r"placement error of 0 mm.*\(60, 100\) mm has its gripper in a wall"
+    with pytest.raises(ValueError, match=message):
         TrainingEnv(noise=QUIET).reset(seed=0, options=facing_the_wall)
 
 
@@ -196,14 +196,21 @@ def test_experience_names_the_arena_of_its_attempt(tmp_path: Path) -> None:
 # ---------------------------------------------------------------- on both backends
 
 
-def test_attempts_begin_alike_on_both_backends() -> None:
-    layouts = []
+def test_attempts_begin_alike_on_both_backends_with_corresponding_food() -> None:
+    starts, types = [], set()
     for backend in ("pymunk", "compiled"):
-        env: Any = paired_arenas_v1.env(arena="t_maze", backend=backend, noise="none")
-        env.reset(seed=4)
-        world = env.unwrapped.world
-        layouts.append([*(pose[:2] for pose in world.poses()), *(food[:2] for food in world.food_places())])
-    assert np.allclose(layouts[0], layouts[1])
+        odds = {"PICKABLE": 2, "PUSHABLE": 1, "POISONOUS": 1}
+        env = TrainingEnv(arena="t_maze", backend=backend, noise="none", food_types=odds)
+        for seed in (4, None, None):
+            env.reset(seed=seed)
+            one, other = ([int(food.type) for food in forager.food.objects] for forager in env.foragers)
+            assert one == other
+            types |= set(one)
+            starts.append(
+                [*(pose[:2] for pose in env.world.poses()), *(food[:2] for food in env.world.food_places())]
+            )
+    assert np.allclose(starts[:3], starts[3:])
+    assert len(types) > 1
 
 
 def action_of(motors: Motors) -> Any:

@@ -1,15 +1,15 @@
 """Runs a file of `examples/` as users do: in a process of its own, and warnings as errors."""
 
-import io
 import os
-import runpy
 import subprocess
 import sys
-from contextlib import chdir, redirect_stderr
+from contextlib import chdir
 from importlib import util
 from pathlib import Path
 from typing import Any
 from unittest import mock
+
+from tests.benchmarks.running import run_file
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -30,24 +30,11 @@ def run_example(name: str, folder: Path, *arguments: str) -> str:
 
 def refused(name: str, folder: Path, *arguments: str, status: int = 2) -> str:
     """The one line with which an example ends that cannot begin; in this process, which has imported most modules."""
-    path, errors = str(EXAMPLES / f"{name}.py"), io.StringIO()
-    with (
-        mock.patch("sys.argv", [path, *arguments]),
-        mock.patch("sys.path", [str(EXAMPLES), *sys.path]),
-        chdir(folder),
-        redirect_stderr(errors),
-    ):
-        try:
-            runpy.run_path(path, run_name="__main__")
-            ended: object = 0
-        except SystemExit as end:
-            ended = end.code
-    if isinstance(ended, str):  # which Python prints at the end
-        errors.write(f"{ended}\n")
-        ended = 1
+    with mock.patch("sys.path", [str(EXAMPLES), *sys.path]), chdir(folder):
+        ended, _, errors = run_file(EXAMPLES / f"{name}.py", *arguments)
     assert ended == status
-    assert errors.getvalue().count("\n") == 1
-    return errors.getvalue()
+    assert errors.count("\n") == 1
+    return errors
 
 
 def module_of(name: str) -> Any:

@@ -29,19 +29,6 @@ def test_interrupt_while_the_file_is_opened_closes_and_deletes_it(
         train(TrainingEnv(), np.random.SeedSequence(0), path=tmp_path / "g1.csv")
     assert [file.closed for file in opened] == [True]
     assert list(tmp_path.iterdir()) == []
-
-
-def test_delayed_interrupt_is_raised_at_the_end_of_the_block() -> None:
-    done: list[str] = []
-
-    def interrupted() -> None:
-        with delayed_interrupts():
-            signal.raise_signal(signal.SIGINT)
-            done.append("the rest of the block")
-
-    with pytest.raises(KeyboardInterrupt):
-        interrupted()
-    assert done
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 

@@ -3,7 +3,6 @@
 import math
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -138,22 +137,3 @@ def test_mistake_in_the_toml_names_the_line(tmp_path: Path) -> None:
         read_arena(path)
     with pytest.raises(FileNotFoundError, match="missing"):
         read_arena(tmp_path / "missing.toml")
-
-
-def test_file_that_exists_stays_whole_when_writing_fails(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "arena.toml"
-    write_arena(ELL, path)
-
-    def full(self: Path, text: str, **kwargs: Any) -> int:
-        with self.open("w", **kwargs) as file:
-            file.write(text[:50])
-        raise OSError(28, "No space left on device")
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Path, "write_text", full)
-        with pytest.raises(OSError, match=r"No space left.*arena\.toml"):
-            write_arena(FIELD, path)
-    assert read_arena(path) == ELL
-    assert list(tmp_path.iterdir()) == [path]

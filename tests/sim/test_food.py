@@ -5,7 +5,8 @@ import pytest
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, BARRIER, FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose
-from tests.sim.worlds import apart, box, holding, make_world, run
+from khepera_forage.sim.arenas.named import box
+from tests.sim.worlds import apart, holding, make_world, run
 
 CENTRE = Pose(1000, 1000, 0)
 
@@ -59,7 +60,7 @@ def test_barrier_is_interrupted_by_food_between_the_fingers(
 
 @pytest.mark.parametrize("noise", [Noise.none(), Noise.laboratory()])
 def test_lowered_arm_hides_the_front_infra_reds_but_not_the_back(noise: Noise) -> None:
-    tight = Arena("tight", box(400, 120), Point(300, 60), 50, Pose(200, 60, 0), (Point(360, 60),))
+    tight = Arena("tight", box(0, 0, 400, 120), Point(300, 60), 50, Pose(200, 60, 0), (Point(360, 60),))
     world = make_world(Pose(45, 60, 0), (360, 60), arena=tight, noise=noise)
     up = run(world, 1).proximity
     down = run(world, 12, arm=ARM_DOWN).proximity

@@ -15,26 +15,11 @@ from khepera_forage.robots.khepera import (
     JAW_OPEN,
 )
 from khepera_forage.sim.arena import Point, Pose
-from tests.sim.worlds import Kind, apart, holding, make_world, narrow, of_both_kinds, run
+from tests.sim.worlds import KINDS, Kind, apart, holding, make_world, narrow, of_both_kinds, run
+from tests.version_0_1 import CORRIDOR
 
 CENTRE = Pose(1000, 1000, 0)
 FAR = (100.0, 100.0)
-
-
-@of_both_kinds
-def test_arm_travels_in_one_second(kind: Kind) -> None:
-    world = make_world(CENTRE, FAR, kind=kind)
-    assert [run(world, 1, arm=ARM_DOWN).arm for _ in range(11)] == [*range(219, 256, 4), 255]
-    assert [run(world, 1, arm=ARM_RAISED).arm for _ in range(11)] == [*range(251, 214, -4), 215]
-
-
-@of_both_kinds
-def test_jaw_travels_in_six_tenths_of_a_second(kind: Kind) -> None:
-    world = make_world(CENTRE, FAR, kind=kind)
-    closing = [run(world, 1, jaw=JAW_CLOSED).jaw for _ in range(7)]
-    assert closing == pytest.approx([200 - 33.3 * i for i in range(1, 7)] + [0], abs=1)
-    opening = [run(world, 1, jaw=JAW_OPEN).jaw for _ in range(7)]
-    assert opening == pytest.approx([33.3 * i for i in range(1, 7)] + [200], abs=1)
 
 
 # ---------------------------------------------------------------- the arm and what is below it
@@ -156,6 +141,41 @@ def test_lifted_food_does_not_pass_through_a_wall(kind: Kind) -> None:
     food = world.food_places()[0]
     assert not food.lifted
     assert narrow(650).clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
+
+
+@pytest.mark.skipif(len(KINDS) < 2, reason="needs numba")
+def test_picking_up_carrying_and_releasing_is_the_same_on_both_backends_within_3_mm() -> None:
+    """The same commands in both, every round; arm, jaw and barrier read the same."""
+    food = (330.0, 120.0)
+    worlds = [make_world(Pose(200, 115, 0.05), food, arena=CORRIDOR, kind=kind) for kind in KINDS]
+    script = (
+        [(0, 0, 255, 200)] * 11  # lower
+        + [(5, 5, 255, 200)] * 16  # push up to it
+        + [(0, 0, 255, 0)] * 8  # grip
+        + [(0, 0, 215, 0)] * 11  # raise
+        + [(8, 9, 215, 0)] * 15  # carry
+        + [(0, 0, 255, 0)] * 11  # lower
+        + [(0, 0, 255, 200)] * 7  # let go
+        + [(-6, -6, 255, 200)] * 10  # back off
+    )
+    held = []
+    for motors in script:
+        senses, others = (run(world, 1, *motors) for world in worlds)
+        assert (senses.arm, senses.jaw, senses.object_presence) == (
+            others.arm,
+            others.jaw,
+            others.object_presence,
+        )
+        pose, other = (world.poses()[0] for world in worlds)
+        assert apart(pose, other) < 3.0
+        assert abs(pose.heading - other.heading) < 0.03
+        place, there = (world.food_places()[0] for world in worlds)
+        assert apart(place, there) < 3.0
+        assert place.lifted == there.lifted
+        held.append(worlds[1].held())
+    assert 0 in held
+    assert held[-1] == -1
+    assert apart(there, Point(*food)) > 60
 
 
 # ---------------------------------------------------------------- no sudden motion

@@ -3,61 +3,37 @@
 import math
 from typing import Any
 
-import numpy as np
 import pytest
 
-from khepera_forage.robots.khepera import (
-    ARM_DOWN,
-    ARM_RAISED,
-    BARRIER,
-    FINGER_TIP,
-    JAW_CLOSED,
-    JAW_OPEN,
-    JAW_ROOT,
-    PRESENT,
-    Motors,
-    Senses,
-)
+from khepera_forage.robots.khepera import ARM_DOWN, BARRIER, FINGER_TIP, JAW_CLOSED, JAW_ROOT, PRESENT
 from khepera_forage.robots.parameters import RobotParameters
-from khepera_forage.sim.arena import Point, Pose, copies
+from khepera_forage.sim.arena import Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import Layout
-from tests.sim.worlds import FIELD, NONE
+from tests.sim.worlds import make_world, run
 from tests.version_0_1 import CORRIDOR, TIMING
 
 HERE = Pose(1000, 1000, 0)
-FAR_AWAY = Point(100, 100)
 
 
 def stand(
-    parameters: RobotParameters, start: Pose = HERE, food: Point = FAR_AWAY, arena: Any = FIELD
-) -> PymunkWorld:
-    world = PymunkWorld([arena], (2,), NONE, robot_parameters=(parameters,), timing=TIMING)
-    world.reset(np.random.default_rng(0), Layout((start,), (food,)))
-    return world
-
-
-def run(world: PymunkWorld, motors: Motors, rounds: int) -> Senses:
-    for _ in range(rounds):
-        world.robots[0].drive(motors)
-        world.advance()
-    return world.robots[0].sense()
+    start: Pose = HERE, food: tuple[float, float] = (100, 100), arena: Any = None, **parameters: float
+) -> Any:
+    arenas = {} if arena is None else {"arena": arena}
+    return make_world(start, food, robot_parameters=(RobotParameters(**parameters),), **arenas)
 
 
 def test_slow_left_wheel_turns_the_robot_left() -> None:
-    straight, slow = stand(RobotParameters()), stand(RobotParameters(left_wheel_error=-0.2))
+    straight, slow = stand(), stand(left_wheel_error=-0.2)
     for world in (straight, slow):
-        run(world, Motors(10, 10, ARM_RAISED, JAW_OPEN), 10)
+        run(world, 10, 10, 10)
     assert straight.poses()[0].heading == 0.0
     assert slow.poses()[0].heading == pytest.approx(0.2 * 80 / 53, rel=1e-6)
-    travel = math.dist(slow.poses()[0][:2], HERE[:2])
-    assert travel < math.dist(straight.poses()[0][:2], HERE[:2])
+    assert math.dist(slow.poses()[0][:2], HERE[:2]) < math.dist(straight.poses()[0][:2], HERE[:2])
 
 
 def test_infra_red_gain_scales_the_readings() -> None:
-    near_wall = Pose(40, 115, math.pi / 2)
     full, weak, blind = (
-        stand(RobotParameters(infra_red_gain=gain), near_wall, Point(400, 115), CORRIDOR)
+        stand(Pose(40, 115, math.pi / 2), (400, 115), CORRIDOR, infra_red_gain=gain)
         .robots[0]
         .sense()
         .proximity
@@ -70,19 +46,18 @@ def test_infra_red_gain_scales_the_readings() -> None:
 
 
 def test_arm_reading_scale_shortens_the_reported_travel() -> None:
-    world = stand(RobotParameters(arm_reading_scale=0.6))
+    world = stand(arm_reading_scale=0.6)
     assert world.robots[0].sense().arm == 231
-    assert run(world, Motors(0, 0, ARM_DOWN, JAW_OPEN), 12).arm == ARM_DOWN
+    assert run(world, 12, arm=ARM_DOWN).arm == ARM_DOWN
 
 
 @pytest.mark.parametrize(("finger_length", "grips"), [(FINGER_TIP - JAW_ROOT, True), (25.0, False)])
 def test_short_fingers_miss_food_at_the_edge_of_the_optical_barrier(
     finger_length: float, grips: bool
 ) -> None:
-    world = stand(RobotParameters(finger_length=finger_length), food=Point(HERE.x + BARRIER + 16, HERE.y))
-    lowered = run(world, Motors(0, 0, ARM_DOWN, JAW_OPEN), 12)
-    assert lowered.object_presence == PRESENT
-    run(world, Motors(0, 0, ARM_DOWN, JAW_CLOSED), 10)
+    world = stand(food=(HERE.x + BARRIER + 16, HERE.y), finger_length=finger_length)
+    assert run(world, 12, arm=ARM_DOWN).object_presence == PRESENT
+    run(world, 10, arm=ARM_DOWN, jaw=JAW_CLOSED)
     assert (world.held() >= 0) is grips
 
 

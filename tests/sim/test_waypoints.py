@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from khepera_forage.geometry.paths import NO_CORNERS, is_clear
 from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.arenas.named import box
 from khepera_forage.sim.waypoints import (
     CLEARANCE,
     check_paths,
@@ -26,15 +27,10 @@ from khepera_forage.sim.waypoints import (
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from tests.version_0_1 import CORRIDOR, RECTANGLE
 
-
-def box(x: float, y: float, width: float, height: float) -> tuple[Point, ...]:
-    return Point(x, y), Point(x + width, y), Point(x + width, y + height), Point(x, y + height)
-
-
 ROOM = Arena("room", box(0, 0, 800, 800), Point(120, 120), 80.0, Pose(680, 680, math.pi), (Point(600, 300),))
-BLOCK = replace(ROOM, name="block", obstacles=(box(300, 300, 200, 200),))
-DOOR = replace(ROOM, name="door", obstacles=(box(390, 0, 20, 300), box(390, 500, 20, 300)))
-CLOSED = replace(ROOM, name="closed", obstacles=(box(390, 0, 20, 340), box(390, 460, 20, 340)))
+BLOCK = replace(ROOM, name="block", obstacles=(box(300, 300, 500, 500),))
+DOOR = replace(ROOM, name="door", obstacles=(box(390, 0, 410, 300), box(390, 500, 410, 800)))
+CLOSED = replace(ROOM, name="closed", obstacles=(box(390, 0, 410, 340), box(390, 460, 410, 800)))
 L_ROOM = Arena(
     "l_room",
     (Point(0, 0), Point(700, 0), Point(700, 700), Point(450, 700), Point(450, 250), Point(0, 250)),
@@ -69,7 +65,9 @@ def test_home_is_free_where_a_robot_can_drive_all_the_way_round_it() -> None:
     room = HALL.home_radius + 20.0 + CLEARANCE
     assert is_home_free(replace(HALL, home=Point(room, 1000)))
     assert not is_home_free(replace(HALL, home=Point(room - 1.0, 1000)))
-    assert not is_home_free(replace(HALL, obstacles=(box(1000 + room - 1.0, 990, 20, 20),)))
+    assert not is_home_free(
+        replace(HALL, obstacles=(box(1000 + room - 1.0, 990, 1000 + room - 1.0 + 20, 1010),))
+    )
 
 
 @pytest.mark.parametrize("arena", WINDING, ids=lambda arena: arena.name)
@@ -125,6 +123,6 @@ def test_check_ways_names_what_cannot_be_reached_and_the_narrow_place() -> None:
     with pytest.raises(ValueError, match=r"there is no way between food 1 at \(600, 300\) mm"):
         check_paths(replace(CLOSED, start=Pose(200, 680, 0.0)))
     places: Any = {"home": Point(400, 100), "start": Pose(680, 100, 0.0), "foods": (Point(100, 100),)}
-    alley = replace(ROOM, walls=box(0, 0, 800, 200), obstacles=(box(500, 0, 20, 20),), **places)
+    alley = replace(ROOM, walls=box(0, 0, 800, 200), obstacles=(box(500, 0, 520, 20),), **places)
     with pytest.raises(ValueError, match=r"food 1 at .* and the start at .* that does not cross the home"):
         check_paths(alley)

@@ -12,8 +12,10 @@ import pytest
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors, Senses
 from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.arenas.named import box
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import FoodPlace, Layout
+from tests.arenas import corners
 from tests.version_0_1 import CORRIDOR, TIMING
 
 NONE = Noise.none()
@@ -26,35 +28,17 @@ if find_spec("numba"):
 of_both_kinds = pytest.mark.parametrize("kind", KINDS)
 
 
-def box(length: float, width: float) -> tuple[Point, ...]:
-    return (Point(0, 0), Point(length, 0), Point(length, width), Point(0, width))
-
-
-FIELD = Arena(
-    name="field",
-    walls=box(2000, 2000),
-    home=Point(1800, 1800),
-    home_radius=100,
-    start=Pose(1000, 1000, 0),
-    foods=(Point(100, 100),),
-)
+FIELD = Arena("field", box(0, 0, 2000, 2000), Point(1800, 1800), 100, Pose(1000, 1000, 0), (Point(100, 100),))
 """So wide that a robot hits nothing by chance."""
 
 ELL = Arena(
-    name="ell",
-    walls=(
-        Point(0, 0),
-        Point(700, 0),
-        Point(700, 300),
-        Point(350, 300),
-        Point(350, 700),
-        Point(0, 700),
-    ),
+    "ell",
+    corners((0, 0), (700, 0), (700, 300), (350, 300), (350, 700), (0, 700)),
     home=Point(120, 580),
     home_radius=100,
     start=Pose(600, 150, math.pi),
-    foods=(Point(450, 150), Point(170, 300)),
-    obstacles=((Point(150, 90), Point(210, 90), Point(210, 150), Point(150, 150)),),
+    foods=corners((450, 150), (170, 300)),
+    obstacles=(box(150, 90, 210, 150),),
 )
 """A user's arena: not convex, with an obstacle."""
 
@@ -66,9 +50,10 @@ def make_world(
     noise: Noise = NONE,
     seed: int = 0,
     kind: Kind = PymunkWorld,
+    **more: Any,
 ) -> Any:
     """A world with one robot, after its reset."""
-    world = kind([arena], (2,), noise, timing=TIMING)
+    world = kind([arena], (2,), noise, timing=TIMING, **more)
     world.reset(np.random.default_rng(seed), Layout((start,), tuple(Point(*food) for food in foods)))
     return world
 
@@ -109,4 +94,4 @@ def apart(a: Pose | FoodPlace | Point, b: Pose | FoodPlace | Point) -> float:
 
 def narrow(length: float) -> Arena:
     """The corridor with another length."""
-    return replace(CORRIDOR, walls=box(length, 230))
+    return replace(CORRIDOR, walls=box(0, 0, length, 230))

@@ -140,51 +140,38 @@ def test_changes_are_relative_to_a_base_and_differences_give_both_values() -> No
 # ---------------------------------------------------------------- as text, in files and on the command line
 
 
+CHANGED = replace(OTHER_DEFAULTS, next_to_food=22)
+
+
 @pytest.mark.usefixtures("other_defaults")
 @pytest.mark.parametrize(
-    ("decisions", "text"),
+    ("text", "decisions", "is_written"),
     [
-        (V0_1, "v0.1"),
-        (replace(V0_1, next_to_food=17, round_duration=0.2), "v0.1;round_duration=0.2;next_to_food=17"),
-        (replace(V0_1, equal_distance="farther state"), "v0.1;equal_distance=farther state"),
-        (replace(V0_1, following_gain=1 / 3), "v0.1;following_gain=0.3333333333333333"),
-        (replace(V0_1, next_to_food=17, patience=50), "v0.1;next_to_food=17;patience=50"),  # the older of two
-        (OTHER_DEFAULTS, "v1"),
-        (replace(OTHER_DEFAULTS, next_to_food=22), "v1;next_to_food=22"),
+        ("v0.1", V0_1, True),
+        ("v0.1;round_duration=0.2;next_to_food=17", replace(V0_1, next_to_food=17, round_duration=0.2), True),
+        ("v0.1;equal_distance=farther state", replace(V0_1, equal_distance="farther state"), True),
+        ("v0.1;following_gain=0.3333333333333333", replace(V0_1, following_gain=1 / 3), True),
+        # The older of two versions with as many changes.
+        ("v0.1;next_to_food=17;patience=50", replace(V0_1, next_to_food=17, patience=50), True),
+        ("v1", OTHER_DEFAULTS, True),
+        ("v1;next_to_food=22", CHANGED, True),
+        # Without a version, of version 0.1. A default may be named: a later version may have another.
+        ("", V0_1, False),
+        ("separation=20", replace(V0_1, separation=20), False),
+        ("next_to_food=20", V0_1, False),
     ],
 )
-def test_text_names_version_and_changes_and_is_read_back(decisions: Decisions, text: str) -> None:
-    assert decisions_text(decisions) == text
+def test_text_names_version_and_changes(text: str, decisions: Decisions, is_written: bool) -> None:
     assert decisions_from_text(text) == decisions
+    assert (decisions_text(decisions) == text) is is_written
+    if is_written:
+        assert decisions_from_words(text.split(";")) == decisions
 
 
 @pytest.mark.usefixtures("other_defaults")
-@pytest.mark.parametrize(
-    ("text", "decisions"),
-    [
-        ("", V0_1),
-        ("separation=20", replace(V0_1, separation=20)),
-        ("next_to_food=20", V0_1),  # a default may be named: a later version may have another
-    ],
-)
-def test_text_without_a_version_is_of_version_0_1(text: str, decisions: Decisions) -> None:
-    assert decisions_from_text(text) == decisions
-
-
-@pytest.mark.usefixtures("other_defaults")
-@pytest.mark.parametrize(
-    ("words", "decisions"),
-    [
-        ([], OTHER_DEFAULTS),
-        (["next_to_food=22"], replace(OTHER_DEFAULTS, next_to_food=22)),
-        (["v1", "next_to_food=22"], replace(OTHER_DEFAULTS, next_to_food=22)),
-        (["v0.1", "patience=7", "next_to_food=22"], replace(V0_1, patience=7, next_to_food=22)),
-    ],
-)
-def test_first_word_may_name_the_version_that_the_others_change(
-    words: list[str], decisions: Decisions
-) -> None:
-    assert decisions_from_words(words) == decisions
+def test_words_without_a_version_change_the_defaults() -> None:
+    assert decisions_from_words([]) == OTHER_DEFAULTS
+    assert decisions_from_words(["next_to_food=22"]) == CHANGED
 
 
 WRONG_ASSIGNMENTS = [

@@ -12,7 +12,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import is_collected, is_finished
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from tests.task.food_trackers import delivered, known_types, labels_of_no_candidates, linked_food
+from tests.task.test_food_tracking_scenes import known_types, labels_of_no_candidates, linked_food
 from tests.version_0_1 import CORRIDOR, V0_1
 
 B = Behaviour
@@ -115,7 +115,7 @@ def test_poison_brought_home_is_counted_separately() -> None:
         for _ in range(rounds):
             *_, info = env.step(int(behaviour))
         assert any(food.lifted for food in env.world.food_places()) == (behaviour != B.RELEASE_FOOD)
-    assert sorted(delivered(food)) == [False, True]
+    assert sorted(one.delivered for one in food.objects) == [False, True]
     assert (tracker.poison_home, tracker.delivered, tracker.deliverable) == (1, 0, 1)
     assert (info["poison_home"], info["delivered"]) == (1, 0)
     assert not any(map(is_collected, food.objects))

@@ -11,19 +11,18 @@ from khepera_forage.sim.arena import Point
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import (
     FoodObject,
+    KnownFood,
     can_explore,
-    is_finished,
+    is_candidate,
     share_identified,
 )
 from khepera_forage.task.perception import perceive
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
-from tests.task.food_trackers import delivered, known_types, labels_of_no_candidates, linked_food
 from tests.version_0_1 import RECTANGLE, V0_1
 
 ARENA = arena_map_of(RECTANGLE)
 FIRST, SECOND = (74.0, 40.0), (74.0, 80.0)
-HOME = (ARENA.home_x, ARENA.home_y)
 EMPTY = Senses((0,) * 8, 0, 0, 255, 200, 0)
 PRESENT = EMPTY._replace(object_presence=255)
 GRIPPED = PRESENT._replace(arm=215, jaw=126)
@@ -32,6 +31,26 @@ STILL = Motors(0, 0, 255, 200)
 
 def region(label: int, place: tuple[float, float], found: bool = True, holes: int = 0) -> Region:
     return Region(label, *place, holes, 0, found, False, *place, 1.0, 1.0, 1.0)
+
+
+def linked_food(known: KnownFood, label: int) -> int | None:
+    """Number of the food object that a track shows; None without a link."""
+    foods = [link.food for link in known.links if link.label == label]
+    assert len(foods) <= 1, "a track shows one food object"
+    return foods[0] if foods else None
+
+
+def labels_of_no_candidates(known: KnownFood) -> set[int]:
+    """Labels of the tracks that show delivered food or known poison."""
+    return {
+        link.label
+        for link in known.links
+        if link.label >= 0 and not is_candidate(known.objects[link.food], link.food == known.tracker.held)
+    }
+
+
+def known_types(known: KnownFood) -> list[int]:
+    return [food.known for food in known.objects]
 
 
 class Story:
@@ -170,18 +189,6 @@ def test_identified_types_are_shared_with_the_corresponding_food() -> None:
     assert [food.known for food in foods] == [FoodType.PUSHABLE, FoodType.UNKNOWN]
 
 
-def test_food_in_the_gripper_is_the_object_that_lay_there() -> None:
-    story = Story(FoodType.PUSHABLE)
-    story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND))
-    types = [story.tracker.type_in_gripper]
-    story.explore_first()
-    types.append(story.tracker.type_in_gripper)
-    assert known_types(story.food) == [FoodType.PUSHABLE, FoodType.UNKNOWN]
-    story.round((50, 40), EMPTY, region(1, FIRST), region(2, SECOND))
-    types.append(story.tracker.type_in_gripper)
-    assert types == [FoodType.UNKNOWN, FoodType.PUSHABLE, FoodType.UNKNOWN], "not before a whole round"
-
-
 @pytest.mark.parametrize(
     ("before", "after", "motors"),
     [
@@ -202,18 +209,6 @@ def test_food_is_identified_only_in_a_still_round_with_arm_down_and_jaw_open(
     for senses in (before, after):
         story.round((63, 40), senses, region(1, FIRST, found=False), region(2, SECOND), motors=motors)
     assert known_types(story.food) == [FoodType.UNKNOWN] * 2
-
-
-def test_gripped_food_that_is_seen_at_home_is_not_delivered() -> None:
-    story = Story()
-    story.explore_first()
-    at_home = (HOME[0] - 2, HOME[1])
-    story.round((at_home[0] - 11, at_home[1]), GRIPPED, region(1, at_home), region(2, SECOND))
-    assert delivered(story.food) == [False, False]
-    story.round((at_home[0] - 20, at_home[1]), EMPTY, region(1, at_home), region(2, SECOND))
-    assert delivered(story.food) == [True, False]
-    assert labels_of_no_candidates(story.food) == {1}
-    assert not is_finished(story.tracker)
 
 
 def test_carried_food_is_recognised_while_its_old_track_remains() -> None:

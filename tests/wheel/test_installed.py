@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import pytest
 
-from tests.wheel.building import built_wheel
+from tests.wheel.building import IMPORTS, built_wheel
 
 ALL = {"render", "plots", "robots", "camera", "fast"}
 ENVIRONMENTS = {
@@ -49,15 +49,6 @@ DRAWING = (
     ),
 )
 """Modules that draw or read frames; those that import them say what to install."""
-IMPORTS = """
-import importlib, pkgutil, khepera_forage
-for found in pkgutil.walk_packages(khepera_forage.__path__, "khepera_forage.", onerror=lambda name: None):
-    try:
-        importlib.import_module(found.name)
-    except ImportError as error:
-        print(found.name, "|", error)
-print(khepera_forage.__file__)
-"""
 
 
 class Environment(NamedTuple):

@@ -25,19 +25,14 @@ levels = st.integers(0, 2 * LEVELS)
 @everywhere
 @given(level=levels)
 @PROPERTY
-def test_level_has_room_for_robots_and_pairs(difficulty: str, level: int) -> None:
-    arena = procedural_arena(level, difficulty)
+def test_level_has_room_for_robots_and_pairs_and_what_its_difficulty_says(
+    difficulty: str, level: int
+) -> None:
+    arena, chosen = procedural_arena(level, difficulty), DIFFICULTIES[difficulty]
     check_room(arena)
     # No slits: a place with some room around it is beside the floor that robots use.
     slits = usable_floor(arena, 50).difference(usable_floor(arena).buffer(60))
     assert slits.area == pytest.approx(0, abs=1)
-
-
-@everywhere
-@given(level=levels)
-@PROPERTY
-def test_level_has_what_its_difficulty_says(difficulty: str, level: int) -> None:
-    arena, chosen = procedural_arena(level, difficulty), DIFFICULTIES[difficulty]
     left, bottom, right, top = arena.bounds
     assert (left, bottom) == (0, 0)
     assert chosen.length[0] <= max(right, top) <= max(chosen.length[1], chosen.width[1])
@@ -65,18 +60,14 @@ def test_step_limit_allows_for_the_paths_of_nearly_all_levels(difficulty: str) -
 # ---------------------------------------------------------------- the same everywhere
 
 
-def checksum(difficulty: str) -> int:
-    arenas = [procedural_arena(level, difficulty) for level in (*range(20), LEVELS, LEVELS + 1)]
-    return crc32("".join(map(arena_text, arenas)).encode())
-
-
 @pytest.mark.parametrize(
     ("difficulty", "expected"),
     [("easy", 1618678405), ("medium", 1564153441), ("hard", 3192213929), ("extreme", 1919782940)],
 )
 def test_levels_are_those_of_version_1(difficulty: str, expected: int) -> None:
     """Results name levels: a generator with other arenas needs environments of another version."""
-    assert checksum(difficulty) == expected
+    arenas = [procedural_arena(level, difficulty) for level in (*range(20), LEVELS, LEVELS + 1)]
+    assert crc32("".join(map(arena_text, arenas)).encode()) == expected
 
 
 # ---------------------------------------------------------------- sequences
