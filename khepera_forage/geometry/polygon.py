@@ -81,16 +81,6 @@ def inward_corners(polygons: tuple[tuple[Corner, ...], ...]) -> tuple[tuple[floa
     return tuple(found)
 
 
-def distance(x: float, y: float, segment: Segment) -> float:
-    """Distance from a point to a line segment."""
-    x1, y1, x2, y2 = segment
-    ex, ey = x2 - x1, y2 - y1
-    t = ((x - x1) * ex + (y - y1) * ey) / (ex * ex + ey * ey)
-    t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
-    dx, dy = x - x1 - t * ex, y - y1 - t * ey
-    return math.sqrt(dx * dx + dy * dy)
-
-
 def line_of(segment: Segment) -> tuple[float, float, float]:
     """The line through a segment as a unit normal (x, y) and an offset: normal . point = offset on it."""
     x1, y1, x2, y2 = segment
