@@ -154,9 +154,7 @@ class Block(NamedTuple):
         """The same seeds compiled: the same places and types of the food."""
         which = np.full(len(rows), KERNELS.get(self.policy, 0))
         memories = memories_of(self.imitators) if self.imitators else None
-        done = recalls.run_recalls(
-            settings.pop("arena"), memories, which, np.array(self.seeds, np.int64), **settings
-        )
+        done = recalls.run_recalls(settings.pop("arena"), memories, which, np.array(self.seeds, np.int64), **settings)
         names = ("score", "steps", "delivered", "poison_home")
         columns = [getattr(done, name).tolist() for name in names]
         return [
@@ -209,16 +207,13 @@ def blocks(part: str, seed: int, imitators: tuple[Vectors, ...], counts: dict[st
     work, of_teacher = [], part == ONLY_TEACHER
     lines_of = [(TEACHER, PICKABLE), (TEACHER, PUSHABLE), (TEACHER, POISONOUS), (NO_ORIENT, PICKABLE)]
     for number, arena in enumerate(THESIS_ARENAS):
-        for line, (policy, food) in enumerate(
-            lines_of if of_teacher else [(p, PICKABLE) for p in (TEACHER, IMITATOR)]
-        ):
+        for line, (policy, food) in enumerate(lines_of if of_teacher else [(p, PICKABLE) for p in (TEACHER, IMITATOR)]):
             key = (number,) if of_teacher else (1, 2 * number + line)
             count = counts["forages" if of_teacher else "episodes"]
             seeds = np.random.SeedSequence(seed, spawn_key=key).generate_state(count).tolist()
             own = imitators * (policy == IMITATOR)
             work += [
-                Block(part, policy, arena, 0, food, i, tuple(seeds[i : i + BLOCK]), own)
-                for i in range(0, count, BLOCK)
+                Block(part, policy, arena, 0, food, i, tuple(seeds[i : i + BLOCK]), own) for i in range(0, count, BLOCK)
             ]
     return work
 
@@ -239,10 +234,7 @@ def paired_parts(rows: Sequence[Recall]) -> list[str | Table | Picture]:
         shares = [percent(sum(r.delivered for r in side), sum(r.deliverable for r in side)) for side in sides]
         goal = GOALS.get(food, math.nan) if policy == TEACHER else math.nan
         met = "" if math.isnan(goal) else "yes" if min(share.value for share in shares) >= goal else "no"
-        poison = [
-            sum(r.foods - r.deliverable for r in sides[0]),
-            *(sum(r.poison_home for r in s) for s in sides),
-        ]
+        poison = [sum(r.foods - r.deliverable for r in sides[0]), *(sum(r.poison_home for r in s) for s in sides)]
         steps = [quantiles([row.steps for row in side]) for side in sides]
         delivered.append((policy, food, arena, len(sides[0]), *shares, goal, met, *steps, *poison))
         if food != POISONOUS and (policy == IMITATOR or arena in THESIS_ARENAS):
@@ -337,13 +329,9 @@ def recall_parts(
         key = np.random.SeedSequence(seed, spawn_key=(2, number, 0)).generate_state(1)
         which = np.arange(count) % len(imitators) if policy == IMITATOR else np.full(count, recalls.TEACHER)
         memories = memories_of(imitators) if policy == IMITATOR else None
-        done = recalls.run_recalls(
-            memories=memories, memory_of_episode=which, seed=int(key[0]), **settings_of(arena)
-        )
+        done = recalls.run_recalls(memories=memories, memory_of_episode=which, seed=int(key[0]), **settings_of(arena))
         for place, measure in enumerate(("score", "steps", "delivered")):
-            a = np.array(
-                [getattr(row, measure) for row in pick(rows, policy=policy, arena=arena)], np.float64
-            )
+            a = np.array([getattr(row, measure) for row in pick(rows, policy=policy, arena=arena)], np.float64)
             b = getattr(done, measure).astype(np.float64)
             lines.append((policy, arena, measure, *compared(a, b)))
             if measure != "delivered":
@@ -359,10 +347,7 @@ def recall_parts(
         "Noise of the laboratory, the thesis's food and limits, independent random starts; ten times as many recalls "
         f"compiled. Imitators of {TRAININGS} training episodes take turns, the same on both backends."
     )
-    return [
-        tested_table("agreement", "Corridor and rectangle", lines, note),
-        Picture("agreement", "", figure),
-    ]
+    return [tested_table("agreement", "Corridor and rectangle", lines, note), Picture("agreement", "", figure)]
 
 
 def design_table(pymunk: Sequence[RecallRow], seed: int, experiments: int) -> Table:

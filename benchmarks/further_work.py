@@ -46,11 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main() -> int:
     """Run the experiments."""
     replications = Count(
-        "replications",
-        20,
-        1,
-        "repetitions of each experiment, new training files included",
-        adds_units=True,
+        "replications", 20, 1, "repetitions of each experiment, new training files included", adds_units=True
     )
     given = parse("further_work", __doc__, replications, add=add_arguments)
     size = QUICK if given.quick else Size()

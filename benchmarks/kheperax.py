@@ -180,8 +180,7 @@ def page(rows: Sequence[Timed]) -> Page:
         rates = []
         for count in worlds:
             speeds, others = (
-                [row.steps / row.seconds / 1e6 for row in pick(rows, line=line, worlds=count)]
-                for line in (name, NOISY)
+                [row.steps / row.seconds / 1e6 for row in pick(rows, line=line, worlds=count)] for line in (name, NOISY)
             )
             rates.append(extremes(speeds))
             ratios = [speed / other for speed, other in zip(speeds, others, strict=True)]
@@ -230,13 +229,9 @@ def main() -> int:
         add=_add_arguments,
     )
     worlds = tuple(sorted(set(given.worlds or (QUICK_WORLDS if given.quick else WORLDS))))
-    sys.path[:] = [
-        folder for folder in sys.path if Path(folder) != Path(__file__).parent
-    ]  # this file has its name
+    sys.path[:] = [folder for folder in sys.path if Path(folder) != Path(__file__).parent]  # this file has its name
     os.environ["JAX_PLATFORMS"] = "cpu"
-    os.environ["XLA_FLAGS"] = (
-        f"--xla_force_host_platform_device_count={CORES} --xla_cpu_enable_fast_math=true"
-    )
+    os.environ["XLA_FLAGS"] = f"--xla_force_host_platform_device_count={CORES} --xla_cpu_enable_fast_math=true"
     units = [Round(k, worlds, 0.05 if given.quick else 0.25, given.seed) for k in range(-1, given.repeats)]
     try:
         rows = collect(given, units, {Timed: "rows"}).of(Timed)

@@ -236,9 +236,7 @@ class Injector:
                 event = yield
             row.continued, row.notices = True, len(self.notices)
             causes = kind.cause.split("|")
-            row.named = sum(
-                device in text and any(cause in text for cause in causes) for text in self.notices
-            )
+            row.named = sum(device in text and any(cause in text for cause in causes) for text in self.notices)
             if self.notices:
                 row.text = self.notices[0].replace(f"{self.folder.parent}/", "").replace("\n", " ")
             self._wheels.left_out = frozenset()
@@ -387,9 +385,7 @@ def fault_table(rows: Sequence[FaultRow]) -> Table:
                 "part": kind.part,
                 "fault": kind.name,
                 "faults": len(own),
-                **{
-                    outcome: len(pick(own, outcome=outcome)) for outcome in (RECOVERED, ATTEMPT_LOST, STOPPED)
-                },
+                **{outcome: len(pick(own, outcome=outcome)) for outcome in (RECOVERED, ATTEMPT_LOST, STOPPED)},
                 "until noticed (s)": extremes([row.seconds for row in own]),
                 "wheels unattended (s)": extremes([row.unattended for row in own]),
                 "moving": sum(row.moving for row in own),
@@ -437,9 +433,7 @@ def main() -> int:
     """Run the benchmark."""
     given = parse("lab_faults", __doc__, COUNT)
     kinds, pause = (KINDS[::QUICK], QUICK_PAUSE) if given.quick else (KINDS, PAUSE)
-    units = [
-        Job(f"series {number}", series, (number, kinds, given.seed, pause)) for number in range(given.series)
-    ]
+    units = [Job(f"series {number}", series, (number, kinds, given.seed, pause)) for number in range(given.series)]
     rows = collect(given, units, {FaultRow: "faults", TrainingResult: "trainings"})
     faults = rows.of(FaultRow)
     caption = "seconds until a fault is noticed, and wheels without control"

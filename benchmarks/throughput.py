@@ -61,9 +61,7 @@ def paired(rounds: int, seed: int) -> float:
     teacher, start = Teacher.of(env), perf_counter()
     shown, _ = env.reset(seed=seed)
     for _ in range(rounds):
-        shown, *_ = env.step(
-            {"teacher_0": teacher.act(shown["teacher_0"]), "learner_0": shown["learner_0"][5]}
-        )
+        shown, *_ = env.step({"teacher_0": teacher.act(shown["teacher_0"]), "learner_0": shown["learner_0"][5]})
         if not env.agents:
             shown, _ = env.reset()
     return rounds / (perf_counter() - start)
@@ -245,9 +243,7 @@ def measure(case: Case, folder: Path, size: int, seed: int, core: str) -> float:
         raise RuntimeError(f"case {case.name} failed in {folder.name}: {last}; --only measures other cases")
     value, package = done.stdout.splitlines()[-2:]
     if not Path(package).is_relative_to(folder):
-        raise RuntimeError(
-            f"case {case.name} measured the package in {package}; allowed: the one in {folder}"
-        )
+        raise RuntimeError(f"case {case.name} measured the package in {package}; allowed: the one in {folder}")
     return float(value)
 
 
@@ -324,11 +320,7 @@ def line(case: Case, size: int, pairs: Pairs, commit: str | None) -> tuple[str, 
     cells, bounds, met = [spread(now, short)], f"{sign} {short(case.goal)}", case.met(median(now), case.goal)
     if commit and case.target:
         ratios = [pair["here"] / pair[commit] for pair in pairs]
-        cells = [
-            short(median(pair[commit] for pair in pairs)),
-            short(median(now)),
-            spread(ratios, "{:.2f}".format),
-        ]
+        cells = [short(median(pair[commit] for pair in pairs)), short(median(now)), spread(ratios, "{:.2f}".format)]
         bounds, met = f"{sign} {case.target}; {bounds}", met and case.met(median(ratios), case.target)
     label = case.label.format(size) + (case.unit and f", {case.unit}")
     return label, *cells, bounds, "yes" if met else "no"
@@ -348,9 +340,7 @@ def main() -> int:
     given = parse("throughput", __doc__, count, jobs=None, add=_add_arguments)
     commit = git("rev-parse", "--short", f"{given.beside}^{{commit}}") if given.beside is not None else None
     if commit is not None and not git("ls-tree", commit, "--", PACKAGE):
-        given.refuse(
-            f"commit {given.beside!r} is unknown; allowed: one of a git clone in {ROOT}, with {PACKAGE}"
-        )
+        given.refuse(f"commit {given.beside!r} is unknown; allowed: one of a git clone in {ROOT}, with {PACKAGE}")
     only = given.only or BY_NAME
     chosen = [case for case in CASES if case.name in only and (case.target or not commit)]
     sizes = {case: case.quick if given.quick else case.size for case in chosen}

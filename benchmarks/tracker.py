@@ -41,19 +41,7 @@ from laboratory.troubles import SETUPS, Trouble, troubled_drive, troubles_table
 from numpy.typing import NDArray
 
 from khepera_forage.estimates import UNKNOWN, Estimate, Table, Value, extremes, percent, pick, table_of
-from khepera_forage.figures import (
-    COLOURS,
-    GREY,
-    OURS,
-    SMALL,
-    THESIS,
-    WIDTH,
-    entry,
-    grid,
-    legend,
-    mark,
-    new_figure,
-)
+from khepera_forage.figures import COLOURS, GREY, OURS, SMALL, THESIS, WIDTH, entry, grid, legend, mark, new_figure
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.sim.sensing import OverheadCamera
@@ -272,10 +260,7 @@ def model_table(rows: Sequence[Observation]) -> Table:
     )
     noise = Noise.laboratory()
     names = ("model, measured", "tracker on rendered frames", "threshold on rendered frames")
-    by = {
-        name: pick(rows, camera=camera)
-        for name, camera in zip(names, (MODEL, TRACKER, THRESHOLD), strict=True)
-    }
+    by = {name: pick(rows, camera=camera) for name, camera in zip(names, (MODEL, TRACKER, THRESHOLD), strict=True)}
     lines: list[dict[str, Value]] = []
 
     def add(
@@ -404,10 +389,7 @@ def frame_figure(seed: int) -> "Figure":
     for axes, title in zip((left, right), titles, strict=True):
         axes.set_title(title, fontsize=10)
         axes.set_axis_off()
-    names = {
-        "robot's marker: number of the region, holes; arrow: heading": MARKER,
-        "food: number of the region": FOOD,
-    }
+    names = {"robot's marker: number of the region, holes; arrow: heading": MARKER, "food: number of the region": FOOD}
     for name, (red, green, blue) in names.items():
         right.plot([], [], color=(red / 255, green / 255, blue / 255), lw=2, label=name)
     legend(figure, right, columns=2)
@@ -424,13 +406,7 @@ def main() -> int:
     given = parse("tracker", __doc__, *COUNTS, add=_add_arguments)
     seed, quick = given.seed, given.quick
     repeats = SPEED_REPEATS[quick]
-    tables = {
-        Observation: "observations",
-        Rate: "speeds",
-        Point: "limits",
-        Trial: "calibrations",
-        Trouble: "troubles",
-    }
+    tables = {Observation: "observations", Rate: "speeds", Point: "limits", Trial: "calibrations", Trouble: "troubles"}
     units = {
         SPEED: [Job(SPEED, speeds, (seed, SPEED_FRAMES[quick], repeats))],
         SCENES: [Job(name, single_frames, (name, seed, given.scenes)) for name in APPEARANCES],
@@ -445,11 +421,7 @@ def main() -> int:
         ],
         LENSES: [Job(f"lenses {name}", calibrations, (name, seed, given.trials)) for name in LAYOUTS],
         TROUBLES: [
-            Job(
-                f"troubles {width} x {height}, {kind}",
-                troubled_drive,
-                (width, height, kind, given.troubled, seed),
-            )
+            Job(f"troubles {width} x {height}, {kind}", troubled_drive, (width, height, kind, given.troubled, seed))
             for width, height, kind in SETUPS
         ],
     }

@@ -18,15 +18,7 @@ import numpy as np
 
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.estimates import (
-    Column,
-    Estimate,
-    Measure,
-    Table,
-    difference,
-    mean,
-    pick,
-)
+from khepera_forage.estimates import Column, Estimate, Measure, Table, difference, mean, pick
 from khepera_forage.experience import Experience
 from khepera_forage.figures import OURS, THESIS, WIDTH, legend, levels, new_figure
 from khepera_forage.lab.operator import OperatorGaveUp

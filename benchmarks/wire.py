@@ -194,11 +194,7 @@ def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Measurement]:
             if number >= 0:
                 moves = any(line.startswith((b"T,1,D", b"T,1,E", b"T,1,H")) for line in heard)
                 case, count = fleet_case(baud, robots, MOVES if moves else RESTS), len(b"".join(heard))
-                values = {
-                    "bytes": count,
-                    "on the wire": 1000 * seconds_on_wire(count, baud),
-                    "measured": taken,
-                }
+                values = {"bytes": count, "on the wire": 1000 * seconds_on_wire(count, baud), "measured": taken}
                 rows += [Measurement("rounds", case, name, value) for name, value in values.items()]
     return rows
 
@@ -257,10 +253,7 @@ def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[Measurement
     """A robot on a line with one of `DISTURBANCES`; its last round is undisturbed, and shows what remains."""
     wheels = np.random.default_rng(seed).integers(-MAX_SPEED, MAX_SPEED + 1, (rounds, 2)).tolist()
     taken, errors, lost = list[float](), list[int](), 0
-    with (
-        virtual_fleet(BAUD, 1, seed) as ((port,), _, advance, truth),
-        SerialKhepera(port.url, baud=BAUD) as robot,
-    ):
+    with virtual_fleet(BAUD, 1, seed) as ((port,), _, advance, truth), SerialKhepera(port.url, baud=BAUD) as robot:
         robot.receive()
         for number, (left, right) in enumerate(wheels, 1):
             port.faults = Faults() if number == len(wheels) else DISTURBANCES[disturbance]
@@ -329,13 +322,7 @@ def table(part: str, rows: Sequence[Measurement]) -> Table:
         values = [row.value for row in pick(own, case=case, measure=measure)]
         spread = quantiles(values)
         lines.append(
-            {
-                "case": case,
-                "measure": measure,
-                "values": len(values),
-                "median": spread,
-                "longest": max(values),
-            }
+            {"case": case, "measure": measure, "values": len(values), "median": spread, "longest": max(values)}
         )
     note = f"{PARTS[part]} Median [5th, 95th percentile], and the longest; times in ms."
     return table_of(part, part.capitalize(), note, lines)

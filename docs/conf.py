@@ -22,17 +22,13 @@ extensions = [
     "site_extension",
 ]
 exclude_patterns = ["api/modules.rst"]
-os.environ["SPHINX_APIDOC_OPTIONS"] = (
-    "members,show-inheritance,ignore-module-all"  # read by sphinx.ext.apidoc
-)
+os.environ["SPHINX_APIDOC_OPTIONS"] = "members,show-inheritance,ignore-module-all"  # read by sphinx.ext.apidoc
 apidoc_modules = [
     {
         "path": "../khepera_forage",
         "destination": "api",
         # The commands have a page of their own; nobody calls the compiler.
-        "exclude_patterns": [
-            f"../khepera_forage/{name}" for name in ("cli", "__main__.py", "compilation.py")
-        ],
+        "exclude_patterns": [f"../khepera_forage/{name}" for name in ("cli", "__main__.py", "compilation.py")],
     }
 ]
 apidoc_module_first = True
@@ -64,9 +60,7 @@ autodoc_typehints_format = "short"
 autodoc_mock_imports = ["stable_baselines3"]  # 2 GB, for one base class
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
-napoleon_custom_sections = [
-    ("Attributes", "params_style")
-]  # without types, which the signature of the class has
+napoleon_custom_sections = [("Attributes", "params_style")]  # without types, which the signature of the class has
 napoleon_attr_annotations = False
 python_maximum_signature_line_length = 100
 toc_object_entries_show_parents = "hide"

@@ -56,9 +56,7 @@ def noise_table(_: str) -> str:
         if isinstance(field, ast.AnnAssign) and isinstance(text, ast.Expr)
     }
     lines = ["| field | laboratory | meaning and source |", "|---|---:|---|"]
-    return "\n".join(
-        lines + [f"| `{each.name}` | {each.default} | {texts[each.name]} |" for each in fields(Noise)]
-    )
+    return "\n".join(lines + [f"| `{each.name}` | {each.default} | {texts[each.name]} |" for each in fields(Noise)])
 
 
 GENERATORS = {"docstring": lambda name: inspect.getdoc(locate(name)) or "", "noise": noise_table}

@@ -50,9 +50,7 @@ def replicate(number: int, recalls: int, seed: np.random.SeedSequence) -> list[R
             imitator = NearestNeighbourImitator(env.diagonal).fit(vectors, behaviours)
             # The same places after each amount, so that only the experience differs.
             for one in recall_seed.generate_state(recalls).tolist():
-                row = recall(
-                    env, imitator, one, replication=number, episodes=amount, experience_size=len(vectors)
-                )
+                row = recall(env, imitator, one, replication=number, episodes=amount, experience_size=len(vectors))
                 rows.append(row)
     return rows
 
@@ -89,15 +87,9 @@ def main(given: list[str] | None = None) -> list[RecallRow]:
     """Train and recall, write rows and figure, and print a line for each amount of training."""
     parser = OneLineParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("--replications", type=whole_number(1), default=10, help="(10)")
-    parser.add_argument(
-        "--recalls", type=whole_number(1), default=10, help="after each amount and arena (10)"
-    )
-    parser.add_argument(
-        "--seed", type=whole_number(0), default=0, help="the same seed gives the same rows (0)"
-    )
-    parser.add_argument(
-        "--out", type=given_path, default=Path("results/imitation"), help="(results/imitation)"
-    )
+    parser.add_argument("--recalls", type=whole_number(1), default=10, help="after each amount and arena (10)")
+    parser.add_argument("--seed", type=whole_number(0), default=0, help="the same seed gives the same rows (0)")
+    parser.add_argument("--out", type=given_path, default=Path("results/imitation"), help="(results/imitation)")
     arguments = parser.parse_args(given)
     seeds = np.random.SeedSequence(arguments.seed).spawn(arguments.replications)
     rows: list[RecallRow] = []

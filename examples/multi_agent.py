@@ -144,9 +144,7 @@ def main(given: list[str] | None = None) -> tuple[Result, Result]:
     results.append(measure(agent, arguments.evaluations, arguments.seed))
     for when, (delivered, complete, rounds) in zip(("before", "after"), results, strict=True):
         food = ", ".join(f"{agent} {count}" for agent, count in delivered.items())
-        print(
-            f"{when:6} {arguments.evaluations} episodes: food {food}; {complete} complete, {rounds:.0f} rounds"
-        )
+        print(f"{when:6} {arguments.evaluations} episodes: food {food}; {complete} complete, {rounds:.0f} rounds")
     return results[0], results[1]
 
 

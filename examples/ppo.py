@@ -192,9 +192,7 @@ def final_values(agent: Agent, info: dict[str, Any], cut: NDArray[np.bool_]) -> 
     return found
 
 
-def estimate(
-    rewards: Tensor, ends: Tensor, values: Tensor, next_value: Tensor, arguments: Arguments
-) -> Tensor:
+def estimate(rewards: Tensor, ends: Tensor, values: Tensor, next_value: Tensor, arguments: Arguments) -> Tensor:
     """Generalized advantage estimation (Schulman et al. 2016), backwards in time."""
     advantages = torch.zeros_like(rewards)
     advantage = torch.zeros_like(next_value)

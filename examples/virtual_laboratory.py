@@ -74,12 +74,8 @@ def main(given: list[str] | None = None) -> None:
     parser.add_argument("--lab", type=given_path, help="lab.toml of real robots (the virtual laboratory)")
     parser.add_argument("--episodes", type=whole_number(1), default=5, help="of training (5)")
     parser.add_argument("--recalls", type=whole_number(1), default=10, help="(10)")
-    parser.add_argument(
-        "--seed", type=whole_number(0), default=0, help="of the places and of the learner (0)"
-    )
-    parser.add_argument(
-        "--out", type=given_path, default=Path("results/laboratory"), help="(results/laboratory)"
-    )
+    parser.add_argument("--seed", type=whole_number(0), default=0, help="of the places and of the learner (0)")
+    parser.add_argument("--out", type=given_path, default=Path("results/laboratory"), help="(results/laboratory)")
     arguments = parser.parse_args(given)
     if list(arguments.out.glob("g*.csv")):
         parser.error(f"{arguments.out} has experience files; allowed: another --out")

@@ -19,8 +19,6 @@ def renamed(module: str, name: str, new: Mapping[str, Any]) -> Any:
     if name not in new:
         raise AttributeError(f"module {module!r} has no attribute {name!r}")
     warnings.warn(
-        f"{name} is now {new[name].__name__}; the old name goes with the next version",
-        DeprecationWarning,
-        stacklevel=3,
+        f"{name} is now {new[name].__name__}; the old name goes with the next version", DeprecationWarning, stacklevel=3
     )
     return new[name]

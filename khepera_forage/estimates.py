@@ -58,9 +58,7 @@ def replications(*groups: Iterable[Replicated]) -> list[int]:
     return sorted({row.replication for rows in groups for row in rows})
 
 
-def sums_by_replication(
-    rows: Iterable[RowT], numbers: Sequence[int], *measures: Callable[[RowT], float]
-) -> Floats:
+def sums_by_replication(rows: Iterable[RowT], numbers: Sequence[int], *measures: Callable[[RowT], float]) -> Floats:
     """Sums over the rows of each replication: a line for each of the replications, and a column for each measure."""
     rows = list(rows)
     line = {number: i for i, number in enumerate(numbers)}
@@ -240,10 +238,7 @@ class Table:
         numeric, lines = self._page_lines()
         most = width // 2
         lines = [
-            [
-                c if right or len(c) <= most else f"{c[: most - 1]}…"
-                for c, right in zip(line, numeric, strict=True)
-            ]
+            [c if right or len(c) <= most else f"{c[: most - 1]}…" for c, right in zip(line, numeric, strict=True)]
             for line in lines
         ]
         widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]

@@ -35,6 +35,4 @@ def require(what: str, *extras: str, otherwise: str = "") -> None:
     modules = [module for extra in extras for module in EXTRAS[extra] if find_spec(module) is None]
     if modules:
         needed = ",".join(extra for extra in extras if set(EXTRAS[extra]) & set(modules))
-        raise MissingExtraError(
-            f"{what} needs {', '.join(modules)}: pip install 'khepera-forage[{needed}]'{otherwise}"
-        )
+        raise MissingExtraError(f"{what} needs {', '.join(modules)}: pip install 'khepera-forage[{needed}]'{otherwise}")

@@ -54,13 +54,7 @@ def save(figure: "Figure", path: Path) -> None:
 
 
 def mark(
-    axes: "Axes",
-    x: float,
-    y: float,
-    estimate: Estimate,
-    colour: str,
-    level: bool = False,
-    marker: str = "o",
+    axes: "Axes", x: float, y: float, estimate: Estimate, colour: str, level: bool = False, marker: str = "o"
 ) -> None:
     """Draw an estimate as a marker with its interval as a bar, vertical or `level`."""
     if not math.isfinite(estimate.value):

@@ -41,9 +41,7 @@ def real_number(above: float, most: float, unit: str) -> Callable[[str], float]:
         except ValueError:
             value = math.nan
         if not above < value <= most:
-            raise argparse.ArgumentTypeError(
-                f"{text!r}; allowed: more than {above:g}, at most {most:g} {unit}"
-            )
+            raise argparse.ArgumentTypeError(f"{text!r}; allowed: more than {above:g}, at most {most:g} {unit}")
         return value
 
     return read

@@ -120,9 +120,7 @@ def parse(
     return completed(parser.parse_args(given), *counts)
 
 
-def add_study_arguments(
-    parser: argparse.ArgumentParser, name: str, *counts: Count, jobs: int | None = -1
-) -> None:
+def add_study_arguments(parser: argparse.ArgumentParser, name: str, *counts: Count, jobs: int | None = -1) -> None:
     """Add `--seed`, `--out`, `--quick`, `--jobs`, `--fresh` and the counts, with a study's name as in `parse`."""
     out = f"results/{name}"
     add = parser.add_argument
@@ -159,9 +157,7 @@ def command_line() -> str:
     program, *arguments = sys.argv
     script = Path(program).resolve()
     benchmark = ["python", f"benchmarks/{script.name}"]
-    return shlex.join(
-        [*(benchmark if script.parent.name == "benchmarks" else ["khepera-forage"]), *arguments]
-    )
+    return shlex.join([*(benchmark if script.parent.name == "benchmarks" else ["khepera-forage"]), *arguments])
 
 
 class WorkUnit(Protocol):
@@ -222,12 +218,7 @@ class RowStore:
     """
 
     def __init__(
-        self,
-        folder: Path,
-        tables: Tables,
-        settings: Mapping[str, str],
-        fresh: bool = False,
-        file: str = UNITS,
+        self, folder: Path, tables: Tables, settings: Mapping[str, str], fresh: bool = False, file: str = UNITS
     ) -> None:
         self._folder, self._tables = folder, tables
         self.finished: dict[str, list[Any]] = {}

@@ -43,9 +43,7 @@ def naming(path: Path | str) -> Iterator[None]:
         raise ValueError(f"{path}: {error}") from None
 
 
-def table(
-    key: str, value: Any, readers: Mapping[str, Reader], required: Sequence[str] = ()
-) -> dict[str, Any]:
+def table(key: str, value: Any, readers: Mapping[str, Reader], required: Sequence[str] = ()) -> dict[str, Any]:
     """The checked values of the keys that a table has.
 
     Args:

@@ -35,9 +35,7 @@ class ActionRepeat(gym.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
 
     def __init__(self, env: gym.Env[Any, Any], rounds: int = ROUNDS) -> None:
         if isinstance(env, VectorEnv):
-            raise ValueError(
-                f"env is {env!r}; allowed: a single environment (VectorActionRepeat is for many)"
-            )
+            raise ValueError(f"env is {env!r}; allowed: a single environment (VectorActionRepeat is for many)")
         RecordConstructorArgs.__init__(self, rounds=rounds)
         super().__init__(env)
         self.rounds = whole_number("rounds", rounds, 1)

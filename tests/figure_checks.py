@@ -72,9 +72,7 @@ def check_shading_is_explained(figure: Figure) -> None:
     for area in shaded:
         assert isinstance(area, PolyCollection)
         colours = np.asarray(area.get_facecolor()).reshape(-1, 4)
-        assert {(red, green, blue) for red, green, blue, _ in colours.tolist()} <= explained, (
-            f"no legend for {colours}"
-        )
+        assert {(red, green, blue) for red, green, blue, _ in colours.tolist()} <= explained, f"no legend for {colours}"
 
 
 _AREAS = ("FillBetweenPolyCollection", "PolyCollection")
@@ -83,12 +81,8 @@ _AREAS = ("FillBetweenPolyCollection", "PolyCollection")
 
 def check_points_are_shown(axes: Axes) -> None:
     """All marks lie inside the limits of the axes."""
-    points = [
-        np.column_stack(line.get_data()) for line in axes.lines if line.get_marker() not in ("", "None", None)
-    ]
-    points += [
-        np.asarray(dots.get_offsets()) for dots in axes.collections if isinstance(dots, PathCollection)
-    ]
+    points = [np.column_stack(line.get_data()) for line in axes.lines if line.get_marker() not in ("", "None", None)]
+    points += [np.asarray(dots.get_offsets()) for dots in axes.collections if isinstance(dots, PathCollection)]
     x_limits, y_limits = sorted(axes.get_xlim()), sorted(axes.get_ylim())
     for found in points:
         known = np.asarray(found, dtype=float)[np.isfinite(np.asarray(found, dtype=float)).all(axis=1)]

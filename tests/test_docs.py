@@ -25,9 +25,7 @@ from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.task.decisions import markdown_table
 
 DOCS = Path(__file__).parent.parent / "docs"
-PAGES = {
-    path.relative_to(DOCS).as_posix(): path.read_text(encoding="utf-8") for path in sorted(DOCS.rglob("*.md"))
-}
+PAGES = {path.relative_to(DOCS).as_posix(): path.read_text(encoding="utf-8") for path in sorted(DOCS.rglob("*.md"))}
 LEARNER_PAGE = PAGES["plug_in_a_learner.md"]
 INDEX = "index.md"
 INCLUDED = {"contributing.md", "changelog.md"}
@@ -81,9 +79,7 @@ def test_blocks_of_decisions_page_run(show: Show) -> None:
     assert "next_to_food=22.0" in parsed
 
 
-def test_getting_started_page_shows_what_its_reader_will_see(
-    show: Show, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_getting_started_page_shows_what_its_reader_will_see(show: Show, capsys: pytest.CaptureFixture[str]) -> None:
     shell = "\n".join(re.findall(r"```sh\n(.*?)```", PAGES["getting_started.md"], flags=re.DOTALL))
     lines = [line for line in shell.splitlines() if re.match("khepera-forage (train|recall) ", line)]
     assert len(lines) == 4
@@ -98,9 +94,7 @@ def test_getting_started_page_shows_what_its_reader_will_see(
 
 
 def test_examples_of_environments_page_run_alone(show: Show) -> None:
-    (forage, food), (paired, _), (decided, changes), (compiled, _) = (
-        show("environments.md", i) for i in range(4)
-    )
+    (forage, food), (paired, _), (decided, changes), (compiled, _) = (show("environments.md", i) for i in range(4))
     assert forage["terminated"]
     assert "food 1" in food
     assert 0 <= paired["imitator"].act((0, 60, 0, 215, 40), np.random.default_rng(0)) <= 9
@@ -160,9 +154,7 @@ def test_arenas_page_has_the_family_and_the_difficulties() -> None:
         ranges = (difficulty.notches, difficulty.partitions, difficulty.blocks)
         texts = [f"{low}-{high}" if low < high else f"{low}" for low, high in ranges]
         assert counts == [*texts, str(difficulty.most_walls), str(difficulty.foods)]
-        shares = [
-            f"{share:.0%} {food.lower()}".replace("%", " %") for food, share in difficulty.food_types.items()
-        ]
+        shares = [f"{share:.0%} {food.lower()}".replace("%", " %") for food, share in difficulty.food_types.items()]
         assert types == ", ".join(shares).replace("100 % ", "")
         assert (float(noise), int(limit)) == (difficulty.noise, difficulty.limit)
 
@@ -218,9 +210,7 @@ COMMANDS = [
 
 
 @pytest.mark.parametrize(("page", "command"), COMMANDS)
-def test_command_of_page_and_its_options_exist(
-    page: str, command: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_command_of_page_and_its_options_exist(page: str, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def parse_only(parser: OneLineParser, *args: Any) -> None:
         argparse.ArgumentParser.parse_args(parser, *args)
         parser.exit()
@@ -247,9 +237,7 @@ def test_link_leads_to_a_file_and_heading(page: str, link: str) -> None:
         assert heading in {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}, link
 
 
-@pytest.mark.parametrize(
-    "page", [page for page in PAGES if "/" not in page and page not in {*INCLUDED, INDEX}]
-)
+@pytest.mark.parametrize("page", [page for page in PAGES if "/" not in page and page not in {*INCLUDED, INDEX}])
 def test_page_begins_with_what_its_reader_can_do(page: str) -> None:
     assert "\n\nAfter reading this page you can " in PAGES[page][:200], page
 

@@ -49,9 +49,7 @@ def bare(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         ("camera markers --out markers.png", "render"),
     ],
 )
-def test_command_says_at_once_what_to_install(
-    command: str, extras: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_command_says_at_once_what_to_install(command: str, extras: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(command.split()) == 2
     error = capsys.readouterr().err
     assert f"pip install 'khepera-forage[{extras}]'" in error
@@ -118,6 +116,4 @@ def test_every_module_of_the_wheel_imports_or_says_what_to_install(wheel: Path, 
     assert place.startswith(str(installed))
     assert 0 < len(refused) < 60
     for line in refused:
-        assert "pip install 'khepera-forage[" in line or any(
-            name in line for name in ("pygame", "cv2", "toio")
-        ), line
+        assert "pip install 'khepera-forage[" in line or any(name in line for name in ("pygame", "cv2", "toio")), line

@@ -41,9 +41,7 @@ def test_every_page_is_two_clicks_from_the_index() -> None:
 @pytest.mark.parametrize("notebook", sorted((DOCS / "notebooks").glob("*.md")), ids=lambda path: path.stem)
 def test_cells_of_notebook_are_python(notebook: Path) -> None:
     assert PAGES[notebook].startswith("---\nkernelspec:\n  name: python3\n")
-    cells = re.findall(
-        r"```\{code-cell\} ipython3\n(?::[^\n]*\n\n)?(.*?)```", PAGES[notebook], flags=re.DOTALL
-    )
+    cells = re.findall(r"```\{code-cell\} ipython3\n(?::[^\n]*\n\n)?(.*?)```", PAGES[notebook], flags=re.DOTALL)
     assert len(cells) >= 4
     for cell in cells:
         compile(cell, notebook.name, "exec")

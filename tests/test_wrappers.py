@@ -92,9 +92,7 @@ def test_reports_of_inner_wrappers_are_kept_in_whichever_round_they_come(mode: s
     held = VectorActionRepeat(RecordEpisodeStatistics(vector(mode)), rounds=3)
     held.reset(seed=4)
     held.env.step(np.zeros(WORLDS, np.int64))
-    held.reset(
-        options={"reset_mask": np.array([True, False, False])}
-    )  # the first world is now one round behind
+    held.reset(options={"reset_mask": np.array([True, False, False])})  # the first world is now one round behind
     ends, reported = np.zeros(WORLDS, np.int64), np.zeros(WORLDS, np.int64)
     for _ in range(2 * LIMIT):
         _, _, terminated, truncated, info = held.step(np.zeros(WORLDS, np.int64))

@@ -100,9 +100,7 @@ TABLES = {TrainingEpisode: "trainings", RecallEpisode: "recalls"}
 
 SCORE = Measure[RecallEpisode]("score (%)", lambda row: row.score)
 AGREEMENT = Measure[RecallEpisode]("steps as the teacher (%)", lambda row: 100 * row.correct / row.steps)
-DELIVERED = Measure[RecallEpisode](
-    "food delivered (%)", lambda row: 100 * row.delivered, lambda row: row.foods
-)
+DELIVERED = Measure[RecallEpisode]("food delivered (%)", lambda row: 100 * row.delivered, lambda row: row.foods)
 SETTLED = Measure[RecallEpisode](
     "food settled (%)", lambda row: 100 * (row.delivered + row.avoided), lambda row: row.foods
 )
@@ -115,9 +113,7 @@ DISTINCT = Measure[RecallEpisode]("different experience vectors", lambda row: ro
 ATTEMPTS = Measure[TrainingEpisode]("attempts an episode", lambda row: row.attempts, digits=2)
 ROUNDS = Measure[TrainingEpisode]("rounds of a complete episode", lambda row: row.rounds)
 WAITED = Measure[TrainingEpisode]("rounds spent waiting", lambda row: row.rounds - row.vectors)
-SEPARATIONS = Measure[TrainingEpisode](
-    "separations a learner", lambda row: row.separations / row.amount, digits=2
-)
+SEPARATIONS = Measure[TrainingEpisode]("separations a learner", lambda row: row.separations / row.amount, digits=2)
 TRUE = Measure[TrainingEpisode](
     "vectors with the teacher's behaviour (%)", lambda row: 100.0 * row.true, lambda row: row.vectors
 )
@@ -140,9 +136,7 @@ def spent(state: State) -> Measure[RecallEpisode]:
 
 def wrong(state: State) -> Measure[RecallEpisode]:
     """Steps in a state in which the teacher would have acted differently, as a share of all steps in the state."""
-    return Measure(
-        "wrong (%)", lambda row: 100.0 * row.wrong_by_state[state], lambda row: row.rounds_by_state[state]
-    )
+    return Measure("wrong (%)", lambda row: 100.0 * row.wrong_by_state[state], lambda row: row.rounds_by_state[state])
 
 
 def at(rows: Sequence[RecallEpisode], place: str) -> list[RecallEpisode]:
@@ -250,9 +244,7 @@ def train_files(
         )
 
 
-def thesis_files(
-    trial: Trial, env: TrainingEnv | None = None
-) -> tuple[list[Experience], list[TrainingEpisode]]:
+def thesis_files(trial: Trial, env: TrainingEnv | None = None) -> tuple[list[Experience], list[TrainingEpisode]]:
     """As many training episodes as the size says, with the set-up of figure 5.1."""
     trained = list(train_files(env or trial.env(), trial, trial.seeds(trial.size.files)))
     return [experience for experience, _ in trained], [row for _, row in trained]
@@ -358,16 +350,12 @@ class Analysis:
         effect = self.difference(rows, others, measure)
         return claim(name, effect, rule, unit or UNITS.get(measure.name, points))
 
-    def recall_table(
-        self, note: str, measures: Sequence[Measure[RecallEpisode]], amount: str = "episodes"
-    ) -> Table:
+    def recall_table(self, note: str, measures: Sequence[Measure[RecallEpisode]], amount: str = "episodes") -> Table:
         """Means by condition, arena and amount."""
         by = {"condition": "condition", "arena": "arena", "amount": amount}
         return means_table("recalls", "Recall", note, by, self.recalls, measures, self.rng)
 
-    def training_table(
-        self, note: str, measures: Sequence[Measure[TrainingEpisode]], amount: str = "files"
-    ) -> Table:
+    def training_table(self, note: str, measures: Sequence[Measure[TrainingEpisode]], amount: str = "files") -> Table:
         """Means by condition and amount."""
         by = {"condition": "condition", "amount": amount}
         return means_table("trainings", "Training", note, by, self.trainings, measures, self.rng)

@@ -81,9 +81,7 @@ class LearnedBehaviours:
         self._ensembles = {}
         for behaviour in np.unique(labels).tolist():
             own = labels == behaviour
-            forest = ExtraTreesRegressor(self.trees, random_state=self.random_state).fit(
-                rows[own], commands[own]
-            )
+            forest = ExtraTreesRegressor(self.trees, random_state=self.random_state).fit(rows[own], commands[own])
             self._ensembles[behaviour] = [estimator.tree_ for estimator in forest.estimators_]
         return self
 

@@ -16,15 +16,7 @@ from khepera_forage.policies import ClassifierPolicy, Observation, Policy, Teach
 from khepera_forage.policies.policy import state_vector_of
 from khepera_forage.rollouts.training import arrays
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import (
-    BEHAVIOURS,
-    Behaviour,
-    FoodType,
-    StateVector,
-    behaviour_for,
-    classify,
-    is_raised,
-)
+from khepera_forage.task.states import BEHAVIOURS, Behaviour, FoodType, StateVector, behaviour_for, classify, is_raised
 from khepera_forage.thesis.claims import Claim, within
 
 if TYPE_CHECKING:
@@ -77,10 +69,7 @@ def report_weights(found: fw.Analysis) -> fw.Report:
     """Whether weights solve area 1, and their effect on the whole task."""
     last = max(found.amounts)
     note = "Noise of the laboratory; the same training files and the same recalls for all weights."
-    tables = (
-        found.recall_table(note, (fw.SCORE, fw.DELIVERED, fw.STEPS)),
-        found.places_table(last),
-    )
+    tables = (found.recall_table(note, (fw.SCORE, fw.DELIVERED, fw.STEPS)), found.places_table(last))
     return list(_weight_claims(found, last)), tables, _weight_figure(found, last)
 
 
@@ -136,9 +125,7 @@ def _weight_claims(found: fw.Analysis, last: int) -> Iterator[Claim]:
         yield found.compared(statement, further, equal, fw.DELIVERED)
     for name in TESTED:
         further, about = (rows(name, place=place) for place in (fw.FURTHER, fw.ABOUT))
-        statement = (
-            f"corridor: with {name} food further out is delivered as often as where it lay in training"
-        )
+        statement = f"corridor: with {name} food further out is delivered as often as where it lay in training"
         yield found.compared(statement, further, about, fw.DELIVERED, within(SAME))
     for arena in fw.ARENAS:
         for name in TESTED:

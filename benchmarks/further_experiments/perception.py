@@ -166,9 +166,7 @@ def report_vectors(found: fw.Analysis) -> fw.Report:
         fw.curves(axes[i], found, rows, fw.SCORE, fw.EPISODES, arena)
         fw.curves(axes[2 + i], found, rows, fw.DELIVERED, fw.EPISODES, arena)
         shown = {
-            state.name.replace("_", " ").lower(): [
-                found.mean(some, fw.wrong(state)) for some in own[arena].values()
-            ]
+            state.name.replace("_", " ").lower(): [found.mean(some, fw.wrong(state)) for some in own[arena].values()]
             for state in fw.occurring(pick(rows, amount=last))
         }
         levels(axes[4 + i], shown, f"wrong steps (%), {arena}", (OLD, NEW))
@@ -176,9 +174,7 @@ def report_vectors(found: fw.Analysis) -> fw.Report:
     axes[5].set_yticklabels([])
     legend(figure, axes[0], fw.INTERVALS)
     claims = [
-        found.compared(
-            f"{arena}: the redesigned vector {verb} more", own[arena][NEW], own[arena][OLD], measure
-        )
+        found.compared(f"{arena}: the redesigned vector {verb} more", own[arena][NEW], own[arena][OLD], measure)
         for arena in fw.ARENAS
         for measure, verb in ((fw.SCORE, "scores"), (fw.DELIVERED, "delivers"))
     ]
@@ -275,11 +271,7 @@ def run_actions(trial: fw.Trial) -> list[fw.Row]:
         for amount, behaviours in learned.items():
             own.command = behaviours.command
             program = fw.imitator(files[:amount], given.diagonal)
-            for what, alone, policy in (
-                (PROGRAM, given, program),
-                (BEHAVIOURS, own, teacher),
-                (BOTH, own, program),
-            ):
+            for what, alone, policy in ((PROGRAM, given, program), (BEHAVIOURS, own, teacher), (BOTH, own, program)):
                 condition = f"{trial.condition}: {what}"
                 rows += fw.recall_all(alone, policy, trial, amount, files[:amount], condition)
     return rows
@@ -314,9 +306,7 @@ def report_actions(found: fw.Analysis) -> fw.Report:
             (fw.spent,),
         ),
     )
-    figure, axes = panels(
-        4, "Action level: food delivered with a learned program, learned behaviours, and both"
-    )
+    figure, axes = panels(4, "Action level: food delivered with a learned program, learned behaviours, and both")
     for i, setup in enumerate((ONE, ALL)):
         for j, arena in enumerate(fw.ARENAS):
             own = [

@@ -196,9 +196,7 @@ def report_person(found: fw.Analysis) -> fw.Report:
     tables = (
         found.recall_table(note, (fw.SCORE, fw.AGREEMENT, fw.DELIVERED, fw.VECTORS, fw.DISTINCT), "delay"),
         found.training_table(
-            "The last column refers to the learner's own state vectors.",
-            (fw.ATTEMPTS, fw.ROUNDS, fw.TRUE),
-            "delay",
+            "The last column refers to the learner's own state vectors.", (fw.ATTEMPTS, fw.ROUNDS, fw.TRUE), "delay"
         ),
     )
     figure, axes = panels(4, "A simulated person as the teacher: late, and with wrong keys")
@@ -255,9 +253,7 @@ NOISES = {
     ),
 }
 """Robots separate under the second one only (5.3.1): it loses markers ten times as often, and ten times as long."""
-COST = Measure[fw.TrainingEpisode](
-    "rounds of all attempts, by learners", lambda row: row.all_rounds / row.amount
-)
+COST = Measure[fw.TrainingEpisode]("rounds of all attempts, by learners", lambda row: row.all_rounds / row.amount)
 
 
 def run_together(trial: fw.Trial) -> list[fw.Row]:

@@ -11,16 +11,7 @@ import further_experiments.common as fw
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import FoodOdds, checked_arena, timing_of
 from khepera_forage.envs.layouts import random_layout
-from khepera_forage.estimates import (
-    MIN_REPLICATIONS,
-    UNKNOWN,
-    Estimate,
-    Sample,
-    combined,
-    percent,
-    pick,
-    replications,
-)
+from khepera_forage.estimates import MIN_REPLICATIONS, UNKNOWN, Estimate, Sample, combined, percent, pick, replications
 from khepera_forage.experience import Experience
 from khepera_forage.figures import legend, levels, panels
 from khepera_forage.policies import Teacher

@@ -128,18 +128,14 @@ class Capture:
 
 def write_lab_file(folder: Path) -> Path:
     """Write a `lab.toml` with three robots and a camera."""
-    robots = "".join(
-        f'[[robots]]\nport = "port_{i}"\noffset = [{x}, {y}]\n' for i, (x, y) in enumerate(_OFFSETS)
-    )
+    robots = "".join(f'[[robots]]\nport = "port_{i}"\noffset = [{x}, {y}]\n' for i, (x, y) in enumerate(_OFFSETS))
     path = folder / "lab.toml"
     path.write_text(f"[camera]\nsource = {_DEVICE}\n{robots}", encoding="utf-8")
     return path
 
 
 @contextmanager
-def laboratory(
-    path: Path, operator: Operator, seed: int
-) -> Iterator[tuple[VirtualLaboratory, VirtualCamera]]:
+def laboratory(path: Path, operator: Operator, seed: int) -> Iterator[tuple[VirtualLaboratory, VirtualCamera]]:
     """The laboratory of a `lab.toml`, with the drivers, video source and tracker of real robots.
 
     The operator places the simulated bodies, and repairs what is lost; the seed is that of the faults of the lines.
@@ -218,9 +214,7 @@ def begin_soon(kind: Kind, target: Target) -> Repair:
 def _nothing() -> None: ...
 
 
-def _changed(
-    of: Callable[[Target], object], name: str, value: object, usual: object
-) -> Callable[[Target], Repair]:
+def _changed(of: Callable[[Target], object], name: str, value: object, usual: object) -> Callable[[Target], Repair]:
     """A fault that sets an attribute, and whose repair sets it to its usual value."""
 
     def begin(target: Target) -> Repair:

@@ -84,9 +84,7 @@ class ObservedTraining(TrainingEnv):
         self.attempts.append(ObservedAttempt(seed))
         super().reset(seed, options)
         self._true = []
-        for body, arena, told in zip(
-            self._lab.simulation.robots, self._lab.arenas, self.foragers, strict=True
-        ):
+        for body, arena, told in zip(self._lab.simulation.robots, self._lab.arenas, self.foragers, strict=True):
             arena_map = arena_map_of(arena)
             food = known_food(arena.foods)
             draw_food_types(food.objects, 0, food_odds(None))

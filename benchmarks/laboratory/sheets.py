@@ -81,9 +81,7 @@ class Scene:
         middle = (np.array(sheet.shape[::-1]) - 1) / 2
         degrees = math.degrees(heading - turn) - 90
         warp = cv2.getRotationMatrix2D(middle.tolist(), degrees, fine * ratio * self.scale)
-        warp = np.column_stack(
-            (warp[:, :2], warp[:, 2] + np.array((u - left, v - top)) * fine - 0.5 - middle)
-        )
+        warp = np.column_stack((warp[:, :2], warp[:, 2] + np.array((u - left, v - top)) * fine - 0.5 - middle))
         mask = cv2.warpAffine(np.full_like(sheet, 255), warp, (fine * size,) * 2, flags=cv2.INTER_NEAREST)
         drawn = np.where(mask > 0, cv2.warpAffine(sheet, warp, (fine * size,) * 2), 0).astype(np.float32)
         share = cv2.resize(mask, (size, size), interpolation=cv2.INTER_AREA) / np.float32(255)

@@ -21,13 +21,7 @@ from laboratory.sheets import Scene, grid_sheet, tag_sheet
 Frame = NDArray[np.uint8]
 _WIDE = 3200.0
 """mm of the floor across the picture."""
-SETUPS = (
-    (640, 480, "holes"),
-    (1280, 720, "holes"),
-    (1280, 720, "tags"),
-    (1920, 1080, "holes"),
-    (1920, 1080, "tags"),
-)
+SETUPS = ((640, 480, "holes"), (1280, 720, "holes"), (1280, 720, "tags"), (1920, 1080, "holes"), (1920, 1080, "tags"))
 """Width, height and kind of markers."""
 _ROBOTS, _CIRCLE, _STEP = (1, 2), 420.0, 0.04
 """Numbers of the robots, radius of their circles in mm, and radians from one frame to the next: 17 mm."""
@@ -100,9 +94,7 @@ def _troubled_frame(
         x = 800.0 + 1600 * i + _CIRCLE * math.cos(angle)
         y = height / scale / 2 + _CIRCLE * math.sin(angle)
         poses[robot] = x, y, angle + math.pi / 2
-        scene.put(
-            tag_sheet(robot, 100.0) if markers == "tags" else grid_sheet(robot, thesis=True), poses[robot]
-        )
+        scene.put(tag_sheet(robot, 100.0) if markers == "tags" else grid_sheet(robot, thesis=True), poses[robot])
     trouble = _TROUBLES[int(rng.integers(len(_TROUBLES)))] if number % 2 else ""
     x, y, _ = poses[int(rng.choice(_ROBOTS))]
     u, v = scale * (x + rng.uniform(-60, 60)), height - scale * (y + rng.uniform(-60, 60))

@@ -8,15 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from khepera_forage.cli.options import (
-    ARENA_FILES,
-    Group,
-    check_ending,
-    command,
-    option,
-    out,
-    refuse_ignored,
-)
+from khepera_forage.cli.options import ARENA_FILES, Group, check_ending, command, option, out, refuse_ignored
 from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.arguments import checked_arena, set_up_of
 from khepera_forage.envs.rendering import palette
@@ -78,9 +70,7 @@ def list_command(arguments: argparse.Namespace) -> None:
     for name, difficulty in DIFFICULTIES.items():
         (short, long), (narrow, wide) = difficulty.length, difficulty.width
         size = f"{short} x {narrow} to {long} x {wide}"
-        print(
-            f"{name:15} {size:24} {f'<={difficulty.most_walls}':>6} {difficulty.foods:5d} {difficulty.limit:7d}"
-        )
+        print(f"{name:15} {size:24} {f'<={difficulty.most_walls}':>6} {difficulty.foods:5d} {difficulty.limit:7d}")
 
 
 @command(*_CHOICE, out("arena.png", "picture, whose name ends in .png"))
@@ -105,10 +95,7 @@ def show_command(arguments: argparse.Namespace) -> int:
     return 0
 
 
-@command(
-    *_CHOICE,
-    option("file", f"name of the new file, which ends in {ARENA_FILES}", given_path, "FILE"),
-)
+@command(*_CHOICE, option("file", f"name of the new file, which ends in {ARENA_FILES}", given_path, "FILE"))
 def write_command(arguments: argparse.Namespace) -> None:
     """Write an arena to a file, to change it."""
     path: Path = arguments.file
@@ -131,9 +118,7 @@ def _chosen_plan(arguments: argparse.Namespace) -> ArenaPlan:
         return ArenaPlan.of(named_arena(name, set_up_of(DEFAULT_DECISIONS)))
     if name.endswith(ARENA_FILES):
         return read_plan(name)
-    raise ValueError(
-        f"arena is {name!r}; allowed: {', '.join(ARENAS)}, {PROCEDURAL}, or a file *{ARENA_FILES}"
-    )
+    raise ValueError(f"arena is {name!r}; allowed: {', '.join(ARENAS)}, {PROCEDURAL}, or a file *{ARENA_FILES}")
 
 
 def _limit(arguments: argparse.Namespace, arena: Arena) -> int:

@@ -52,9 +52,7 @@ def _size(text: str) -> tuple[int, int]:
     return int(width), int(height)
 
 
-def open_source(
-    arguments: argparse.Namespace, paced: bool, size: tuple[int, int] | None = None
-) -> "FrameSource":
+def open_source(arguments: argparse.Namespace, paced: bool, size: tuple[int, int] | None = None) -> "FrameSource":
     """The picture source of `--source`, which keeps real time if it is `paced`; `size` is that without `--size`."""
     require("khepera-forage camera", "camera")
     if arguments.source == VIRTUAL:
@@ -223,9 +221,7 @@ def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequen
     if not math.isnan(root_mean_square(fit.held_out)):
         print(f"held-out error {summary(fit.held_out)}: each point by the calibration from all others")
     else:
-        print(
-            "held-out error unknown, because four points always fit: give at least five to measure the error"
-        )
+        print("held-out error unknown, because four points always fit: give at least five to measure the error")
     if calibration.lens is not None:
         without = root_mean_square(fit.held_out_without_lens)
         print(
@@ -261,9 +257,7 @@ def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point
             window.show_picture(picture, f"click the place at ({x:g}, {y:g}) mm")
             while event := window.wait(_PAUSE):
                 if event == ("escape", True):
-                    raise ValueError(
-                        f"window closed after {done} clicks; allowed: one click for each of --places"
-                    )
+                    raise ValueError(f"window closed after {done} clicks; allowed: one click for each of --places")
     return window.clicks[: len(floor)]
 
 
@@ -287,8 +281,7 @@ def ids(text: str) -> tuple[int, ...]:
     option("--frames", f"stop after N frames (no limit; {_FILM_FRAMES} with --out)", whole_number(1), "N"),
     option(
         "--out",
-        "save the last picture (.png), or all pictures as a film (.gif, .mp4, .avi), instead of "
-        "opening a window",
+        "save the last picture (.png), or all pictures as a film (.gif, .mp4, .avi), instead of opening a window",
         given_path,
         "FILE",
     ),
@@ -331,9 +324,7 @@ def _pictures(source: "FrameSource", tracker: "Tracker", frames: int | None) -> 
         now = time.monotonic()
         if now - printed >= 1 or seen == frames:
             rate = since_print / max(now - printed, 1e-9)
-            print(
-                f"{described(scene, tracker.settings.markers)}; {rate:.0f} frames/s, {1000 * age:.0f} ms old"
-            )
+            print(f"{described(scene, tracker.settings.markers)}; {rate:.0f} frames/s, {1000 * age:.0f} ms old")
             quality = measure_quality(tracker.reduced(frame))
             print(f"picture: {quality.described(tracker.settings)}")
             for text in (quality.warnings(tracker.settings) | tracker.warnings).values():
@@ -409,10 +400,5 @@ def tags_command(arguments: argparse.Namespace) -> None:
 
 camera_command = Group(
     "Calibrate the overhead camera, show its picture, or print the markers.",
-    {
-        "calibrate": calibrate_command,
-        "preview": preview_command,
-        "markers": markers_command,
-        "tags": tags_command,
-    },
+    {"calibrate": calibrate_command, "preview": preview_command, "markers": markers_command, "tags": tags_command},
 )

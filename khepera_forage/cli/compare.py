@@ -26,9 +26,7 @@ continues."""
 @command(
     lambda parser: add_study_arguments(parser, "learners", *COUNTS),
     flag("--list", "list the learners that are known here, and end"),
-    option(
-        "--only", "one learner of --list; may be given several times (all)", metavar="NAME", action="append"
-    ),
+    option("--only", "one learner of --list; may be given several times (all)", metavar="NAME", action="append"),
     option(
         "--learner",
         "a learner of your own, package.module:name of what makes a classifier; beside those of --only "
@@ -49,21 +47,10 @@ continues."""
         choices=(*ARENAS, *DIFFICULTIES),
     ),
     flag("--tune", "compare settings of each learner instead"),
-    flag(
-        "--protocol",
-        "the protocol forage-bench-1 (docs/protocol.md): fixed tracks, amounts, places and seeds",
-    ),
+    flag("--protocol", "the protocol forage-bench-1 (docs/protocol.md): fixed tracks, amounts, places and seeds"),
+    option("--track", "one track of the protocol; may be given several times (all)", action="append", choices=TRACKS),
     option(
-        "--track",
-        "one track of the protocol; may be given several times (all)",
-        action="append",
-        choices=TRACKS,
-    ),
-    option(
-        "--backend",
-        "where the work is done: loky is this machine (loky)",
-        choices=("loky", "dask"),
-        default="loky",
+        "--backend", "where the work is done: loky is this machine (loky)", choices=("loky", "dask"), default="loky"
     ),
     option("--address", "of a Dask cluster (by default a temporary one on this machine)"),
     description=DESCRIPTION,
@@ -80,9 +67,7 @@ def compare_command(arguments: argparse.Namespace) -> int:
     if reason := unavailable(arguments.backend, arguments.address):
         raise ValueError(reason)
     if arguments.protocol:
-        refuse_ignored(
-            arguments, ["--against", "--arenas", "--tune", "--recalls", "--steps"], "without --protocol"
-        )
+        refuse_ignored(arguments, ["--against", "--arenas", "--tune", "--recalls", "--steps"], "without --protocol")
         require("khepera-forage compare --protocol", "fast")
     else:
         refuse_ignored(arguments, ["--track"], "with --protocol")

@@ -57,9 +57,7 @@ VECTORS = """An observation is the state vector (thesis, 4.3):
 {attributes}
 
 An action is a behaviour (thesis, table 4.1). Those that occur:"""
-STEERS = (
-    "The learner steers to stay beside the teacher: the data are not those of a robot that forages alone."
-)
+STEERS = "The learner steers to stay beside the teacher: the data are not those of a robot that forages alone."
 UNKNOWN_REWARDS = "Rewards are 0, because experience files contain none."
 
 
@@ -71,9 +69,7 @@ def _dataset_name(text: str) -> str:
 
 
 @command(
-    option(
-        "--name", "Minari's name of the dataset (khepera_forage/ARENA-v1, or ARENA-wheels-v1)", _dataset_name
-    ),
+    option("--name", "Minari's name of the dataset (khepera_forage/ARENA-v1, or ARENA-wheels-v1)", _dataset_name),
     option("--episodes", f"complete training episodes ({EPISODES})", whole_number(1)),
     option(
         "--experience",
@@ -141,12 +137,7 @@ def _write_protocol(arguments: argparse.Namespace) -> None:
 
 
 def _write(
-    arguments: argparse.Namespace,
-    name: str,
-    parts: Sequence[Experience],
-    procedure: str,
-    alone: bool,
-    **more: Any,
+    arguments: argparse.Namespace, name: str, parts: Sequence[Experience], procedure: str, alone: bool, **more: Any
 ) -> None:
     """Write a dataset and its card, and say where they are; `more` are further arguments of `to_minari`."""
     folder = arguments.out.resolve()
@@ -192,9 +183,7 @@ def _card(
     rewards = UNKNOWN_REWARDS if arguments.experience else REWARDS
     if has_wheels:
         observed = RAW
-        loading = (
-            f'episodes = minari.load_dataset("{name}").iterate_episodes()  # observations, actions, rewards'
-        )
+        loading = f'episodes = minari.load_dataset("{name}").iterate_episodes()  # observations, actions, rewards'
     else:
         attributes = "\n".join(f"| `{name}` | {MEANINGS[name]} |" for name in StateVector._fields)
         observed = VECTORS.format(attributes=attributes)

@@ -51,9 +51,7 @@ def new_command(arguments: argparse.Namespace) -> int:
         if foods is None:
             question = "Names of the food cubes, one per robot (Enter if a person places the food): "
             foods = _answer(question, "").split()
-        works += [
-            _passes(f"food cube {port}", _check_robot, RobotSettings(port, "", type=kind)) for port in foods
-        ]
+        works += [_passes(f"food cube {port}", _check_robot, RobotSettings(port, "", type=kind)) for port in foods]
     elif camera is None:
         camera = _answer("Camera (a number, a file or a URL): ")
     text = partial(lab_text, kind, ports, foods or (), camera or "", arena=arguments.arena)
@@ -101,9 +99,7 @@ def _calibrated(camera: str, settings: LabSettings) -> str | None:
         f"{x:g},{y:g}" for arena in settings.arenas for x1, y1, x2, y2 in [arena.bounds]
         for x, y in ((x1, y1), (x2, y1), (x2, y2), (x1, y2))
     ]  # fmt: skip
-    question = (
-        f"Calibrate now, by clicks on the {len(corners)} inner corners of the arenas in a window? (y, n) "
-    )
+    question = f"Calibrate now, by clicks on the {len(corners)} inner corners of the arenas in a window? (y, n) "
     if _answer(question, "n").lower() not in ("y", "yes"):
         return None
     file = "calibration.toml"
@@ -151,9 +147,7 @@ def _answer(question: str, default: str | None = None) -> str:
     except EOFError:
         answer = ""
     if not answer and default is None:
-        raise ValueError(
-            f"{question.splitlines()[-1].rstrip(': ')}: no answer; allowed: an answer, or the option"
-        )
+        raise ValueError(f"{question.splitlines()[-1].rstrip(': ')}: no answer; allowed: an answer, or the option")
     return answer or default or ""
 
 
@@ -213,13 +207,9 @@ def _check_camera(settings: LabSettings) -> str:
         if find_marker(scene, arena, robot.holes) is None
     ]
     if missing:
-        raise OSError(
-            f"no marker of {', '.join(missing)} is seen in its arena: put each robot into its own arena"
-        )
+        raise OSError(f"no marker of {', '.join(missing)} is seen in its arena: put each robot into its own arena")
     calibrated = "calibrated" if calibration else "without a calibration"
     return f"source {settings.camera.source}, {calibrated}; all markers seen"
 
 
-lab_command = Group(
-    "Set up a laboratory with real robots, and check it.", {"new": new_command, "check": check_command}
-)
+lab_command = Group("Set up a laboratory with real robots, and check it.", {"new": new_command, "check": check_command})

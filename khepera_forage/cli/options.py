@@ -65,9 +65,7 @@ class Group(NamedTuple):
             each.add_to(tasks.add_parser(name, help=line))
 
 
-def command(
-    *options: Option, description: str = "", epilog: str | None = None
-) -> Callable[[Run], Subcommand]:
+def command(*options: Option, description: str = "", epilog: str | None = None) -> Callable[[Run], Subcommand]:
     """Make a function a command, which its docstring describes by default."""
     return lambda run: Subcommand(run, options, description or run.__doc__ or "", epilog)
 
@@ -114,9 +112,7 @@ ARENA = option(
 )
 """None stands for the corridor, so that a choice can be told; likewise for the noise and the food types."""
 NOISE = option(
-    "--noise",
-    f"laboratory, none, or some of {', '.join(SOURCES)}, separated by commas (laboratory)",
-    metavar="SOURCES",
+    "--noise", f"laboratory, none, or some of {', '.join(SOURCES)}, separated by commas (laboratory)", metavar="SOURCES"
 )
 *_OTHERS, _LAST = (food_type.name for food_type in FoodType if food_type != FoodType.UNKNOWN)
 FOOD_TYPE = option(
@@ -214,9 +210,7 @@ def recall_env(arguments: argparse.Namespace, **kwargs: Any) -> BehavioursEnv:
 
 
 @contextmanager
-def _laboratory(
-    lab: str, arena: str | Arena, robots: int, decisions: Decisions
-) -> Iterator[tuple[str | Arena, World]]:
+def _laboratory(lab: str, arena: str | Arena, robots: int, decisions: Decisions) -> Iterator[tuple[str | Arena, World]]:
     """The arena and the world of the laboratory of `--lab`, which is closed after an error in the block."""
     world = _opened(lab, arena, robots, decisions)
     own = world.arenas[0]
@@ -247,9 +241,7 @@ def _opened(lab: str, arena: str | Arena, robots: int, decisions: Decisions) -> 
 
         kind = kind or KHEPERA.name
         if kind not in MODELS:
-            raise ValueError(
-                f"--lab {lab}; allowed: {', '.join(f'{VIRTUAL_LAB}:{model}' for model in MODELS)}"
-            )
+            raise ValueError(f"--lab {lab}; allowed: {', '.join(f'{VIRTUAL_LAB}:{model}' for model in MODELS)}")
         if kind == TOIO.name:
             cubes = virtual_cubes(arena, robots, decisions)
             print(f"virtual laboratory: cubes {', '.join(cubes.port_urls)}, on a mat")

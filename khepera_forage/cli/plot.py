@@ -15,19 +15,7 @@ from khepera_forage.comparison.page import figure as figure_of_curves
 from khepera_forage.comparison.results import ReadLearner, Results, curves, described, merged, read_results
 from khepera_forage.estimates import Estimate, wilson
 from khepera_forage.extras import require
-from khepera_forage.figures import (
-    COLOURS,
-    GREY,
-    OURS,
-    SMALL,
-    WIDTH,
-    entry,
-    grid,
-    legend,
-    levels,
-    new_figure,
-    save,
-)
+from khepera_forage.figures import COLOURS, GREY, OURS, SMALL, WIDTH, entry, grid, legend, levels, new_figure, save
 from khepera_forage.files import utf8
 from khepera_forage.option_values import given_path
 from khepera_forage.policies.learners import Supervision

@@ -57,11 +57,7 @@ _POLICY = (
 )
 
 
-@command(
-    *_POLICY,
-    options.episodes(10, "recall episodes"),
-    options.out("results/recall.csv", "file for the rows"),
-)
+@command(*_POLICY, options.episodes(10, "recall episodes"), options.out("results/recall.csv", "file for the rows"))
 def recall_command(arguments: argparse.Namespace) -> None:
     """Let a trained learner, or the teacher, forage alone."""
     _check_policy(arguments)
@@ -150,9 +146,7 @@ def _learner(name: str) -> OfflineImitation:
     except ValueError as error:
         raise ValueError(f"--{error}") from None
     if not isinstance(learner, OfflineImitation):
-        raise ValueError(
-            f"--learner is {name!r}, which learns from {learner.needs.value}; allowed: from vectors"
-        )
+        raise ValueError(f"--learner is {name!r}, which learns from {learner.needs.value}; allowed: from vectors")
     return learner
 
 

@@ -93,9 +93,7 @@ def open_robot(arguments: argparse.Namespace) -> RealRobot:
 def open_serial_robot(arguments: argparse.Namespace) -> SerialRobot:
     """As `open_robot`, for a robot with a serial line."""
     if arguments.robot not in (KHEPERA.name, E_PUCK.name):
-        raise ValueError(
-            f"--robot {arguments.robot}; allowed: {KHEPERA.name}, {E_PUCK.name}, which have a serial line"
-        )
+        raise ValueError(f"--robot {arguments.robot}; allowed: {KHEPERA.name}, {E_PUCK.name}, which have a serial line")
     robot = open_robot(arguments)
     assert isinstance(robot, SerialRobot)
     return robot
@@ -181,10 +179,7 @@ def _numbers(values: tuple[int | str, ...]) -> str:
     return " ".join(f"{value:>4}" for value in values)
 
 
-@command(
-    *PORT,
-    option("--rounds", "number of rounds of 0.1 s; 0 runs until Ctrl-C (0)", whole_number(0), default=0),
-)
+@command(*PORT, option("--rounds", "number of rounds of 0.1 s; 0 runs until Ctrl-C (0)", whole_number(0), default=0))
 def sensors_command(arguments: argparse.Namespace) -> None:
     """Show the sensor readings as they change."""
     live = sys.stdout.isatty()
@@ -224,10 +219,7 @@ def bars(senses: Senses) -> str:
     option("--left", f"left wheel, {_UNIT} (3)", whole_number(-MAX_SPEED, MAX_SPEED), default=3),
     option("--right", f"right wheel, {_UNIT} (3)", whole_number(-MAX_SPEED, MAX_SPEED), default=3),
     option(
-        "--seconds",
-        f"duration, at most {_MAX_SECONDS:g} (2)",
-        real_number(0.0, _MAX_SECONDS, "seconds"),
-        default=2.0,
+        "--seconds", f"duration, at most {_MAX_SECONDS:g} (2)", real_number(0.0, _MAX_SECONDS, "seconds"), default=2.0
     ),
 )
 def drive_command(arguments: argparse.Namespace) -> None:
@@ -306,9 +298,7 @@ def _lamps(robot: SerialRobot) -> str:
 def _mat(robot: ToioRobot) -> str:
     robot.receive()
     if not robot.on_mat:
-        raise CheckError(
-            "it does not see the mat: put it on the simple mat, and check that its sensor is clean"
-        )
+        raise CheckError("it does not see the mat: put it on the simple mat, and check that its sensor is clean")
     x, y, heading = robot.pose
     return f"at x {x:.0f} mm, y {y:.0f} mm of the plan, heading {math.degrees(heading):.0f} degrees"
 

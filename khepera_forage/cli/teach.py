@@ -82,9 +82,7 @@ class HumanTeacher:
         news: Message shown at the beginning of the next attempt.
     """
 
-    def __init__(
-        self, env: TrainingEnv, window: "TeachingWindow", episodes: int, pace: float, hints: bool
-    ) -> None:
+    def __init__(self, env: TrainingEnv, window: "TeachingWindow", episodes: int, pace: float, hints: bool) -> None:
         self.episode = 1
         self.choices = self.agreed = 0
         self.news = ""
@@ -199,9 +197,7 @@ class HumanTeacher:
         real_number(0.0, 1000.0, "rounds a second"),
         default=5.0,
     ),
-    flag(
-        "--hints", "also show the state of table 4.1, which determines what the hand-coded teacher would do"
-    ),
+    flag("--hints", "also show the state of table 4.1, which determines what the hand-coded teacher would do"),
     options.DECISION,
     description="You are the teacher: choose behaviours with keys. The learner records each one, executes it too, and "
     f"follows the teacher. Enter begins an attempt. Keys: {_KEYS}. A tap is one round, a held key repeats the "
@@ -224,9 +220,7 @@ def teach_command(arguments: argparse.Namespace) -> None:
         _teach(env, teacher, files, arguments)
 
 
-def _teach(
-    env: TrainingEnv, teacher: HumanTeacher, files: list[PlannedFile], arguments: argparse.Namespace
-) -> None:
+def _teach(env: TrainingEnv, teacher: HumanTeacher, files: list[PlannedFile], arguments: argparse.Namespace) -> None:
     """Record one complete episode for each file, until the person quits; print a summary and the next command."""
     recorded: list[Path] = []
     vectors = choices = agreed = 0
@@ -257,9 +251,7 @@ def _teach(
         teacher.show_end()
 
 
-def _record_episode(
-    env: TrainingEnv, teacher: HumanTeacher, path: Path, seed: np.random.SeedSequence
-) -> Experience:
+def _record_episode(env: TrainingEnv, teacher: HumanTeacher, path: Path, seed: np.random.SeedSequence) -> Experience:
     """One complete episode; after each restart by the person it begins again with another seed."""
     while True:
         try:

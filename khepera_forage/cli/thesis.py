@@ -2,16 +2,7 @@
 
 import argparse
 
-from khepera_forage.cli.options import (
-    DECISION,
-    command,
-    decisions_of,
-    flag,
-    option,
-    out,
-    refuse_ignored,
-    seed,
-)
+from khepera_forage.cli.options import DECISION, command, decisions_of, flag, option, out, refuse_ignored, seed
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, processes, whole_number
@@ -71,9 +62,7 @@ def reproduce_command(arguments: argparse.Namespace) -> None:
     if replications is None:
         replications = QUICK_REPLICATIONS if arguments.quick else REPLICATIONS[backend]
     if backend == COMPILED:
-        refuse_ignored(
-            arguments, ["--jobs"], f"with --backend {PYMUNK}; {COMPILED} worlds always use all cores"
-        )
+        refuse_ignored(arguments, ["--jobs"], f"with --backend {PYMUNK}; {COMPILED} worlds always use all cores")
     page = reproduce(
         arguments.seed,
         replications,
@@ -127,7 +116,7 @@ def infer_command(arguments: argparse.Namespace) -> int:
 
 @command(
     description="List the decisions: what the thesis leaves open, with our default and the reason for it. "
-    "Other commands take them as --decision NAME=VALUE, or all of a version as --decision VERSION.",
+    "Other commands take them as --decision NAME=VALUE, or all of a version as --decision VERSION."
 )
 def decisions_command(arguments: argparse.Namespace) -> None:
     """List what the thesis leaves open, with our decisions and their reasons."""

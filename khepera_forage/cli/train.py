@@ -52,8 +52,7 @@ def require_new(files: list[PlannedFile], otherwise: str) -> None:
     options.ARENA,
     options.FOOD_TYPE,
     options.learners(
-        "learners, each in its own copy of the arena; the first one records (1; with --lab FILE as many as it "
-        "lists)"
+        "learners, each in its own copy of the arena; the first one records (1; with --lab FILE as many as it lists)"
     ),
     option(
         "--patience",
@@ -76,10 +75,7 @@ def train_command(arguments: argparse.Namespace) -> int:
     """Train a learner in the paired corridors and save its experience."""
     options.refuse_ignored_in_laboratory(arguments)
     decisions = options.decisions_of(arguments)
-    if arguments.patience is not None and decisions.patience not in (
-        arguments.patience,
-        DEFAULT_DECISIONS.patience,
-    ):
+    if arguments.patience is not None and decisions.patience not in (arguments.patience, DEFAULT_DECISIONS.patience):
         raise ValueError(
             f"--patience is {arguments.patience}, --decision patience={decisions.patience}; allowed: one of them"
         )
@@ -116,9 +112,7 @@ def record(env: TrainingEnv, files: list[PlannedFile], arguments: argparse.Names
             experience, rows = training.train(
                 env, each, file=number, path=path, resume=arguments.resume, on_attempt=attempts.write
             )
-            print(
-                f"{path}: {len(experience)} experience vectors, {len(rows)} attempt(s), {rows[-1].rounds} rounds"
-            )
+            print(f"{path}: {len(experience)} experience vectors, {len(rows)} attempt(s), {rows[-1].rounds} rounds")
 
 
 def _unfinished(folder: Path, files: list[PlannedFile], decisions: Decisions) -> list[PlannedFile]:

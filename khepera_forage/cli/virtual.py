@@ -32,14 +32,10 @@ from khepera_forage.task.decisions import DEFAULT_DECISIONS
     ),
     option(
         "--baud",
-        f"speed of the line: {', '.join(map(str, BAUD_RATES))}, or 0 for no limit (38400; of an e-puck2 "
-        "115200)",
+        f"speed of the line: {', '.join(map(str, BAUD_RATES))}, or 0 for no limit (38400; of an e-puck2 115200)",
         int,
     ),
-    *(
-        option(f"--{fault}", "share of replies with this fault (0)", float, "RATE", default=0.0)
-        for fault in FAULTS
-    ),
+    *(option(f"--{fault}", "share of replies with this fault (0)", float, "RATE", default=0.0) for fault in FAULTS),
     option(
         "--lateness",
         "range of the delay of a delayed reply, in seconds (0.3 1.0)",
@@ -48,19 +44,12 @@ from khepera_forage.task.decisions import DEFAULT_DECISIONS
         nargs=2,
         default=Faults().lateness,
     ),
-    option(
-        "--robot",
-        f"kind of robot ({KHEPERA.name})",
-        choices=tuple(FIRMWARES),
-        default=KHEPERA.name,
-    ),
+    option("--robot", f"kind of robot ({KHEPERA.name})", choices=tuple(FIRMWARES), default=KHEPERA.name),
     seed("seed of the simulation and of the faults"),
 )
 def virtual_command(arguments: argparse.Namespace) -> None:
     """Start a virtual Khepera at a serial port."""
-    faults = Faults(
-        **{fault: getattr(arguments, fault) for fault in FAULTS}, lateness=tuple(arguments.lateness)
-    )
+    faults = Faults(**{fault: getattr(arguments, fault) for fault in FAULTS}, lateness=tuple(arguments.lateness))
     world_rng, fault_rng = np.random.default_rng(arguments.seed).spawn(2)
     decisions = DEFAULT_DECISIONS
     arena = checked_arena(CORRIDOR, decisions)
@@ -74,9 +63,7 @@ def virtual_command(arguments: argparse.Namespace) -> None:
     due, overruns = time.monotonic(), 0
     with (
         _collected_signals() as signals,
-        VirtualKhepera(
-            firmware, tcp=arguments.tcp, baud=baud or None, faults=faults, rng=fault_rng
-        ) as khepera,
+        VirtualKhepera(firmware, tcp=arguments.tcp, baud=baud or None, faults=faults, rng=fault_rng) as khepera,
     ):
         name = "Khepera" if arguments.robot == KHEPERA.name else E_PUCK.name
         print(f"a virtual {name} at {khepera.url}; Ctrl-C ends it", flush=True)

@@ -34,13 +34,7 @@ from khepera_forage.comparison.results import (
 from khepera_forage.estimates import UNKNOWN, Estimate, Table, difference, pick, table_of
 from khepera_forage.files import replacing
 from khepera_forage.policies.learner_registry import installed_learners, learner_at
-from khepera_forage.policies.learners import (
-    LEARNERS,
-    InteractiveImitation,
-    Learner,
-    OfflineImitation,
-    Supervision,
-)
+from khepera_forage.policies.learners import LEARNERS, InteractiveImitation, Learner, OfflineImitation, Supervision
 from khepera_forage.study import (
     UNITS,
     Arguments,
@@ -83,9 +77,7 @@ def workers(backend: str, jobs: int, address: str | None) -> Iterator[Execute]:
             client = stack.enter_context(Client(cluster))
             threads = list(client.nthreads().values())
             if max(threads, default=1) > 1:  # they would share global random numbers
-                raise ValueError(
-                    f"a worker of Dask has {max(threads)} threads; allowed: 1 (dask worker --nthreads 1)"
-                )
+                raise ValueError(f"a worker of Dask has {max(threads)} threads; allowed: 1 (dask worker --nthreads 1)")
             number, title = len(threads), "workers of Dask"
 
         def execute(units: Sequence[WorkUnit]) -> Iterator[Done]:
@@ -113,8 +105,7 @@ def known_learners() -> str:
     ]
     widths = [max(len(line[i]) for line in lines) for i in range(3)]
     return "\n".join(
-        "  ".join([*(cell.ljust(width) for cell, width in zip(line, widths, strict=False)), line[-1]])
-        for line in lines
+        "  ".join([*(cell.ljust(width) for cell, width in zip(line, widths, strict=False)), line[-1]]) for line in lines
     )
 
 
@@ -208,10 +199,7 @@ def _rows(
         if row.learner not in known:
             raise ValueError(f"{given.out / UNITS}: learner is {row.learner!r}; allowed: {', '.join(known)}")
     place = {name: i for i, name in enumerate(known)}
-    return sorted(
-        found,
-        key=lambda row: (place[row.learner], row.replication, row.amount, ALL_ARENAS.index(row.arena)),
-    )
+    return sorted(found, key=lambda row: (place[row.learner], row.replication, row.amount, ALL_ARENAS.index(row.arena)))
 
 
 FIRST_REPLICATION = 1_000

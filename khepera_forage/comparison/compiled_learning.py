@@ -65,10 +65,7 @@ def recalls_after(
     """
     if learner.make is NearestNeighbourImitator:
         own = memories_of([training[:2]])
-        return {
-            place: kernel_recalls(place, own, np.zeros(len(some), np.int64), some)
-            for place, some in seeds.items()
-        }
+        return {place: kernel_recalls(place, own, np.zeros(len(some), np.int64), some) for place, some in seeds.items()}
     more = {"groups": training.episodes} if learner.grouped else {}
     classifier = learner.classifier(diagonal, seed).fit(training.vectors, training.behaviours, **more)
     rng = np.random.default_rng(seed)
@@ -116,14 +113,10 @@ def recalls_on_wheels(policy: Callable[[NDArray[Any]], NDArray[Any]], seeds: See
 def reference_recalls(expert: bool, seeds: Seeds) -> dict[str, Foraged]:
     """Recalls of the teacher, or of behaviours drawn uniformly."""
     policy = TEACHER if expert else UNIFORM
-    return {
-        place: kernel_recalls(place, None, np.full(len(some), policy), some) for place, some in seeds.items()
-    }
+    return {place: kernel_recalls(place, None, np.full(len(some), policy), some) for place, some in seeds.items()}
 
 
-def kernel_recalls(
-    place: str, memories: Memories | None, policies: NDArray[np.int64], seeds: Sequence[int]
-) -> Foraged:
+def kernel_recalls(place: str, memories: Memories | None, policies: NDArray[np.int64], seeds: Sequence[int]) -> Foraged:
     """Recalls of imitators, the teacher or chance; arguments as for `Recalls.run`."""
     numbers = np.array(seeds, np.int64)
     done = _recalls(place).run(memories, policies, numbers)
@@ -334,9 +327,7 @@ def _value(learner: OfflineImitation, marks: Marks, budget: Budget, seed: int) -
         done = kernel_recalls(CORRIDOR, memories, np.repeat(np.arange(budget.trainings), each), seeds)
         return float(done.delivered.mean())
     shares = [
-        recalls_after(
-            learner, training, {CORRIDOR: seeds[k * each : (k + 1) * each]}, seed, CORRIDOR_DIAGONAL
-        )
+        recalls_after(learner, training, {CORRIDOR: seeds[k * each : (k + 1) * each]}, seed, CORRIDOR_DIAGONAL)
         for k, training in enumerate(trainings)
     ]
     return float(np.mean([share[CORRIDOR].delivered.mean() for share in shares]))

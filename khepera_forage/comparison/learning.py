@@ -97,10 +97,7 @@ class Baseline:
     needs: ClassVar[None] = None
 
 
-BASELINES = {
-    "teacher": Baseline("the teacher", True),
-    "random": Baseline("random behaviours", False),
-}
+BASELINES = {"teacher": Baseline("the teacher", True), "random": Baseline("random behaviours", False)}
 """By name: the upper limit for imitation, and the chance level."""
 Compared = Learner | Baseline
 
@@ -159,12 +156,7 @@ def _query(learner: InteractiveImitation, amounts: Sequence[int], seed: int) -> 
     for amount in amounts:
         began = perf_counter()
         asked = dagger(
-            lambda: student.classifier(env.diagonal, seed),
-            env,
-            amount,
-            seed,
-            sample=student.sample,
-            **learner.settings,
+            lambda: student.classifier(env.diagonal, seed), env, amount, seed, sample=student.sample, **learner.settings
         )
         seconds = perf_counter() - began
         policy, _ = _policy(student, asked.vectors, asked.behaviours, seed, None)

@@ -173,9 +173,7 @@ def figure(curves: Sequence[Curve], learners: Mapping[str, ReadLearner]) -> "Fig
     return drawn
 
 
-def _block(
-    block: "SubFigure", titles: Mapping[str, str], curves: Sequence[Curve], references: Sequence[Curve]
-) -> None:
+def _block(block: "SubFigure", titles: Mapping[str, str], curves: Sequence[Curve], references: Sequence[Curve]) -> None:
     """The panels of one kind of learner, all with the same axes."""
     lines = math.ceil(len(titles) / COLUMNS)
     panels = block.subplots(lines, COLUMNS, sharex=True, sharey=True, squeeze=False)
@@ -231,8 +229,7 @@ def _key(drawn: "Figure", references: Sequence[Curve], learners: Mapping[str, Re
         label = f"{arena} ({'the arena of the learning' if arena == ARENAS[0] else 'a new arena'})"
         handles.append(Line2D([], [], color=style.colour, marker=style.marker, ls=style.line, label=label))
     handles += [
-        Patch(color=style.colour, alpha=0.15, label=f"95 % interval, {arena}")
-        for arena, style in STYLES.items()
+        Patch(color=style.colour, alpha=0.15, label=f"95 % interval, {arena}") for arena, style in STYLES.items()
     ]
     handles.append(Line2D([], [], color="0.85", lw=0.8, label="other learners of the kind"))
     handles.append(Line2D([], [], color="0.6", lw=0.8, label=f"success: {100 * SUCCESS:.0f} %"))

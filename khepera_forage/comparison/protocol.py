@@ -35,13 +35,7 @@ from khepera_forage.comparison.compiled_learning import (
     thinned,
     varied_arenas,
 )
-from khepera_forage.comparison.learning import (
-    BASELINES,
-    Compared,
-    learn_and_forage,
-    settings_of,
-    unable,
-)
+from khepera_forage.comparison.learning import BASELINES, Compared, learn_and_forage, settings_of, unable
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import Estimate, Measure, Table, Value, mean, pick, table_of
 from khepera_forage.experience import Experience
@@ -339,9 +333,7 @@ def _followed(amount: int, key: int) -> Training:
     return joined(parts)
 
 
-def wheels_learner(
-    name: str, episodes: Sequence[RawEpisode], seed: int
-) -> Callable[[NDArray[Any]], NDArray[Any]]:
+def wheels_learner(name: str, episodes: Sequence[RawEpisode], seed: int) -> Callable[[NDArray[Any]], NDArray[Any]]:
     """A regression from rows of `wheels_features` to motors: a `network`, or extremely randomised `trees`."""
     from sklearn.ensemble import ExtraTreesRegressor
     from sklearn.neural_network import MLPRegressor
@@ -351,9 +343,7 @@ def wheels_learner(
     if name == "trees":
         learner: Any = ExtraTreesRegressor(10, min_samples_leaf=2, random_state=seed)
     else:
-        learner = MLPRegressor(
-            hidden_layer_sizes=(64, 64), early_stopping=True, max_iter=300, random_state=seed
-        )
+        learner = MLPRegressor(hidden_layer_sizes=(64, 64), early_stopping=True, max_iter=300, random_state=seed)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of an end before convergence: the budget is part of the protocol
         learner.fit(rows, motors)
@@ -383,20 +373,14 @@ def searches(learners: Mapping[str, Compared], seed: int, quick: bool, most: int
 
 
 def plan(
-    name: str,
-    learners: Mapping[str, Compared],
-    seed: int,
-    quick: bool,
-    most: int,
-    found: Sequence[Demonstrations] = (),
+    name: str, learners: Mapping[str, Compared], seed: int, quick: bool, most: int, found: Sequence[Demonstrations] = ()
 ) -> Iterator[Learning]:
     """The units of a track, in at most so many replications, with the demonstrations that searches found."""
     track = track_of(name, quick)
     own: dict[str, Compared | None] = {
         key: one
         for key, one in learners.items()
-        if key in track.learners
-        or (isinstance(one, OfflineImitation) and key not in LEARNERS and name != WHEELS)
+        if key in track.learners or (isinstance(one, OfflineImitation) and key not in LEARNERS and name != WHEELS)
     }
     if name == WHEELS:
         own |= dict.fromkeys(_ON_WHEELS)
@@ -437,9 +421,7 @@ def run(given: Arguments, learners: Mapping[str, Compared], execute: Execute) ->
     given.name = NAME
     chosen = list(dict.fromkeys(given.track or TRACKS))
     concerned = {name for track in chosen for name in TRACKS[track].learners}
-    concerned |= {
-        name for name, one in learners.items() if name not in LEARNERS and isinstance(one, OfflineImitation)
-    }
+    concerned |= {name for name, one in learners.items() if name not in LEARNERS and isinstance(one, OfflineImitation)}
     for name in learners.keys() - BASELINES.keys() if given.only or given.learner else ():
         if name not in concerned:
             raise ValueError(
@@ -457,9 +439,7 @@ def run(given: Arguments, learners: Mapping[str, Compared], execute: Execute) ->
         units = searches(able, given.seed, given.quick, most)
         found = collect(given, units, {Demonstrations: "demonstrations"}, execute, settings, True, FOUND)
     tests = [
-        unit
-        for track in chosen
-        for unit in plan(track, able, given.seed, given.quick, most, found.of(Demonstrations))
+        unit for track in chosen for unit in plan(track, able, given.seed, given.quick, most, found.of(Demonstrations))
     ]
     rows = collect(given, tests, {Tested: "rows"}, execute, settings, True).of(Tested)
     return finish(given, page(rows, given.seed, given.quick))
@@ -495,10 +475,7 @@ def _table(name: str, question: str, rows: Sequence[Tested], seed: int) -> Table
                 "condition": condition or "-",
                 "amount": amount,
                 "trainings": len({(row.replication, row.seconds) for row in own}),
-                **{
-                    f"{g} (%)": _share([row for row in own if row.place in group], seed)
-                    for g, group in groups.items()
-                },
+                **{f"{g} (%)": _share([row for row in own if row.place in group], seed) for g, group in groups.items()},
                 "vectors": Estimate(float(np.mean([row.vectors for row in own]))),
                 "seconds": Estimate(float(np.mean([row.seconds for row in own]))),
             }
@@ -524,9 +501,7 @@ def _transfer(rows: Sequence[Tested], seed: int) -> Table:
                     "teacher": condition,
                     "thesis's teacher (%)": Estimate(usual),
                     "this teacher (%)": share,
-                    "gap closed (%)": Estimate(
-                        *(100 * (value - usual) / max(100 - usual, 1e-9) for value in share)
-                    ),
+                    "gap closed (%)": Estimate(*(100 * (value - usual) / max(100 - usual, 1e-9) for value in share)),
                 }
             )
     note = (
@@ -558,13 +533,9 @@ def datasets(seed: int, episodes: int | None = None) -> dict[str, Callable[[], M
     def heard() -> Made:
         each = max(offline.amounts[THESIS])
         some = list(np.ndindex(offline.seeds, each))[:episodes]
-        trained = [
-            train_learners(1, CORRIDOR, _seed(seed, 2, i), episodes=each) for i in range(some[-1][0] + 1)
-        ]
+        trained = [train_learners(1, CORRIDOR, _seed(seed, 2, i), episodes=each) for i in range(some[-1][0] + 1)]
         parts = [trained[i].experience_of(0, k) for i, k in some]
-        about = (
-            f"Training episodes in the corridor; {each} of each replication, one replication after the other."
-        )
+        about = f"Training episodes in the corridor; {each} of each replication, one replication after the other."
         return about, parts, {"rewards": [trained[i].rewards_of(0, k) for i, k in some]}
 
     def raw(data: str) -> Made:

@@ -37,9 +37,7 @@ PUBLISHED = "published"
 _PUBLISHED_FILE = Path(__file__).with_name("published.json")
 SUCCESS = 0.8
 """Share of the food that counts as success."""
-DELIVERED = Measure[RecallBatch](
-    "food delivered (%)", lambda row: 100.0 * row.delivered, lambda row: row.foods
-)
+DELIVERED = Measure[RecallBatch]("food delivered (%)", lambda row: 100.0 * row.delivered, lambda row: row.foods)
 MEASURES = (
     Measure[RecallBatch]("steps", lambda row: row.steps),
     Measure[RecallBatch]("vectors", lambda row: row.vectors),
@@ -145,11 +143,7 @@ class Results(NamedTuple):
 def as_json(results: Results) -> str:
     """The text of a results file."""
     learners = {
-        name: {
-            "title": one.title,
-            "learns_from": one.needs.value if one.needs else None,
-            "settings": one.settings,
-        }
+        name: {"title": one.title, "learns_from": one.needs.value if one.needs else None, "settings": one.settings}
         for name, one in results.learners.items()
     }
     lines = [json.dumps(_plain(curve), ensure_ascii=False) for curve in results.curves]
@@ -190,9 +184,7 @@ def merged(
         return list(own), dict(learners)
     mark = f"({other.origin})"
     behind = [curve._replace(learner=f"{curve.learner} {mark}") for curve in other.curves]
-    read = {
-        f"{name} {mark}": one._replace(title=f"{one.title} {mark}") for name, one in other.learners.items()
-    }
+    read = {f"{name} {mark}": one._replace(title=f"{one.title} {mark}") for name, one in other.learners.items()}
     return [*own, *behind], {**learners, **read}
 
 

@@ -39,9 +39,7 @@ def settings_of(arena: str | Arena) -> dict[str, Any]:
     return settings if data.food_types is None else {**settings, "food_types": dict(data.food_types)}
 
 
-def procedural_settings(
-    difficulty: str | Difficulty, split: str, num_levels: int, start_level: int
-) -> dict[str, Any]:
+def procedural_settings(difficulty: str | Difficulty, split: str, num_levels: int, start_level: int) -> dict[str, Any]:
     """The arguments of a recall environment of procedural arenas.
 
     Args:

@@ -126,9 +126,7 @@ def food_odds(food_types: FoodOdds, has_gripper: bool = True) -> tuple[float, ..
     if not total > 0:
         raise ValueError(f"food_types {food_types!r} give no type any odds; allowed: at least one above 0")
     if not has_gripper and odds.get(FoodType.PICKABLE, 0.0) > 0:
-        raise ValueError(
-            f"food_types is {food_types!r}; allowed for robots without a gripper: PUSHABLE and POISONOUS"
-        )
+        raise ValueError(f"food_types is {food_types!r}; allowed for robots without a gripper: PUSHABLE and POISONOUS")
     return tuple(odds.get(food_type, 0.0) / total for food_type in _DRAWABLE)
 
 
@@ -241,9 +239,7 @@ class ArenaPool:
         Raises:
             ValueError: One is no arena, or its name is unknown.
         """
-        return [
-            given_arena(arena, self._decisions, _name_of(number)) for number, arena in enumerate(self._arenas)
-        ]
+        return [given_arena(arena, self._decisions, _name_of(number)) for number, arena in enumerate(self._arenas)]
 
 
 def _name_of(number: int) -> str:

@@ -18,15 +18,7 @@ from khepera_forage.sim.arenas.difficulty import Difficulty
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
-__all__ = [
-    "BACKENDS",
-    "COMPILED",
-    "PYMUNK",
-    "EntryPoint",
-    "VectorEntryPoint",
-    "check_backend",
-    "check_compiled",
-]
+__all__ = ["BACKENDS", "COMPILED", "PYMUNK", "EntryPoint", "VectorEntryPoint", "check_backend", "check_compiled"]
 
 VectorWrapping = Callable[[VectorEnv[Any, Any, Any]], VectorEnv[Any, Any, Any]]
 """Wraps a vector environment, such as `khepera_forage.wrappers.VectorActionRepeat`."""

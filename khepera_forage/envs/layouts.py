@@ -72,14 +72,10 @@ def random_layout(arena: Arena, foods: int, key: int, decisions: DecisionValues)
 
 def no_room(name: str, foods: int) -> ValueError:
     """The error of an arena with this name in which no random layout was found."""
-    return ValueError(
-        f"{name}: no room for a robot and {foods} food objects outside home; make the arena larger"
-    )
+    return ValueError(f"{name}: no room for a robot and {foods} food objects outside home; make the arena larger")
 
 
-def given_layout(
-    arena: Arena, foods: int, options: Mapping[str, Any], key: int, decisions: DecisionValues
-) -> Layout:
+def given_layout(arena: Arena, foods: int, options: Mapping[str, Any], key: int, decisions: DecisionValues) -> Layout:
     """The layout that `reset(options=...)` asks for; what it leaves open is random.
 
     Args:
@@ -96,16 +92,12 @@ def given_layout(
     start = Start() if given_start is None else Start(*given_start)
     places = [Place() for _ in range(foods)] if given is None else [Place(*place) for place in given]
     has_start, has_places = given_start is not None, given is not None
-    if not draw_layout(
-        start, places, key, floor_of(arena), arena_map_of(arena), decisions, has_start, has_places
-    ):
+    if not draw_layout(start, places, key, floor_of(arena), arena_map_of(arena), decisions, has_start, has_places):
         raise no_room(arena.name, foods)
     return _layout_of(start, places)
 
 
-def given_places(
-    arena: Arena, foods: int, options: Mapping[str, Any]
-) -> tuple[Pose | None, tuple[Point, ...] | None]:
+def given_places(arena: Arena, foods: int, options: Mapping[str, Any]) -> tuple[Pose | None, tuple[Point, ...] | None]:
     """Start and food places that `reset(options=...)` gives; None for what it leaves open.
 
     Raises:
@@ -213,9 +205,7 @@ def known_food(places: Sequence[Point]) -> KnownFood:
 
 
 def _layout_of(start: Start, places: Sequence[Place]) -> Layout:
-    return Layout(
-        (Pose(start.x, start.y, start.heading),), tuple(Point(place.x, place.y) for place in places)
-    )
+    return Layout((Pose(start.x, start.y, start.heading),), tuple(Point(place.x, place.y) for place in places))
 
 
 def _check_names(options: Mapping[str, Any]) -> None:

@@ -32,17 +32,11 @@ class raw_env(TrainingEnv):  # noqa: N801 (PettingZoo's name)
     """
 
     def __init__(
-        self,
-        arena: Arenas = "t_maze",
-        max_cycles: int | None = None,
-        food_types: FoodOdds = None,
-        **kwargs: Any,
+        self, arena: Arenas = "t_maze", max_cycles: int | None = None, food_types: FoodOdds = None, **kwargs: Any
     ) -> None:
         if isinstance(arena, Sequence) and not isinstance(arena, str):
             if max_cycles is None:
-                raise ValueError(
-                    "max_cycles is None; allowed with several arenas: a whole number of at least 1"
-                )
+                raise ValueError("max_cycles is None; allowed with several arenas: a whole number of at least 1")
             super().__init__(arena=arena, max_cycles=max_cycles, food_types=food_types, **kwargs)
             self.metadata = self.metadata | {"name": "paired_arenas_v1"}
             return

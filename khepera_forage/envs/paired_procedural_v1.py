@@ -42,9 +42,7 @@ class raw_env(TrainingEnv):  # noqa: N801 (PettingZoo's name)
         **kwargs: Any,
     ) -> None:
         if "arena" in kwargs:
-            raise ValueError(
-                f"arena is {kwargs['arena']!r}; allowed here: none, because difficulty determines it"
-            )
+            raise ValueError(f"arena is {kwargs['arena']!r}; allowed here: none, because difficulty determines it")
         settings = procedural_settings(difficulty, split, num_levels, start_level)
         rounds = training_rounds(settings.pop("limit"))
         del settings["foods"]  # one for each mark of the arena

@@ -43,9 +43,7 @@ class ProceduralEntryPoint:
         """
         for name in ("arena", "foods"):
             if name in kwargs:
-                raise ValueError(
-                    f"{name} is {kwargs[name]!r}; allowed here: none, because difficulty determines it"
-                )
+                raise ValueError(f"{name} is {kwargs[name]!r}; allowed here: none, because difficulty determines it")
         settings = procedural_settings(restored(difficulty), split, num_levels, start_level)
         return self._make(**{**settings, **kwargs})
 

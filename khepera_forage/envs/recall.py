@@ -9,15 +9,7 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from khepera_forage.envs.arguments import (
-    COMPILED,
-    PYMUNK,
-    Arenas,
-    FoodOdds,
-    Settings,
-    check_backend,
-    whole_number,
-)
+from khepera_forage.envs.arguments import COMPILED, PYMUNK, Arenas, FoodOdds, Settings, check_backend, whole_number
 from khepera_forage.envs.recalls import Forager, WorldRecalls
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, recall_view
 from khepera_forage.noise import Noise

@@ -54,9 +54,7 @@ class Forager(ForagerState):
     state: State
     own: Region
 
-    def __init__(
-        self, robot: Robot, arena: ArenaMap, holes: int, food: KnownFood, decisions: DecisionValues
-    ) -> None:
+    def __init__(self, robot: Robot, arena: ArenaMap, holes: int, food: KnownFood, decisions: DecisionValues) -> None:
         self.robot, self.arena, self.holes, self.decisions = robot, arena, holes, decisions
         self.food, self.tracker, self.episode = food, food.tracker, Episode()
         self.behaviour = int(Behaviour.WAIT)
@@ -137,9 +135,7 @@ class ForagingWorld:
     world: World
     arenas: tuple[Arena, ...]
 
-    def __init__(
-        self, markers: tuple[int, ...], settings: Settings, world: World | None, backend: str
-    ) -> None:
+    def __init__(self, markers: tuple[int, ...], settings: Settings, world: World | None, backend: str) -> None:
         self._markers, self._settings, self._backend = markers, settings, check_backend(backend)
         kinds: Any = [settings.model] if world is None else world.robots
         self._odds = food_odds(settings.food_types, all(kind.has_gripper for kind in kinds))

@@ -245,9 +245,7 @@ class TrainingEnv(AECEnv[str, Any, Any]):
         """
         attempt = self._begun
         if not self.agents:
-            raise ResetNeeded(
-                f"the episode ended after {attempt.account.rounds} rounds; call reset() to start another"
-            )
+            raise ResetNeeded(f"the episode ended after {attempt.account.rounds} rounds; call reset() to start another")
         agent = self.agent_selection
         if self.terminations[agent] or self.truncations[agent]:
             self._was_dead_step(action)
@@ -329,9 +327,7 @@ class CheckedActions(BaseParallelWrapper[str, Any, Any]):
             ResetNeeded: Before the first reset, or after the end of an episode.
             ValueError: An agent has no action or is unknown, or an action is not in its action space.
         """
-        agents = getattr(
-            self.env, "agents", []
-        )  # PettingZoo's own conversion has none before the first reset
+        agents = getattr(self.env, "agents", [])  # PettingZoo's own conversion has none before the first reset
         if not agents:
             raise ResetNeeded("no episode is under way; call reset() to start one")
         if set(actions) != set(agents):

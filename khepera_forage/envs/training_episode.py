@@ -14,13 +14,7 @@ from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import World
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import begin_episode, end_step, has_done_its_part
-from khepera_forage.task.pairing import (
-    AttemptState,
-    Pairing,
-    end_round,
-    lead,
-    update_pairing,
-)
+from khepera_forage.task.pairing import AttemptState, Pairing, end_round, lead, update_pairing
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 

@@ -51,14 +51,10 @@ class Experience:
         episodes: int = 1,
         decisions: Decisions | None = DEFAULT_DECISIONS,
     ) -> None:
-        self.arena, self.seed, self.episodes, self.decisions = checked_header(
-            arena, seed, episodes, decisions
-        )
+        self.arena, self.seed, self.episodes, self.decisions = checked_header(arena, seed, episodes, decisions)
         vectors, behaviours = list(vectors), list(behaviours)
         if len(vectors) != len(behaviours):
-            raise ExperienceError(
-                f"{len(vectors)} vectors with {len(behaviours)} behaviours; allowed: equal numbers"
-            )
+            raise ExperienceError(f"{len(vectors)} vectors with {len(behaviours)} behaviours; allowed: equal numbers")
         rows = []
         for number, (vector, behaviour) in enumerate(zip(vectors, behaviours, strict=True)):
             try:
@@ -102,9 +98,7 @@ class Experience:
             expected = arena if arena is not None else parts[0].arena if parts else header.arena
             if header.arena != expected:
                 source = "the argument" if arena is not None else f"that of {files[0]}"
-                raise ExperienceError(
-                    f"{path}, line 3: arena is {header.arena!r}; allowed: {expected!r}, {source}"
-                )
+                raise ExperienceError(f"{path}, line 3: arena is {header.arena!r}; allowed: {expected!r}, {source}")
             part = cls([vector for vector, _ in rows], [heard for _, heard in rows], *header)
             if not allow_other_decisions and (decisions is not None or parts):
                 wanted = decisions if decisions is not None else parts[0].decisions
@@ -128,9 +122,7 @@ class Experience:
         first = parts[0]
         for part in parts[1:]:
             if part.arena != first.arena:
-                raise ExperienceError(
-                    f"{part.arena!r} added to experience of {first.arena!r}; allowed: the same arena"
-                )
+                raise ExperienceError(f"{part.arena!r} added to experience of {first.arena!r}; allowed: the same arena")
             if not allow_other_decisions:
                 part.require_decisions(first.decisions)
         return cls(
@@ -149,10 +141,7 @@ class Experience:
     def save(self, path: str | PathLike[str]) -> None:
         """Write a file, and replace an existing one; an OSError leaves the existing file unchanged."""
         about = self.arena, self.seed, self.episodes
-        with (
-            replacing(Path(path)) as partial,
-            ExperienceWriter(partial, *about, decisions=self.decisions) as writer,
-        ):
+        with replacing(Path(path)) as partial, ExperienceWriter(partial, *about, decisions=self.decisions) as writer:
             for row in self:
                 writer.append(*row)
 
@@ -207,6 +196,5 @@ def _require_same(decisions: Decisions | None, other: Decisions | None, where: s
     else:
         found = f"recorded under other decisions: {differences(decisions, other)}"
     raise ExperienceError(
-        f"{where}{found}; allowed: the same decisions, "
-        "or any with allow_other_decisions=True (--allow-other-decisions)"
+        f"{where}{found}; allowed: the same decisions, or any with allow_other_decisions=True (--allow-other-decisions)"
     )

@@ -71,9 +71,7 @@ def to_minari(
     minari = _minari()
     parts = list(experiences)
     if not parts or not all(parts):
-        raise ExperienceError(
-            f"{[len(part) for part in parts]} experience vectors; allowed: at least one in each"
-        )
+        raise ExperienceError(f"{[len(part) for part in parts]} experience vectors; allowed: at least one in each")
     if not allow_other_decisions:
         for part in parts[1:]:
             part.require_decisions(parts[0].decisions)

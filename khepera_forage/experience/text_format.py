@@ -73,9 +73,7 @@ class Header(NamedTuple):
 def checked_header(arena: str, seed: int | None, episodes: int, decisions: Decisions | None) -> Header:
     """Check the values of a header, and return it; an `ExperienceError` for one that cannot be written."""
     if not arena or arena != arena.strip() or not arena.isprintable():
-        raise ExperienceError(
-            f"arena is {arena!r}; allowed: a printable name on one line, no space around it"
-        )
+        raise ExperienceError(f"arena is {arena!r}; allowed: a printable name on one line, no space around it")
     try:
         header = Header(arena, None if seed is None else index(seed), index(episodes), decisions)
     except TypeError:
@@ -85,9 +83,7 @@ def checked_header(arena: str, seed: int | None, episodes: int, decisions: Decis
     if header.episodes < 1:
         raise ExperienceError(f"episodes is {episodes!r}; allowed: at least 1")
     if not (decisions is None or isinstance(decisions, Decisions)):
-        raise ExperienceError(
-            f"decisions is {decisions!r}; allowed: a khepera_forage.Decisions, or None if mixed"
-        )
+        raise ExperienceError(f"decisions is {decisions!r}; allowed: a khepera_forage.Decisions, or None if mixed")
     return header
 
 
@@ -215,9 +211,7 @@ class _Lines:
         line, key = self.next(), f"# {name}: " if name else ""
         if line is None:
             self.number = len(self._complete) + 1
-            raise ExperienceError(
-                f"ends in the header; allowed: {7 + self.are_decided} lines before the rows"
-            )
+            raise ExperienceError(f"ends in the header; allowed: {7 + self.are_decided} lines before the rows")
         if not line.startswith(key):
             raise ExperienceError(f"{quoted(line)}; allowed: {key!r} and a value")
         return line.removeprefix(key)

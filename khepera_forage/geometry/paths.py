@@ -111,9 +111,7 @@ NO_CORNERS = PathTables(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, (), (), (), (), 
 """Of an arena in which every way is straight."""
 
 
-def has_path(
-    x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, paths: PathTables
-) -> bool:
+def has_path(x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, paths: PathTables) -> bool:
     """Whether there is a path from one place to another; arguments as for `next_waypoint`."""
     return (
         is_clear(x, y, to_x, to_y, past_home, walls, paths)
@@ -121,9 +119,7 @@ def has_path(
     )
 
 
-def is_clear(
-    x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, paths: PathTables
-) -> bool:
+def is_clear(x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, paths: PathTables) -> bool:
     """Whether a robot can drive straight from one place to another.
 
     A way crosses no wall, and passes every corner at the clearance, or at half its length if that is less: a robot just

@@ -90,9 +90,7 @@ def walls_of(polygons: tuple[tuple[Corner, ...], ...]) -> tuple[Wall, ...]:
     return tuple(wall_of(side, k) for k, corners in enumerate(polygons) for side in edges(corners))
 
 
-def to_wall(
-    x: float, y: float, x1: float, y1: float, ex: float, ey: float, share: float
-) -> tuple[float, float]:
+def to_wall(x: float, y: float, x1: float, y1: float, ex: float, ey: float, share: float) -> tuple[float, float]:
     """From a place to the nearest point of the wall with these first five fields."""
     dx, dy = x1 - x, y1 - y
     t = -(dx * ex + dy * ey) * share

@@ -21,9 +21,7 @@ def check(name: str, corners: tuple[Corner, ...]) -> None:
             raise ValueError(f"{name}: wall corner {tuple(corner)}; allowed: finite coordinates in mm")
     for x1, y1, x2, y2 in edges(corners):
         if (x1, y1) == (x2, y2):
-            raise ValueError(
-                f"{name}: wall corner ({x1:g}, {y1:g}) follows itself; allowed: each corner once"
-            )
+            raise ValueError(f"{name}: wall corner ({x1:g}, {y1:g}) follows itself; allowed: each corner once")
     import shapely  # takes 0.1 s, which importing this package should not
 
     shape = shapely.Polygon(corners)
@@ -119,8 +117,7 @@ def check_enclosure(name: str, walls: tuple[Corner, ...], obstacles: tuple[tuple
         if area > _ROUNDING:
             part = "stands outside" if area > shape.area - _ROUNDING else "reaches through"
             raise ValueError(
-                f"{name}: obstacle {_text(obstacle)} {part} the walls; "
-                f"allowed: on the floor, within {bounds(walls)}"
+                f"{name}: obstacle {_text(obstacle)} {part} the walls; allowed: on the floor, within {bounds(walls)}"
             )
     first, second = shapely.STRtree(shapes).query(shapes, "intersects")
     first, second = first[first < second], second[first < second]

@@ -26,10 +26,7 @@ class WallClock:
     """
 
     def __init__(
-        self,
-        period: float,
-        clock: Callable[[], float] = time.monotonic,
-        sleep: Callable[[float], None] = time.sleep,
+        self, period: float, clock: Callable[[], float] = time.monotonic, sleep: Callable[[float], None] = time.sleep
     ) -> None:
         if not period > 0:
             raise ValueError(f"period is {period!r} s; allowed: a positive time")

@@ -164,9 +164,7 @@ class MatCamera:
         """Take the place of every cube."""
         for food in self._foods:
             food.receive()
-        self._scene = Scene(
-            tuple(_region(label, cube, holes) for label, (cube, holes) in enumerate(self._cubes))
-        )
+        self._scene = Scene(tuple(_region(label, cube, holes) for label, (cube, holes) in enumerate(self._cubes)))
 
     def look(self) -> Scene:
         """The places of the last `expose`."""

@@ -10,13 +10,7 @@ import numpy as np
 from khepera_forage.lab.clock import WallClock
 from khepera_forage.lab.cubes import CubeOperator, MatCamera
 from khepera_forage.lab.devices import FreshFrames, calibration_of, open_video
-from khepera_forage.lab.localisation import (
-    FoodLocator,
-    find_marker,
-    gripper_errors,
-    placement_errors,
-    pose_of,
-)
+from khepera_forage.lab.localisation import FoodLocator, find_marker, gripper_errors, placement_errors, pose_of
 from khepera_forage.lab.operator import Operator, OperatorRequest, RobotMark, ask_person
 from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.noise import Noise
@@ -211,9 +205,7 @@ class Laboratory:
         """Open robots and camera, or the cubes on a mat; if one fails, close the others."""
         settings = self.settings
         with ExitStack() as opened:
-            robots = [
-                opened.enter_context(r.open(settings.period, settings.safe_speed)) for r in settings.robots
-            ]
+            robots = [opened.enter_context(r.open(settings.period, settings.safe_speed)) for r in settings.robots]
             self._fleet = Fleet(robots)
             self._cubes = [robot for robot in robots if isinstance(robot, ToioRobot)]
             self._food_cubes = [opened.enter_context(ToioRobot(port)) for port in settings.food_cubes]
@@ -285,8 +277,7 @@ class Laboratory:
         # Tell robots with fewer sensors than a Khepera what the map shows.
         foods = [FoodState(food.x, food.y) for food in self.food_places()]
         states = [
-            RobotState(*pose, math.cos(pose.heading), math.sin(pose.heading), has_gripper=False)
-            for pose in self._poses
+            RobotState(*pose, math.cos(pose.heading), math.sin(pose.heading), has_gripper=False) for pose in self._poses
         ]
         timing = Timing(self.round_duration, 0.0, 0.0)
         for number, (robot, arena) in enumerate(zip(self.robots, self.arenas, strict=True)):

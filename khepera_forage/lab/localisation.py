@@ -167,9 +167,7 @@ def placement_errors(
         x, y, heading = pose_of(own[0])
         distance = math.dist((x, y), mark.pose[:2])
         if distance > tolerance.position:
-            errors.append(
-                f"robot {mark.name} stands at ({x:.0f}, {y:.0f}) mm, {distance:.0f} mm off its mark"
-            )
+            errors.append(f"robot {mark.name} stands at ({x:.0f}, {y:.0f}) mm, {distance:.0f} mm off its mark")
         turn = (math.degrees(heading - mark.pose.heading) + 180) % 360 - 180
         if abs(turn) > tolerance.heading:
             side = "left" if turn > 0 else "right"

@@ -53,9 +53,7 @@ def ask_person(request: OperatorRequest) -> None:
             f"heading {degrees} degrees"
         )
     if request.foods is not None:
-        lines += [f"  food at x {food.x:.0f} mm, y {food.y:.0f} mm" for food in request.foods] or [
-            "  no food"
-        ]
+        lines += [f"  food at x {food.x:.0f} mm, y {food.y:.0f} mm" for food in request.foods] or ["  no food"]
     print("\n".join(lines), file=sys.stderr)
     try:
         answer = input("Press Enter when it is done, or q to give up: ")

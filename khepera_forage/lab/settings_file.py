@@ -170,9 +170,7 @@ def _robot(index: int, value: Any, markers: str) -> RobotSettings:
         baud = given.get("baud", driver.protocol.baud)
         given["baud"] = one_of(driver.protocol.baud_rates)(f"{key}.baud", baud)
     elif "baud" in given:
-        raise ValueError(
-            f"{key}.baud is given; allowed: for a robot with a serial line, not for {given['type']}"
-        )
+        raise ValueError(f"{key}.baud is given; allowed: for a robot with a serial line, not for {given['type']}")
     name, holes = (f"learner_{index - 1}", 2) if index else ("teacher", 1)
     return RobotSettings(**{"name": name, "holes": holes, **given})
 
@@ -192,11 +190,7 @@ def _size(key: str, value: Any) -> tuple[int, int]:
 
 def _tracker(key: str, value: Any) -> TrackerSettings:
     """Any field of `TrackerSettings` but the numbers in use, as a key of the same name."""
-    readers: dict[type, Reader] = {
-        bool: true_or_false,
-        str: text,
-        tuple: list_of(one_of(MARKER_NUMBERS["tags"]), 0),
-    }
+    readers: dict[type, Reader] = {bool: true_or_false, str: text, tuple: list_of(one_of(MARKER_NUMBERS["tags"]), 0)}
     keys = {f.name: readers.get(type(f.default), _any_number) for f in fields(TrackerSettings)}
     del keys["numbers"]
     return TrackerSettings(**table(key, value, keys))
@@ -233,14 +227,10 @@ def _check(settings: LabSettings) -> None:
             for key, allowed in (("port", "one port a robot"), ("name", "one name each")):
                 value = getattr(robot, key)
                 if value == getattr(other, key):
-                    raise ValueError(
-                        f"robots[{i}].{key} is {value!r}, as robots[{j}].{key}; allowed: {allowed}"
-                    )
+                    raise ValueError(f"robots[{i}].{key} is {value!r}, as robots[{j}].{key}; allowed: {allowed}")
             (x1, y1, x2, y2), (left, low, right, high) = arenas[i].bounds, arenas[j].bounds
             if x1 < right and left < x2 and y1 < high and low < y2:
-                raise ValueError(
-                    f"{offset}: its arena overlaps that of robots[{j}]; allowed: arenas side by side"
-                )
+                raise ValueError(f"{offset}: its arena overlaps that of robots[{j}]; allowed: arenas side by side")
         try:
             check_seen((arenas[i],))
         except ValueError as error:
@@ -251,9 +241,7 @@ def _check(settings: LabSettings) -> None:
             raise ValueError("food_cubes is given; allowed: for robots of type toio")
         return
     if len(kinds) > 1:
-        raise ValueError(
-            f"robots are of types {', '.join(sorted(kinds))}; allowed: toio cubes alone, or other robots"
-        )
+        raise ValueError(f"robots are of types {', '.join(sorted(kinds))}; allowed: toio cubes alone, or other robots")
     width, height = MAT_SIZE
     for i, arena in enumerate(arenas):
         x1, y1, x2, y2 = arena.bounds

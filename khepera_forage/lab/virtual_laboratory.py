@@ -126,9 +126,7 @@ class VirtualLaboratory(Laboratory):
                 self.virtual_operator if operator is None else operator,
                 source=lambda: self.frame_source if camera is None else camera(self.frame_source),
                 calibration=Calibration.identity(above, size),
-                clock=WallClock(
-                    settings.period, time.monotonic if real_time else lambda: self._now, self._sleep
-                ),
+                clock=WallClock(settings.period, time.monotonic if real_time else lambda: self._now, self._sleep),
             )
         except BaseException:
             self._close_lines()

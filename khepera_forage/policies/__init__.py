@@ -11,14 +11,7 @@ from typing import TYPE_CHECKING, Any
 from khepera_forage.policies.classifiers import ClassifierPolicy, ContiguousLabels
 from khepera_forage.policies.distance import distance
 from khepera_forage.policies.models import AgentPolicy, ModelPolicy, as_policy
-from khepera_forage.policies.policy import (
-    Listener,
-    Neighbours,
-    Observation,
-    Policy,
-    UniformPolicy,
-    state_vector_of,
-)
+from khepera_forage.policies.policy import Listener, Neighbours, Observation, Policy, UniformPolicy, state_vector_of
 from khepera_forage.policies.teacher import Teacher
 
 if TYPE_CHECKING:

@@ -8,13 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL, STATE_WIDTH
 from khepera_forage.policies.features import encoded
-from khepera_forage.policies.policy import (
-    Observation,
-    checked_generator,
-    draw_label,
-    remembered,
-    state_vector_of,
-)
+from khepera_forage.policies.policy import Observation, checked_generator, draw_label, remembered, state_vector_of
 from khepera_forage.task.states import Behaviour, StateVector
 
 TOLERANCE = 1e-3
@@ -36,9 +30,7 @@ class ClassifierPolicy:
     classifier: Any
     sample: bool = True
     remember: bool = False
-    _cache: dict[StateVector, NDArray[np.float64]] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
+    _cache: dict[StateVector, NDArray[np.float64]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
         """The behaviour drawn, or the most probable one; with `sample` one number is drawn at every call.
@@ -78,9 +70,7 @@ def policy_of(learner: Any, sample: bool = True) -> ClassifierPolicy:
     """
     kind = type(learner).__name__
     if not callable(getattr(learner, "predict_proba", None)):
-        raise ValueError(
-            f"{kind} has no predict_proba; allowed: a classifier that gives each behaviour a probability"
-        )
+        raise ValueError(f"{kind} has no predict_proba; allowed: a classifier that gives each behaviour a probability")
     if not hasattr(learner, "classes_"):
         raise ValueError(
             f"{kind} has no classes_; allowed: a fitted classifier, whose classes_ are the behaviours that the columns "

@@ -22,13 +22,7 @@ from khepera_forage.policies.distance import (
     rounded_distance,
     unit,
 )
-from khepera_forage.policies.policy import (
-    Neighbours,
-    Observation,
-    checked_generator,
-    remembered,
-    state_vector_of,
-)
+from khepera_forage.policies.policy import Neighbours, Observation, checked_generator, remembered, state_vector_of
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, EXACT, FIELDS
 from khepera_forage.task.states import Behaviour
 
@@ -253,9 +247,7 @@ class NearestNeighbourImitator(ConfidenceClassifier):
         if self.arithmetic not in decision.choices:
             raise ValueError(f"arithmetic is {self.arithmetic!r}; allowed: {decision.allowed}")
         if self.threshold and decision.as_number(self.arithmetic) != EXACT:
-            raise ValueError(
-                f"threshold is {self.threshold!r} with {self.arithmetic}; allowed: 0, or exact arithmetic"
-            )
+            raise ValueError(f"threshold is {self.threshold!r} with {self.arithmetic}; allowed: 0, or exact arithmetic")
 
     def __getstate__(self) -> dict[str, Any]:
         return {**super().__getstate__(), "_cache": {}}
@@ -370,9 +362,7 @@ class WeightedImitator(ConfidenceClassifier):
         if self.weights is not None:
             self.weights_ = self._whole("weights", self.weights)
             if len(self.weights_) != rows.shape[1] or not any(self.weights_):
-                raise ValueError(
-                    f"weights are {self.weights_}; allowed: {rows.shape[1]} whole numbers, not all 0"
-                )
+                raise ValueError(f"weights are {self.weights_}; allowed: {rows.shape[1]} whole numbers, not all 0")
             return self
         own = np.arange(len(rows)) if groups is None else np.asarray(groups)
         if own.shape != codes.shape:

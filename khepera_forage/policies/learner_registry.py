@@ -147,6 +147,4 @@ def _parameters(make: Any) -> dict[str, bool]:
         return {}
     variable = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
     given = ("random_state", "diagonal")
-    return {
-        one.name: one.name in given or one.default is not one.empty or one.kind in variable for one in taken
-    }
+    return {one.name: one.name in given or one.default is not one.empty or one.kind in variable for one in taken}

@@ -155,9 +155,7 @@ LEARNERS: dict[str, Learner] = {
     ),
     "growing_memory": OfflineImitation("growing memory", GrowingMemory, diagonal=True),
     "tree": OfflineImitation("decision tree", tree, seeded=True),
-    "boosting": OfflineImitation(
-        "gradient boosting", boosting, {"n_estimators": 50, "max_depth": 3}, seeded=True
-    ),
+    "boosting": OfflineImitation("gradient boosting", boosting, {"n_estimators": 50, "max_depth": 3}, seeded=True),
     "cloning": _CLONING,
     "dagger": InteractiveImitation("DAgger", _CLONING, {"queries_a_round": 100}),
     "dagger_tree": InteractiveImitation(

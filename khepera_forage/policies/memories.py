@@ -86,9 +86,7 @@ def memories_of(experiences: Iterable[tuple[ArrayLike, ArrayLike]]) -> Memories:
     return _merged(vectors.astype(np.int64), heard.astype(np.int64), memory, len(parts))
 
 
-def _merged(
-    vectors: NDArray[np.int64], heard: NDArray[np.int64], memory: NDArray[np.int64], memories: int
-) -> Memories:
+def _merged(vectors: NDArray[np.int64], heard: NDArray[np.int64], memory: NDArray[np.int64], memories: int) -> Memories:
     """Memories of state vectors, given the number of the memory of each; equal ones become one."""
     presence, home, food_type, arm, food = vectors.T
     # One number a vector, so that all are sorted at once.

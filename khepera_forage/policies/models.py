@@ -20,13 +20,7 @@ from numpy.random import Generator
 from khepera_forage.extras import require
 from khepera_forage.policies.classifiers import policy_of
 from khepera_forage.policies.features import raw_data_space, state_vector_space
-from khepera_forage.policies.policy import (
-    Observation,
-    Policy,
-    checked_generator,
-    draw_label,
-    state_vector_of,
-)
+from khepera_forage.policies.policy import Observation, Policy, checked_generator, draw_label, state_vector_of
 from khepera_forage.policies.teacher import APPLICABLE, Teacher
 from khepera_forage.task.states import Behaviour, behaviour_number
 
@@ -207,9 +201,7 @@ def training_of(model: Any) -> tuple[Form | None, int]:
                 space = None  # of what the features make of observations
         elif name in ("ActionRepeat", "VectorActionRepeat"):
             hold *= layer["rounds"] if isinstance(layer, Mapping) else layer.rounds
-        elif name not in _TRANSPARENT and not isinstance(
-            layer, gym.RewardWrapper | gym.vector.VectorRewardWrapper
-        ):
+        elif name not in _TRANSPARENT and not isinstance(layer, gym.RewardWrapper | gym.vector.VectorRewardWrapper):
             raise ValueError(f"{kind} was trained behind {name}; {_ALLOWED}")
     form = None if space is None else form_of(space)
     if form is not None:

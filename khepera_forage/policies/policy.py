@@ -59,9 +59,7 @@ def state_vector_of(observation: Observation) -> StateVector:
             values: Sequence[Any] = [observation[name] for name in StateVector._fields]
         except KeyError as error:
             needed = ", ".join(StateVector._fields)
-            raise ValueError(
-                f"observation lacks {error}, it has {list(observation)}; needed: {needed}"
-            ) from None
+            raise ValueError(f"observation lacks {error}, it has {list(observation)}; needed: {needed}") from None
     elif isinstance(observation, np.ndarray):
         if observation.ndim != 1:
             raise ValueError(f"observation has shape {observation.shape}; allowed: one dimension")
@@ -114,9 +112,7 @@ class Listener:
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
         """The behaviour heard; the observation must be one of the training environment, seven integers."""
         if not is_training(observation):
-            raise ValueError(
-                f"observation is {observation!r}; allowed: seven integers of a training environment"
-            )
+            raise ValueError(f"observation is {observation!r}; allowed: seven integers of a training environment")
         return Behaviour(int(observation[HEARD]))
 
 

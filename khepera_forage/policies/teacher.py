@@ -12,14 +12,7 @@ from khepera_forage.policies.policy import SEPARATED, Observation, is_training, 
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED
 from khepera_forage.task.arena_map import whole_pixels
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, DecisionValues
-from khepera_forage.task.states import (
-    NUM_BEHAVIOURS,
-    Behaviour,
-    FoodType,
-    StateVector,
-    behaviour_for,
-    classify,
-)
+from khepera_forage.task.states import NUM_BEHAVIOURS, Behaviour, FoodType, StateVector, behaviour_for, classify
 
 
 @dataclass(frozen=True)
@@ -86,9 +79,7 @@ def _applicable() -> NDArray[np.bool_]:
     decisions = DEFAULT_DECISIONS.values()
     found = np.zeros((2, len(FoodType), NUM_BEHAVIOURS), np.bool_)
     foods = (0, round(decisions.close_to_food) - 1, 999)
-    for presence, home, food_type, arm, food in product(
-        (0, 1), (0, 999), FoodType, (ARM_RAISED, ARM_DOWN), foods
-    ):
+    for presence, home, food_type, arm, food in product((0, 1), (0, 999), FoodType, (ARM_RAISED, ARM_DOWN), foods):
         vector = StateVector(presence, home, food_type, arm, food)
         found[presence, food_type, classify(vector, 1.0, decisions)] = True
     return found

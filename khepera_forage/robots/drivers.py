@@ -19,12 +19,7 @@ def serial_driver(kind: str) -> type[SerialRobot] | None:
 
 
 def open_robot(
-    kind: str,
-    port: str,
-    *,
-    max_speed: int | None = None,
-    period: float | None = CONTROL_PERIOD,
-    **options: Any,
+    kind: str, port: str, *, max_speed: int | None = None, period: float | None = CONTROL_PERIOD, **options: Any
 ) -> RealRobot:
     """Open a robot; its driver explains the arguments and raises the errors.
 

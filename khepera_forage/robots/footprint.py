@@ -3,14 +3,7 @@
 from typing import Any
 
 from khepera_forage.geometry.plane import clearance, cosine_sine
-from khepera_forage.robots.khepera import (
-    FINGER_THICKNESS,
-    FINGER_TIP,
-    JAW_OPEN,
-    JAW_ROOT,
-    RADIUS,
-    half_gap,
-)
+from khepera_forage.robots.khepera import FINGER_THICKNESS, FINGER_TIP, JAW_OPEN, JAW_ROOT, RADIUS, half_gap
 
 GRIPPER_HALF_WIDTH = half_gap(JAW_OPEN) + FINGER_THICKNESS
 """Half the width of the open gripper, mm."""
@@ -54,14 +47,8 @@ def _meets_rectangle(
     wall: Any, x: float, y: float, cosine: float, sine: float, half_length: float, half_width: float
 ) -> bool:
     """Whether a wall reaches into a rectangle: nothing separates them along its sides, or across the wall."""
-    ahead, aside = (
-        (wall.x1 - x) * cosine + (wall.y1 - y) * sine,
-        (wall.y1 - y) * cosine - (wall.x1 - x) * sine,
-    )
-    other_ahead, other_aside = (
-        ahead + wall.ex * cosine + wall.ey * sine,
-        aside + wall.ey * cosine - wall.ex * sine,
-    )
+    ahead, aside = ((wall.x1 - x) * cosine + (wall.y1 - y) * sine, (wall.y1 - y) * cosine - (wall.x1 - x) * sine)
+    other_ahead, other_aside = (ahead + wall.ex * cosine + wall.ey * sine, aside + wall.ey * cosine - wall.ex * sine)
     if min(ahead, other_ahead) >= half_length or max(ahead, other_ahead) <= -half_length:
         return False
     if min(aside, other_aside) >= half_width or max(aside, other_aside) <= -half_width:

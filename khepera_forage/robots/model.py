@@ -3,15 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from khepera_forage.robots.khepera import (
-    BARRIER,
-    FOOD_RADIUS,
-    MAX_SPEED,
-    PULSE,
-    RADIUS,
-    SPEED_UNIT,
-    WHEEL_BASE,
-)
+from khepera_forage.robots.khepera import BARRIER, FOOD_RADIUS, MAX_SPEED, PULSE, RADIUS, SPEED_UNIT, WHEEL_BASE
 from khepera_forage.robots.proximity import SENSORS
 
 

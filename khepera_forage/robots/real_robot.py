@@ -22,15 +22,7 @@ from queue import Empty, SimpleQueue
 from types import FrameType
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
-from khepera_forage.robots.khepera import (
-    ARM_DOWN,
-    JAW_OPEN,
-    Motors,
-    RobotLost,
-    Senses,
-    applicable,
-    check_finite,
-)
+from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, Motors, RobotLost, Senses, applicable, check_finite
 from khepera_forage.robots.model import RobotModel
 
 T = TypeVar("T")
@@ -326,9 +318,7 @@ def stop_and_log(robots: Sequence[RealRobot], occasion: str) -> None:
     """Stop robots; log those that could not be stopped, by default on standard error."""
     for robot, error in stop_all(robots):
         if not robot.stop_confirmed:
-            _LOG.error(
-                "%s may still be moving; it did not confirm its stop %s: %s", robot.port, occasion, error
-            )
+            _LOG.error("%s may still be moving; it did not confirm its stop %s: %s", robot.port, occasion, error)
 
 
 class Fleet:

@@ -115,9 +115,7 @@ def dagger(
     return DaggerResult(actor, np.array(vectors), np.array(behaviours), tuple(rounds))
 
 
-def _fitted(
-    make: Callable[[], Any], vectors: list[StateVector], behaviours: list[int], sample: bool
-) -> Policy:
+def _fitted(make: Callable[[], Any], vectors: list[StateVector], behaviours: list[int], sample: bool) -> Policy:
     classifier = make()
     classifier.fit(np.array(vectors), np.array(behaviours))
     return policy_of(classifier, sample)

@@ -84,9 +84,7 @@ def recorded(
         if isinstance(env, WheelsEnv):
             return [teacher_alone(env, int(seed.generate_state(1)[0])) for seed in seeds]
         recorder = LearnerRecorder(env)
-        return [
-            (train(env, seed, teacher=recorder, callback=recorder)[0], recorder.episode()) for seed in seeds
-        ]
+        return [(train(env, seed, teacher=recorder, callback=recorder)[0], recorder.episode()) for seed in seeds]
 
 
 def teacher_alone(env: WheelsEnv, seed: int) -> tuple[Experience, RawEpisode]:
@@ -138,8 +136,5 @@ class _Record:
         names = raw_data_space()
         observations = {name: np.stack([one[name] for one in self.shown]) for name in names}
         return RawEpisode(
-            observations,
-            np.array(self._actions, np.float32),
-            np.array(self._rewards),
-            np.array(self.heard, np.int64),
+            observations, np.array(self._actions, np.float32), np.array(self._rewards), np.array(self.heard, np.int64)
         )

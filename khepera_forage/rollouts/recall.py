@@ -51,9 +51,7 @@ def recall_env(
     return unwrapped_env(BehavioursEnv, f"{environment_name(arena)}-v1", noise, limit, **kwargs)
 
 
-def unwrapped_env(
-    kind: type[_Env], name: str, noise: Noise | str | None, limit: int | None, **kwargs: Any
-) -> _Env:
+def unwrapped_env(kind: type[_Env], name: str, noise: Noise | str | None, limit: int | None, **kwargs: Any) -> _Env:
     """A registered environment without its wrappers.
 
     Args:
@@ -243,9 +241,7 @@ def recall_wheels_env(
     return unwrapped_env(WheelsEnv, f"{environment_name(arena)}Wheels-v1", noise, limit, **kwargs)
 
 
-def recall_wheels(
-    env: gym.Env[Any, Any], policy: Any, seed: int, *, callback: Callback | None = None
-) -> WheelsRecall:
+def recall_wheels(env: gym.Env[Any, Any], policy: Any, seed: int, *, callback: Callback | None = None) -> WheelsRecall:
     """Forage alone until all food is at home or the time limit is reached.
 
     Args:

@@ -103,6 +103,4 @@ def _in_the_middle(arena: Arena, count: int) -> Arena:
     """An arena, shifted so that its copies lie in the middle of the picture, below the camera (3.1)."""
     bounds = np.array([a.bounds for a in copies(arena, count)])
     x, y = (bounds[:, :2].min(axis=0) + bounds[:, 2:].max(axis=0)) / 2
-    return arena.shifted(
-        PICTURE_WIDTH * MM_PER_PIXEL / 2 - float(x), PICTURE_HEIGHT * MM_PER_PIXEL / 2 - float(y)
-    )
+    return arena.shifted(PICTURE_WIDTH * MM_PER_PIXEL / 2 - float(x), PICTURE_HEIGHT * MM_PER_PIXEL / 2 - float(y))

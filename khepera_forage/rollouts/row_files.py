@@ -53,8 +53,7 @@ class RowWriter(Generic[RowT]):
         """Append rows, with one write for all of them."""
         self._write(
             b"".join(
-                _line([_format(name, kind, getattr(row, name)) for name, kind in self._types.items()])
-                for row in rows
+                _line([_format(name, kind, getattr(row, name)) for name, kind in self._types.items()]) for row in rows
             )
         )
 

@@ -8,13 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from khepera_forage.task.decisions import (
-    DEFAULT_DECISIONS,
-    Decisions,
-    decisions_from_text,
-    decisions_text,
-    differences,
-)
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_from_text, decisions_text, differences
 from khepera_forage.task.states import Behaviour, State
 
 IMITATOR = "imitator"
@@ -111,20 +105,14 @@ class RecallRow:
             fits = len(getattr(self, name)) == self.foods
             require_field(fits, self, name, f"one value for each of {self.foods} foods")
         delivered = sum(self.food_delivered)
-        require_field(
-            self.delivered == delivered, self, "delivered", f"{delivered}, the sum of food_delivered"
-        )
+        require_field(self.delivered == delivered, self, "delivered", f"{delivered}, the sum of food_delivered")
         for name, total in (("rounds_by_state", steps), ("wrong_by_state", wrong)):
             counts = getattr(self, name)
             valid = len(counts) == STATES and min(counts) >= 0 and sum(counts) == total
             require_field(valid, self, name, f"{STATES} counts that add up to {total}")
-        for state, (rounds, mistaken) in enumerate(
-            zip(self.rounds_by_state, self.wrong_by_state, strict=True)
-        ):
+        for state, (rounds, mistaken) in enumerate(zip(self.rounds_by_state, self.wrong_by_state, strict=True)):
             if mistaken > rounds:
-                raise ValueError(
-                    f"wrong_by_state[{state}] is {mistaken}; allowed: at most {rounds}, its rounds"
-                )
+                raise ValueError(f"wrong_by_state[{state}] is {mistaken}; allowed: at most {rounds}, its rounds")
         fits = 0 <= self.orient_without_food <= wrong
         require_field(fits, self, "orient_without_food", f"0..{wrong} wrong rounds")
         require_field(0 <= self.ties <= steps, self, "ties", f"0..{steps} steps")

@@ -92,9 +92,7 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
         """Note the actions of all environments."""
         self._actions = actions
 
-    def step_wait(
-        self,
-    ) -> tuple[Shown, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
+    def step_wait(self) -> tuple[Shown, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """Carry out the actions; returns observations, rewards, ends and infos."""
         shown, rewards, terminated, truncated, info = self.env.step(self._actions)
         ended = terminated | truncated
@@ -156,9 +154,7 @@ class VecEnvAdapter(VecEnv):  # type: ignore[misc, unused-ignore]  # untyped whe
     def _final_info(self, info: dict[str, Any], i: int, terminated: bool, truncated: bool) -> dict[str, Any]:
         """What is known of an episode that has just ended in environment i, but for `episode`."""
         final, final_obs = info.get("final_info", {}), info["final_obs"][i]
-        known = {
-            name: values[i] for name, values in final.items() if f"_{name}" in final and final[f"_{name}"][i]
-        }
+        known = {name: values[i] for name, values in final.items() if f"_{name}" in final and final[f"_{name}"][i]}
         return {
             **known,
             "terminal_observation": final_obs if self.features is None else self.features(final_obs)[0],

@@ -219,9 +219,7 @@ def train(
     """
     own = getattr(env, "unwrapped", env)
     if not isinstance(own, TrainingEnv) or not isinstance(own.action_space(TEACHER), spaces.Discrete):
-        raise TypeError(
-            f"env is {env}; allowed: a TrainingEnv of behaviours, such as paired_corridors_v1.env()"
-        )
+        raise TypeError(f"env is {env}; allowed: a TrainingEnv of behaviours, such as paired_corridors_v1.env()")
     env, rows = own, []
     attempts = env.decisions.most_attempts if attempts is None else attempts
     if not isinstance(seed, np.random.SeedSequence):
@@ -262,16 +260,12 @@ def train(
                     recorder.writer.path.unlink()
             raise
         if result.complete:
-            experience = Experience(
-                recorder.vectors, recorder.behaviours, arena, attempt_seed, decisions=env.decisions
-            )
+            experience = Experience(recorder.vectors, recorder.behaviours, arena, attempt_seed, decisions=env.decisions)
             return experience, rows
         if result.lost:
             where = f"kept in {_keep(path, number)}" if path else "not kept: training has no experience file"
             vectors = len(recorder.vectors)
-            _log.warning(
-                "attempt %d ended: %s; its %d experience vectors are %s", number, result.lost, vectors, where
-            )
+            _log.warning("attempt %d ended: %s; its %d experience vectors are %s", number, result.lost, vectors, where)
         elif path is not None:
             path.unlink()
     raise IncompleteTrainingError(f"none of {attempts} attempts at a training episode was complete")

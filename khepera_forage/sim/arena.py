@@ -62,9 +62,7 @@ class Arena:
             raise ValueError(f"name of an arena is {self.name!r}; allowed: a text that is not empty")
         polygon.check_enclosure(self.name, self.walls, self.obstacles)
         if not (math.isfinite(self.home_radius) and self.home_radius > 0):
-            raise ValueError(
-                f"{self.name}: home_radius is {self.home_radius!r} mm; allowed: a positive length"
-            )
+            raise ValueError(f"{self.name}: home_radius is {self.home_radius!r} mm; allowed: a positive length")
         if not 1 <= len(self.foods) <= MOST_FOODS:
             raise ValueError(
                 f"{self.name}: foods has {len(self.foods)} places; allowed: 1 to {MOST_FOODS}, one an object"
@@ -166,6 +164,4 @@ def copies(arena: Arena, count: int, gap: float = 70.0) -> tuple[Arena, ...]:
     # As many rows or columns as 2.4 m of the thesis's laboratory floor hold.
     abreast = max(1, int((2400.0 + gap) / min(dx, dy)))
     places = (divmod(i, abreast) for i in range(count))
-    return tuple(
-        arena.shifted(a * dx, b * dy) if dy <= dx else arena.shifted(b * dx, a * dy) for a, b in places
-    )
+    return tuple(arena.shifted(a * dx, b * dy) if dy <= dx else arena.shifted(b * dx, a * dy) for a, b in places)

@@ -230,9 +230,7 @@ def _touches_food(
     return False
 
 
-def _touches_robot(
-    robots: Any, i: int, x: float, y: float, cos: float, sin: float, jaw: float, travel: float
-) -> bool:
+def _touches_robot(robots: Any, i: int, x: float, y: float, cos: float, sin: float, jaw: float, travel: float) -> bool:
     """Whether the robot, or food in its gripper, could touch another robot on its way."""
     robot = robots[i]
     tip, near = tip_of(robot), RADIUS + travel

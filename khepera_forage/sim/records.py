@@ -176,9 +176,7 @@ class Enclosure(NamedTuple):
     corners: Any
 
 
-def constants_of(
-    noise: Noise, timing: Timing, wheel_speed: float = 1.0, model: RobotModel = KHEPERA
-) -> Constants:
+def constants_of(noise: Noise, timing: Timing, wheel_speed: float = 1.0, model: RobotModel = KHEPERA) -> Constants:
     """The `Constants` of worlds with robots of a kind."""
     return Constants(
         noise,

@@ -45,15 +45,7 @@ from khepera_forage.counter_rng import (
 )
 from khepera_forage.geometry.plane import cosine_sine
 from khepera_forage.noise import Noise
-from khepera_forage.robots.khepera import (
-    ARM_DOWN,
-    ARM_ON_FLOOR,
-    FOOD_RADIUS,
-    JAW_OPEN,
-    MARKER_WIDTH,
-    PRESENT,
-    RADIUS,
-)
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, FOOD_RADIUS, JAW_OPEN, MARKER_WIDTH, PRESENT, RADIUS
 from khepera_forage.robots.proximity import (
     HIDDEN_BY_ARM,
     MAX_READING,
@@ -283,14 +275,7 @@ def _look_at_marker(robots: Any, i: int, anchor_x: float, anchor_y: float, noise
 
 
 def _look_at_food(
-    robots: Any,
-    food: Any,
-    k: int,
-    detection: Any,
-    anchor_x: float,
-    anchor_y: float,
-    first_frame: bool,
-    noise: Any,
+    robots: Any, food: Any, k: int, detection: Any, anchor_x: float, anchor_y: float, first_frame: bool, noise: Any
 ) -> bool:
     """What this frame shows of food object `k`; returns whether it is seen, and then writes the detection."""
     robot, jitter, number = robots[0], noise.position_jitter, DRAW_FOOD + k * FOOD_DRAWS
@@ -380,9 +365,7 @@ class OverheadCamera(SimulatedCamera):
         anchor: Where the cables hang from, in mm as seen from above; None hangs no cables.
     """
 
-    def __init__(
-        self, truth: Callable[[], Truth], noise: Noise, anchor: tuple[float, float] | None = None
-    ) -> None:
+    def __init__(self, truth: Callable[[], Truth], noise: Noise, anchor: tuple[float, float] | None = None) -> None:
         super().__init__()
         self._truth, self._anchor = truth, anchor or (0.0, 0.0)
         self._noise = noise if anchor else replace(noise, cable_loss_factor=1.0)
@@ -391,10 +374,7 @@ class OverheadCamera(SimulatedCamera):
         """Forget all tracks and losses, and take the first frame; `rng` only spawns another."""
         key = int(rng.spawn(1)[0].integers(2**64, dtype=np.uint64))
         truth = self._truth()
-        robots = [
-            RobotState(key=key + i, holes=marker[3], first_frame=True)
-            for i, marker in enumerate(truth.markers)
-        ]
+        robots = [RobotState(key=key + i, holes=marker[3], first_frame=True) for i, marker in enumerate(truth.markers)]
         foods = [FoodState() for _ in truth.foods]
         tracks, detections = [Track() for _ in range(2 * len(foods))], [FoodDetection() for _ in foods]
         super().__init__(robots, [Enclosure(robots, foods, tracks, detections, (), ())])
@@ -425,6 +405,4 @@ def marker_region(label: int, robot: Any) -> Region:
     turned = math.radians(heading)
     half_width, half_height, first = marker_outline(math.cos(turned), math.sin(turned))
     edge = not in_picture(x, y, half_width, half_height)
-    return Region(
-        label, x, y, holes, heading, found, edge, x + first, y + half_height, *MARKER_FEATURES[holes]
-    )
+    return Region(label, x, y, holes, heading, found, edge, x + first, y + half_height, *MARKER_FEATURES[holes])

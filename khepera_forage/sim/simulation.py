@@ -23,14 +23,7 @@ from khepera_forage.robots.model import KHEPERA, RobotModel
 from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.sim.arena import MOST_FOODS, Arena, Point, Pose
 from khepera_forage.sim.driving import set_motors
-from khepera_forage.sim.layout_checks import (
-    arena_of,
-    cable_anchor,
-    check_apart,
-    check_robot,
-    check_seen,
-    check_starts,
-)
+from khepera_forage.sim.layout_checks import arena_of, cable_anchor, check_apart, check_robot, check_seen, check_starts
 from khepera_forage.sim.records import Enclosure, constants_of
 from khepera_forage.sim.sensing import SimulatedCamera
 from khepera_forage.sim.world import FoodPlace, Layout, Timing
@@ -117,9 +110,7 @@ class Simulation(ABC):
         if not markers or any(holes not in (1, 2) for holes in markers):
             raise ValueError(f"markers {tuple(markers)!r}; allowed: one or more of 1 and 2 holes")
         if robot_parameters is not None and len(robot_parameters) != len(markers):
-            raise ValueError(
-                f"{len(robot_parameters)} robot_parameters given; allowed: {len(markers)}, one per robot"
-            )
+            raise ValueError(f"{len(robot_parameters)} robot_parameters given; allowed: {len(markers)}, one per robot")
         self.robot_parameters = tuple(robot_parameters or [RobotParameters()] * len(markers))
         self.arenas, self.markers = tuple(arenas), tuple(markers)
         self.noise = checked_noise(noise)
@@ -191,9 +182,7 @@ class Simulation(ABC):
         """Number of the arena on whose free floor something stands."""
         return self.arenas.index(arena_of(self.arenas, what, place, radius))
 
-    def _show(
-        self, enclosures: Sequence[Enclosure], robot_arenas: Sequence[int], food_arenas: Sequence[int]
-    ) -> None:
+    def _show(self, enclosures: Sequence[Enclosure], robot_arenas: Sequence[int], food_arenas: Sequence[int]) -> None:
         """Be the world of these records, which others may change.
 
         Args:
@@ -203,9 +192,7 @@ class Simulation(ABC):
         """
         self._enclosures, self._robot_arenas = tuple(enclosures), tuple(robot_arenas)
         self._food_numbers = _numbered(food_arenas)
-        self.robots = tuple(
-            SimulatedKhepera(enclosures[number].robots, k) for number, k in _numbered(robot_arenas)
-        )
+        self.robots = tuple(SimulatedKhepera(enclosures[number].robots, k) for number, k in _numbered(robot_arenas))
         self.camera = SimulatedCamera([robot.record for robot in self.robots], self._enclosures)
 
     def advance(self) -> None:
@@ -272,11 +259,7 @@ class Simulation(ABC):
         record.x, record.y, record.heading = pose
         record.cos, record.sin = cos, sin = math.cos(pose.heading), math.sin(pose.heading)
         if record.held >= 0:
-            carried, ahead, aside = (
-                self._enclosures[home].foods[record.held],
-                record.grip_x,
-                record.grip_y,
-            )
+            carried, ahead, aside = (self._enclosures[home].foods[record.held], record.grip_x, record.grip_y)
             carried.x, carried.y = pose.x + ahead * cos - aside * sin, pose.y + ahead * sin + aside * cos
         self._sense(self._enclosures[home])
 

@@ -76,9 +76,7 @@ def path_tables_of(arena: Arena) -> PathTables:
         (),
     )
     paths = paths._replace(seen=_seen(paths, walls).tobytes())
-    home_lengths = tuple(
-        shortest_length(k, home_x, home_y, math.inf, False, walls, paths) for k in range(len(places))
-    )
+    home_lengths = tuple(shortest_length(k, home_x, home_y, math.inf, False, walls, paths) for k in range(len(places)))
     lengths = shortest_lengths(waypoints, past_home)
     lengths[:, np.hypot(*(places - (home_x, home_y)).T) < berth] = np.inf
     return paths._replace(lengths=_in_pixels(lengths), home_lengths=home_lengths)

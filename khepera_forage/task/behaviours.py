@@ -53,14 +53,7 @@ from khepera_forage.robots.khepera import (
     applicable,
 )
 from khepera_forage.task.arena_map import EVERY_SIDE, ArenaMap, path_home
-from khepera_forage.task.decisions import (
-    AS_IT_IS,
-    BACK_OFF,
-    DRIVE_ON,
-    LOWERED_OVER_FOOD,
-    WANDER,
-    DecisionValues,
-)
+from khepera_forage.task.decisions import AS_IT_IS, BACK_OFF, DRIVE_ON, LOWERED_OVER_FOOD, WANDER, DecisionValues
 from khepera_forage.task.food_tracking import KnownFood
 from khepera_forage.task.perception import RawData, paths_home_can_bend, perceives_paths
 from khepera_forage.task.states import Behaviour
@@ -222,11 +215,7 @@ def _orient(raw: RawData, decisions: DecisionValues) -> Motors:
     error = raw.food_bearing
     if abs(error) > decisions.astray:
         # Far off course: turn with the arm up, so that the fingers do not sweep the food away.
-        turn = (
-            math.copysign(decisions.turn_speed, error)
-            if raw.arm < ARM_ON_FLOOR or distance >= _CLEAR
-            else 0.0
-        )
+        turn = math.copysign(decisions.turn_speed, error) if raw.arm < ARM_ON_FLOOR or distance >= _CLEAR else 0.0
         return Motors(-turn, turn, ARM_RAISED, JAW_OPEN)
     # The jaw is the memory of a missed try: closed, it means backing off until there is room for another. A robot that
     # is about to drive into its home backs off as well: in there, it would only AVOID HOME, and come back.
@@ -443,9 +432,7 @@ def detour(raw: RawData) -> float:
     if raw.home_opening != EVERY_SIDE and berth - abs(aside) > _SQUARE:
         # Past the open side of the home, which may stand against a wall. Every robot on that way finds the same side.
         robot = turn_to(bearing_of(raw.x - raw.home_x, raw.y - raw.home_y), raw.home_opening)
-        food = turn_to(
-            bearing_of(raw.food_waypoint_x - raw.home_x, raw.food_waypoint_y - raw.home_y), raw.home_opening
-        )
+        food = turn_to(bearing_of(raw.food_waypoint_x - raw.home_x, raw.food_waypoint_y - raw.home_y), raw.home_opening)
         side = math.copysign(1.0, robot - food)
     return math.copysign(berth, side) - aside
 

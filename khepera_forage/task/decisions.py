@@ -59,9 +59,7 @@ class Field(NamedTuple):
         else:
             kind: Any = numbers.Integral if self.kind is int else numbers.Real
             # NaN fails the comparison.
-            fine = (
-                isinstance(value, kind) and not isinstance(value, bool) and self.least <= value <= self.most
-            )
+            fine = isinstance(value, kind) and not isinstance(value, bool) and self.least <= value <= self.most
         if not fine:
             raise ValueError(f"decision {self.name} is {value!r}; allowed: {self.allowed}")
         return self.kind(value)
@@ -118,18 +116,10 @@ class Decisions:
 
     # The set-up of figure 5.1, whose picture did not survive. The start was chosen by hand: at 90 mm, as in version
     # 0.1, trainings without noise never ended on pymunk.
-    start_to_wall: float = _number(
-        100.0, 60.0, 200.0, "mm", "5.2", "From the robot's start to the wall behind it."
-    )
-    food_to_home: float = _number(
-        160.0, 120.0, 300.0, "mm", "5.2", "From the food to the centre of the home."
-    )
-    home_to_wall: float = _number(
-        80.0, 50.0, 150.0, "mm", "5.2", "From the home's centre to the wall behind it."
-    )
-    home_radius: float = _number(
-        80.0, 50.0, 110.0, "mm", "4.2.2", 'Radius of the home, "known to the robot".'
-    )
+    start_to_wall: float = _number(100.0, 60.0, 200.0, "mm", "5.2", "From the robot's start to the wall behind it.")
+    food_to_home: float = _number(160.0, 120.0, 300.0, "mm", "5.2", "From the food to the centre of the home.")
+    home_to_wall: float = _number(80.0, 50.0, 150.0, "mm", "5.2", "From the home's centre to the wall behind it.")
+    home_radius: float = _number(80.0, 50.0, 110.0, "mm", "4.2.2", 'Radius of the home, "known to the robot".')
     start_aside: float = _number(
         0.0, -60.0, 60.0, "mm", "5.2", "From the arena's middle line to the start, towards the left wall."
     )
@@ -177,12 +167,7 @@ class Decisions:
         "State at a distance that equals a threshold, which matches no row of table 4.2.",
     )
     carry_margin: float = _number(
-        10.0,
-        0.0,
-        30.0,
-        "arm positions",
-        "4.2.1",
-        "Above raised (215), up to which an arm counts as raised (fig. 4.2).",
+        10.0, 0.0, 30.0, "arm positions", "4.2.1", "Above raised (215), up to which an arm counts as raised (fig. 4.2)."
     )
 
     # What the behaviours command (4.2): speeds of the wheels.
@@ -192,12 +177,8 @@ class Decisions:
         5.5, 2.0, 20.0, "speed units", "4.2", "MOVE SLOWLY, AVOID FOOD, AVOID HOME, RELEASE FOOD."
     )
     push_speed: float = _number(8.0, 2.0, 20.0, "speed units", "4.2.3", "PUSH FOOD.")
-    orient_speed: float = _number(
-        4.0, 1.0, 12.0, "speed units", "4.2", "ORIENT WITH FOOD, on towards the barrier."
-    )
-    retreat_speed: float = _number(
-        7.0, 1.0, 12.0, "speed units", "4.2", "Backwards, off food and out of the home."
-    )
+    orient_speed: float = _number(4.0, 1.0, 12.0, "speed units", "4.2", "ORIENT WITH FOOD, on towards the barrier.")
+    retreat_speed: float = _number(7.0, 1.0, 12.0, "speed units", "4.2", "Backwards, off food and out of the home.")
     circle_speed: float = _number(
         1.5, 0.0, 12.0, "speed units", "4.2", "Mean speed of SEARCH with no food in sight, in a small circle."
     )
@@ -207,9 +188,7 @@ class Decisions:
     quick_turn_speed: float = _number(8.0, 1.0, 20.0, "speed units", "4.2", "The same, in a larger turn.")
 
     # How the behaviours orient and carry (3.4, 3.7, 4.2).
-    searching_arm: str = _choice(
-        "raised", ("raised",), "4.2", "The arm while searching; ORIENT WITH FOOD lowers it."
-    )
+    searching_arm: str = _choice("raised", ("raised",), "4.2", "The arm while searching; ORIENT WITH FOOD lowers it.")
     search_without_food: str = _choice(
         "small circle",
         ("small circle", "wander"),
@@ -223,12 +202,7 @@ class Decisions:
         "SEARCH and MOVE SLOWLY near food. The infra-reds turn them away, unless they back off or drive on.",
     )
     back_off_distance: float = _number(
-        16.0,
-        0.0,
-        20.0,
-        "pixels",
-        "4.2",
-        "Distance to food from which SEARCH and MOVE SLOWLY do not shove it.",
+        16.0, 0.0, 20.0, "pixels", "4.2", "Distance to food from which SEARCH and MOVE SLOWLY do not shove it."
     )
     orienting: str = _choice(
         "lowered before food",
@@ -239,40 +213,23 @@ class Decisions:
     arm_after_orienting: str = _choice(
         "raised", ("raised", "as it is"), "4.2", "The arm in MOVE SLOWLY while it is still down after ORIENT."
     )
-    aimed: float = _number(
-        5.0, 1.0, 15.0, "degrees", "3.7", "Off the food, within which a robot counts as oriented."
-    )
+    aimed: float = _number(5.0, 1.0, 15.0, "degrees", "3.7", "Off the food, within which a robot counts as oriented.")
     astray: float = _number(
         20.0, 10.0, 90.0, "degrees", "3.7", "Off the food, beyond which ORIENT raises the arm to turn."
     )
     missed_distance: float = _number(
-        10.0,
-        5.0,
-        15.0,
-        "pixels",
-        "3.7",
-        "Nearer food is in the gripper, or the try was missed and ORIENT backs off.",
+        10.0, 5.0, 15.0, "pixels", "3.7", "Nearer food is in the gripper, or the try was missed and ORIENT backs off."
     )
     release_depth: float = _number(
         7.0, 0.0, 15.0, "pixels", "4.2", "Inside the rim of the home, where food is released."
     )
 
     # Following (4.5.2).
-    same_place: float = _number(
-        2.0, 0.0, 10.0, "pixels", "4.5.2", "Within this, the learner is where the teacher is."
-    )
-    same_heading: float = _number(
-        8.0, 0.0, 45.0, "degrees", "4.5.2", "Within this, both go in the same direction."
-    )
-    separation: float = _number(
-        14.0, 5.0, 40.0, "pixels", "4.5.2", 'Beyond this, they are "significantly apart".'
-    )
-    recovery_speed: float = _number(
-        6.0, 1.0, 12.0, "speed units", "4.5.2", "Of a separated learner that catches up."
-    )
-    following_gain: float = _number(
-        0.1, 0.01, 1.0, "speed units/degree", "4.5.2", "Of the arc towards the teacher."
-    )
+    same_place: float = _number(2.0, 0.0, 10.0, "pixels", "4.5.2", "Within this, the learner is where the teacher is.")
+    same_heading: float = _number(8.0, 0.0, 45.0, "degrees", "4.5.2", "Within this, both go in the same direction.")
+    separation: float = _number(14.0, 5.0, 40.0, "pixels", "4.5.2", 'Beyond this, they are "significantly apart".')
+    recovery_speed: float = _number(6.0, 1.0, 12.0, "speed units", "4.5.2", "Of a separated learner that catches up.")
+    following_gain: float = _number(0.1, 0.01, 1.0, "speed units/degree", "4.5.2", "Of the arc towards the teacher.")
     patience: int = _count(
         100, 1, 10_000, "rounds", "5.3.1", "Of separation, after which a training attempt is given up."
     )
@@ -301,9 +258,7 @@ class Decisions:
     food_to_walls: float = _number(
         50.0, 20.0, 100.0, "mm", "5.4.1.1", "From random food to the walls: the gripper fits."
     )
-    food_spacing: float = _number(
-        100.0, 40.0, 200.0, "mm", "5.4.2.1", "Between the centres of random food objects."
-    )
+    food_spacing: float = _number(100.0, 40.0, 200.0, "mm", "5.4.2.1", "Between the centres of random food objects.")
 
     # Devices.
     recall_marker: int = _count(2, 1, 2, "holes", "3.5", "Of the marker of a robot that forages alone.")
@@ -383,8 +338,7 @@ class Decisions:
 
 
 FIELDS: Mapping[str, Field] = {
-    field.name: field.metadata["decision"]._replace(name=field.name)
-    for field in dataclasses.fields(Decisions)
+    field.name: field.metadata["decision"]._replace(name=field.name) for field in dataclasses.fields(Decisions)
 }
 """The fields of `Decisions` by their names, in their order."""
 
@@ -431,9 +385,7 @@ def decisions_text(decisions: Decisions) -> str:
     """The version that differs least, the oldest of several, and the fields that differ from it."""
     changes = {name: decisions.differing(version) for name, version in VERSIONS.items()}
     nearest = min(changes, key=lambda name: len(changes[name]))
-    return _SEPARATOR.join(
-        (nearest, *(_assignment(name, own) for name, (own, _) in changes[nearest].items()))
-    )
+    return _SEPARATOR.join((nearest, *(_assignment(name, own) for name, (own, _) in changes[nearest].items())))
 
 
 def decisions_from_text(text: str) -> Decisions:

@@ -130,16 +130,12 @@ def has_done_its_part(
     poison = False
     for food in foods:
         poison = poison or food.known == FoodType.POISONOUS
-    if poison and (
-        vector.object_presence or (decisions.has_gripper and not is_raised(vector.arms_height, decisions))
-    ):
+    if poison and (vector.object_presence or (decisions.has_gripper and not is_raised(vector.arms_height, decisions))):
         return False
     return is_finished(tracker) and vector.robot_home_distance > home_radius
 
 
-def count_decision(
-    counts: Any, state: int, behaviour: int, food_distance: float, decisions: DecisionValues
-) -> None:
+def count_decision(counts: Any, state: int, behaviour: int, food_distance: float, decisions: DecisionValues) -> None:
     """Count one decision.
 
     Args:

@@ -189,13 +189,7 @@ class KnownFood(NamedTuple):
 
 
 def update_food(
-    known: KnownFood,
-    tracks: Any,
-    own: Any,
-    senses: Senses,
-    explored: bool,
-    arena: ArenaMap,
-    decisions: DecisionValues,
+    known: KnownFood, tracks: Any, own: Any, senses: Senses, explored: bool, arena: ArenaMap, decisions: DecisionValues
 ) -> None:
     """Account for one round: gripped, identified and delivered food, and the nearest candidate.
 
@@ -301,13 +295,7 @@ _NO_PATH = 1e6
 
 
 def find_nearest(
-    known: KnownFood,
-    tracks: Any,
-    x: float,
-    y: float,
-    arm: int,
-    arena: ArenaMap,
-    decisions: DecisionValues,
+    known: KnownFood, tracks: Any, x: float, y: float, arm: int, arena: ArenaMap, decisions: DecisionValues
 ) -> None:
     """Find the nearest candidate: a region without holes that shows neither delivered nor known poisonous food.
 

@@ -146,14 +146,7 @@ def _draw_place(key: Any, number: int, floor: Floor) -> tuple[float, float]:
 
 
 def place_by_hand(
-    start: Any,
-    places: Any,
-    key: Any,
-    mark: Any,
-    food_marks: Any,
-    error: float,
-    heading_error: float,
-    floor: Floor,
+    start: Any, places: Any, key: Any, mark: Any, food_marks: Any, error: float, heading_error: float, floor: Floor
 ) -> bool:
     """Put a robot and food on their marks (figure 5.1), as well as an operator can (4.5.2).
 
@@ -212,9 +205,7 @@ def _is_outside_home(place: Any, radius: float, floor: Floor) -> bool:
     return discs_are_apart(place.x, place.y, floor.home_x, floor.home_y, floor.home_radius + radius)
 
 
-def _food_fits(
-    place: Any, places: Any, placed: int, start: Any, floor: Floor, decisions: DecisionValues
-) -> bool:
+def _food_fits(place: Any, places: Any, placed: int, start: Any, floor: Floor, decisions: DecisionValues) -> bool:
     """Whether food may lie here, beside the food placed so far."""
     distance = decisions.close_to_food * MM_PER_PIXEL + _MARGIN
     if not discs_are_apart(place.x, place.y, start.x, start.y, distance):

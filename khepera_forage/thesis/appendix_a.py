@@ -221,9 +221,7 @@ def _of_food(table: PrintedTable, rows: Sequence[PrintedRecall]) -> Iterator[Err
         ("text", (table.text_collected, table.text_available)),
     ):
         if found != counted:
-            yield Erratum(
-                table.table, "food collected", kind, "{}/{}".format(*found), "{}/{}".format(*counted)
-            )
+            yield Erratum(table.table, "food collected", kind, "{}/{}".format(*found), "{}/{}".format(*counted))
 
 
 def _rounds_to(value: Fraction, printed: Decimal) -> bool:

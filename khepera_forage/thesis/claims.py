@@ -13,14 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from khepera_forage.estimates import RESAMPLES, Estimate, Sample, bootstrap_quantile, combined, pick
-from khepera_forage.rollouts.rows import (
-    IMITATOR,
-    RANDOM,
-    TEACHER,
-    RecallRow,
-    TrainingRow,
-    common_decisions,
-)
+from khepera_forage.rollouts.rows import IMITATOR, RANDOM, TEACHER, RecallRow, TrainingRow, common_decisions
 from khepera_forage.sim.arenas.thesis import CORRIDOR, THESIS_ARENAS
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.states import State
@@ -183,10 +176,7 @@ class Evidence:
 
 
 def gather(
-    recalls: Sequence[RecallRow],
-    trainings: Sequence[TrainingRow],
-    rng: np.random.Generator,
-    resamples: int = RESAMPLES,
+    recalls: Sequence[RecallRow], trainings: Sequence[TrainingRow], rng: np.random.Generator, resamples: int = RESAMPLES
 ) -> Evidence:
     """The evidence of rows, with the recalls of all policies in one sequence.
 
@@ -201,9 +191,7 @@ def gather(
     return Evidence(imitator, chance, trainings, teachers, rng, resamples, decisions)
 
 
-def food_share(
-    rows: Sequence[RecallRow], inside: Callable[[float], bool] = lambda distance: True
-) -> Sample[RecallRow]:
+def food_share(rows: Sequence[RecallRow], inside: Callable[[float], bool] = lambda distance: True) -> Sample[RecallRow]:
     """The share of food delivered, of the food whose distance from home in pixels is `inside`."""
 
     def delivered(row: RecallRow) -> float:
@@ -312,12 +300,7 @@ MOST = 0.5
 """Share of failures above which a reason explains most of them."""
 ALL_CORRECT = 0.9
 """Share of correct rounds above which "all the consequent behaviours are correctly executed"."""
-AFTER_ORIENT = (
-    State.ORIENTED_WITH_FOOD,
-    State.READY_TO_PICK_UP_FOOD,
-    State.FOOD_IN_HAND,
-    State.AT_HOME_WITH_FOOD,
-)
+AFTER_ORIENT = (State.ORIENTED_WITH_FOOD, State.READY_TO_PICK_UP_FOOD, State.FOOD_IN_HAND, State.AT_HOME_WITH_FOOD)
 
 
 def _areas(evidence: Evidence, arena: str) -> Claim:
@@ -330,9 +313,7 @@ def _areas(evidence: Evidence, arena: str) -> Claim:
 
     def sides(arena: str) -> tuple[Sample[RecallRow], Sample[RecallRow]]:
         rows = pick(evidence.recalls, arena=arena)
-        return food_share(rows, lambda place: place < training), food_share(
-            rows, lambda place: place >= training
-        )
+        return food_share(rows, lambda place: place < training), food_share(rows, lambda place: place >= training)
 
     nearer, further = sides(arena)
     rule = beyond(AREA_MARGIN)
@@ -444,8 +425,7 @@ def _losses_cost_attempts(evidence: Evidence) -> Claim:
 
 def _frequent_without_losses(evidence: Evidence) -> Claim:
     laboratory, without = (
-        Sample(pick(evidence.trainings, noise=noise), lambda row: row.complete)
-        for noise in (LABORATORY, NO_LOSSES)
+        Sample(pick(evidence.trainings, noise=noise), lambda row: row.complete) for noise in (LABORATORY, NO_LOSSES)
     )
     return Claim(
         "Without tracking losses complete training episodes are frequent",

@@ -112,8 +112,6 @@ def noise_conditions(laboratory: Noise = LABORATORY_NOISE) -> dict[str, Noise]:
             name, parts = "only tracking losses, with cables", ["tracking losses", source]
         conditions[name] = Noise.only(*parts, laboratory=laboratory)
 
-    conditions[NO_LOSSES] = replace(
-        laboratory, loss_rate_one_hole=0.0, loss_rate_two_holes=0.0, loss_rate_food=0.0
-    )
+    conditions[NO_LOSSES] = replace(laboratory, loss_rate_one_hole=0.0, loss_rate_two_holes=0.0, loss_rate_food=0.0)
     conditions[LABORATORY] = laboratory
     return conditions

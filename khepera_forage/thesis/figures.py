@@ -10,18 +10,7 @@ import numpy as np
 
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.estimates import UNKNOWN, Estimate, Floats, Table, percent
-from khepera_forage.figures import (
-    GREY,
-    OURS,
-    SMALL,
-    THESIS,
-    WIDTH,
-    grid,
-    levels,
-    mark,
-    new_figure,
-    padded,
-)
+from khepera_forage.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, levels, mark, new_figure, padded
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow, common_decisions
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
@@ -45,11 +34,7 @@ _PALE = 0.35
 
 
 def figure_by_episodes(
-    number: int,
-    arena: str,
-    food: bool,
-    results: Sequence[CellResult],
-    v0_1_results: Sequence[CellResult] = (),
+    number: int, arena: str, food: bool, results: Sequence[CellResult], v0_1_results: Sequence[CellResult] = ()
 ) -> "Figure":
     """Scores, or the food carried home, against the number of training episodes: figures 5.2, 5.3, 5.5 and 5.6."""
     figure = new_figure(6.4, 4.4)
@@ -81,9 +66,7 @@ def figure_by_episodes(
     highest, step = (maximum, 4) if food else (100, 10)
     axes.set_ylim(*padded(lowest, highest))
     axes.set_yticks(range(lowest, highest + 1, step))
-    axes.set_ylabel(
-        f"food objects carried home (of {maximum})" if food else "average score of recall episodes (%)"
-    )
+    axes.set_ylabel(f"food objects carried home (of {maximum})" if food else "average score of recall episodes (%)")
     axes.set_xlabel("number of training episodes")
     axes.set_xlim(0, 12)
     axes.set_xticks((1, 3, 5, 10))
@@ -116,9 +99,7 @@ def _legend(axes: "Axes", v0_1: bool, bars: bool) -> None:
     entries = {
         "thesis": shown(THESIS, "D", 8.0, ""),
         "ours, mean and 95 % interval": shown(OURS, "o", 7.0, "-"),
-        "ours, single experiments (wider: more)": Line2D(
-            [], [], marker="o", color=OURS, ls="", ms=3, alpha=0.5
-        ),
+        "ours, single experiments (wider: more)": Line2D([], [], marker="o", color=OURS, ls="", ms=3, alpha=0.5),
     }
     if v0_1:
         entries["version 0.1, mean and 95 % interval"] = shown(GREY, "o", 7.0, "-")
@@ -186,10 +167,7 @@ def _map(figure: "Figure", axes: "Axes", foods: Floats, corridor: Arena) -> None
     axes.add_patch(Rectangle((x1, y1), x2 - x1, y2 - y1, fill=False, lw=2, clip_on=False, zorder=3))
     axes.add_patch(Circle((0, 0), corridor.home_radius, fill=False, lw=1.5, ls="--", label="home", zorder=2))
     food, start = ((at.x - home.x, at.y - home.y) for at in (corridor.foods[0], corridor.start))
-    for label, marker, size, at in (
-        ("food in training", "*", 12, food),
-        ("start in training", ">", 9, start),
-    ):
+    for label, marker, size, at in (("food in training", "*", 12, food), ("start in training", ">", 9, start)):
         axes.plot(*at, marker, color=THESIS, mec="white", ms=size, ls="", label=label, zorder=5)
     _numbers(axes, picture, edges, counts, share, (food, start))
     axes.set_aspect("equal")
@@ -257,8 +235,7 @@ def noise_figure(table: Table) -> "Figure":
     names = dict.fromkeys(str(row[0]) for row in table.rows)
     cells = dict.fromkeys(str(row[1]) for row in table.rows)
     panels = {
-        f"score (%)\n{cell} episodes": {str(row[0]): row[2] for row in table.rows if row[1] == cell}
-        for cell in cells
+        f"score (%)\n{cell} episodes": {str(row[0]): row[2] for row in table.rows if row[1] == cell} for cell in cells
     }
     panels["attempts per complete\ntraining episode"] = {str(row[0]): row[5] for row in table.rows}
     figure = new_figure(WIDTH, 1.6 + 0.3 * len(names))

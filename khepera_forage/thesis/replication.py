@@ -84,14 +84,12 @@ def replicate(
         with closing(recall_env(cell.arena, sources, decisions=decisions)) as alone:
             for subset in cell.subsets:
                 vectors, behaviours = arrays([files[f - 1] for f in subset.files])
-                imitator = NearestNeighbourImitator(
-                    alone.diagonal, arithmetic=decisions.distance_arithmetic
-                ).fit(vectors, behaviours)
+                imitator = NearestNeighbourImitator(alone.diagonal, arithmetic=decisions.distance_arithmetic).fit(
+                    vectors, behaviours
+                )
                 about: dict[str, Any] = {"noise": noise, "replication": number, "episodes": cell.episodes}
                 about |= {"file_id": subset.name, "experience_size": len(behaviours)}
-                recalls += [
-                    recall(alone, imitator, next(numbers), number=i, **about) for i in range(cell.recalls)
-                ]
+                recalls += [recall(alone, imitator, next(numbers), number=i, **about) for i in range(cell.recalls)]
                 if noise == LABORATORY and cell.arena == CORRIDOR:
                     levels = imitator_levels(imitator, arrival_vectors(decisions))
                     orient += orient_rows(levels, number, cell.episodes, subset.name, decisions)
@@ -99,21 +97,13 @@ def replicate(
 
 
 def baseline(
-    seed: int,
-    block: int,
-    learner: str,
-    arena: str,
-    forages: int,
-    decisions: Decisions = DEFAULT_DECISIONS,
+    seed: int, block: int, learner: str, arena: str, forages: int, decisions: Decisions = DEFAULT_DECISIONS
 ) -> list[Row]:
     """A block of forages of the teacher, or of a random policy, which counts as a replication."""
     with closing(recall_env(arena, limit=baseline_limit(learner, arena), decisions=decisions)) as env:
         policy: Policy = Teacher.of(env) if learner == TEACHER else UniformPolicy()
         seeds = baseline_seeds(seed, block, learner, arena, forages).tolist()
-        return [
-            recall(env, policy, own, learner=learner, replication=block, number=i)
-            for i, own in enumerate(seeds)
-        ]
+        return [recall(env, policy, own, learner=learner, replication=block, number=i) for i, own in enumerate(seeds)]
 
 
 class JobCounts(NamedTuple):

@@ -13,12 +13,7 @@ from khepera_forage.envs.arguments import checked_decisions
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.estimates import MIN_REPLICATIONS, RESAMPLES, Table, pick, replications
 from khepera_forage.extras import require
-from khepera_forage.rollouts.rows import (
-    RecallRow,
-    TrainingRow,
-    common_decisions,
-    refuse_other_decisions,
-)
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow, common_decisions, refuse_other_decisions
 from khepera_forage.study import (
     Arguments,
     Page,
@@ -36,13 +31,7 @@ from khepera_forage.thesis import figures, tables
 from khepera_forage.thesis.claims import Evidence, claims, gather
 from khepera_forage.thesis.design import LABORATORY
 from khepera_forage.thesis.orient_analysis import OrientRow, orient_table
-from khepera_forage.thesis.replication import (
-    JobCounts,
-    comparison_counts,
-    compiled_jobs,
-    job_counts,
-    pymunk_jobs,
-)
+from khepera_forage.thesis.replication import JobCounts, comparison_counts, compiled_jobs, job_counts, pymunk_jobs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -132,9 +121,7 @@ def reproduce(
     return out / PAGE
 
 
-def _rows(
-    given: Arguments, counts: JobCounts, decisions: Decisions, backend: str, tables: Tables, file: str
-) -> Rows:
+def _rows(given: Arguments, counts: JobCounts, decisions: Decisions, backend: str, tables: Tables, file: str) -> Rows:
     """The rows of all jobs in their order; those of a run that was killed are taken from the folder."""
     make_jobs = pymunk_jobs if backend == PYMUNK else compiled_jobs
     units = make_jobs(int(given.settings["seed"]), counts, decisions)

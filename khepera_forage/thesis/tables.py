@@ -240,10 +240,7 @@ def rule_table(claims: Sequence[Claim]) -> Table:
         "rules",
         "Measurements and rules of the verdicts",
         "Ordered by the number of the claim.",
-        [
-            {"no.": i, "rule": c.rule.words(c.unit), "what was measured": c.sentence}
-            for i, c in enumerate(claims, 1)
-        ],
+        [{"no.": i, "rule": c.rule.words(c.unit), "what was measured": c.sentence} for i, c in enumerate(claims, 1)],
     )
 
 

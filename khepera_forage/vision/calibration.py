@@ -160,9 +160,7 @@ class Calibration:
             )
         size, lens = tuple(self.size), self.lens
         if len(size) != 2 or not all(type(n) is int and n >= 16 for n in size):
-            raise ValueError(
-                f"calibration size is {size!r}; allowed: width and height in pixels, at least 16"
-            )
+            raise ValueError(f"calibration size is {size!r}; allowed: width and height in pixels, at least 16")
         if lens is not None:
             lens = replace(lens, size=size)
         straight = picture if lens is None else [lens.straightened(*point) for point in picture]
@@ -179,9 +177,7 @@ class Calibration:
             object.__setattr__(self, name, value)
 
     @classmethod
-    def identity(
-        cls, camera: tuple[float, float, float] | None = None, size: Size = DEFAULT_SIZE
-    ) -> "Calibration":
+    def identity(cls, camera: tuple[float, float, float] | None = None, size: Size = DEFAULT_SIZE) -> "Calibration":
         """An undistorted picture that is 3200 mm wide on the floor, its lower left corner at (0, 0) mm.
 
         A picture of 640 x 480 has 5 mm a pixel then.
@@ -273,9 +269,7 @@ class Calibration:
                 raise ValueError(f"calibration key {unknown[0]!r} is unknown; allowed: {', '.join(_KEYS)}")
             for key in ("picture", "floor"):
                 if key not in table:
-                    raise ValueError(
-                        f"calibration has no {key!r}; allowed: four points each for picture and floor"
-                    )
+                    raise ValueError(f"calibration has no {key!r}; allowed: four points each for picture and floor")
             lens, tags = None, table.get("tags", [])
             if "lens" in table:
                 k1, k2 = _checked_numbers("lens", table["lens"], 2, "(k1, k2)")
@@ -289,10 +283,7 @@ class Calibration:
                 table.get("camera"),
                 lens,
                 (int(width), int(height)),
-                {
-                    int(tag): (u, v)
-                    for tag, u, v in (_checked_numbers("tag", tag, 3, "(id, u, v)") for tag in tags)
-                },
+                {int(tag): (u, v) for tag, u, v in (_checked_numbers("tag", tag, 3, "(id, u, v)") for tag in tags)},
             )
         except ValueError as error:  # includes TOMLDecodeError
             raise ValueError(f"{path}: {error}") from error
@@ -302,9 +293,7 @@ class Calibration:
         assert self.camera is not None
         x, y, camera_height = self.camera
         if not height < camera_height:
-            raise ValueError(
-                f"height is {height!r} mm; allowed: below the camera, which is {camera_height} mm high"
-            )
+            raise ValueError(f"height is {height!r} mm; allowed: below the camera, which is {camera_height} mm high")
         return x / MM_PER_PIXEL, y / MM_PER_PIXEL, 1.0 - height / camera_height
 
 
@@ -425,9 +414,7 @@ def fit_calibration(
     return CalibrationFit(calibration, distances(calibration, picture, floor), best, plain, coverage)
 
 
-def distances(
-    calibration: Calibration, picture: Sequence[Point], floor: Sequence[Point]
-) -> tuple[float, ...]:
+def distances(calibration: Calibration, picture: Sequence[Point], floor: Sequence[Point]) -> tuple[float, ...]:
     """Distance in mm of each place on the floor from where the calibration maps its point of the picture."""
     return tuple(
         math.dist([MM_PER_PIXEL * c for c in calibration.to_region(u, v)], place)
@@ -447,14 +434,11 @@ def _fitted(picture: Sequence[Point], floor: Sequence[Point], coefficients: int,
 
     # Some four of them must have no three on a line.
     if all(any(_on_a_line(*three) for three in combinations(four, 3)) for four in combinations(picture, 4)):
-        raise ValueError(
-            f"calibration points {list(picture)} fit no camera; allowed: points all over the picture"
-        )
+        raise ValueError(f"calibration points {list(picture)} fit no camera; allowed: points all over the picture")
     corners = Calibration.identity(size=size).picture
     lens = _lens(picture, floor, coefficients, size) if coefficients else None
     points, ends = (
-        np.array(group if lens is None else [lens.straightened(u, v) for u, v in group])
-        for group in (picture, corners)
+        np.array(group if lens is None else [lens.straightened(u, v) for u, v in group]) for group in (picture, corners)
     )
     # A homography fits better than OpenCV's pose: pixels need not be square, nor measured places exact.
     matrix, _ = cv2.findHomography(points, np.array(floor))
@@ -480,9 +464,7 @@ def _lens(picture: Sequence[Point], floor: Sequence[Point], coefficients: int, s
     return Lens(k1 * ratio, k2 * ratio * ratio, size)
 
 
-def _held_out(
-    picture: Sequence[Point], floor: Sequence[Point], coefficients: int, size: Size
-) -> tuple[float, ...]:
+def _held_out(picture: Sequence[Point], floor: Sequence[Point], coefficients: int, size: Size) -> tuple[float, ...]:
     """Distance in mm of each place from the estimate by a fit to all others; nan if they determine none."""
     errors: list[float] = []
     for i in range(len(picture)):

@@ -157,9 +157,7 @@ class Detector:
             places += tracked
         found = self._shapes(places)
         if self._settings.tag_ids:
-            found = [
-                d for d in found if d.holes or (self._is_clear(d.x, d.y, places) and self._is_on_floor(d))
-            ]
+            found = [d for d in found if d.holes or (self._is_clear(d.x, d.y, places) and self._is_on_floor(d))]
         self.warnings |= warnings
         return tags + found
 
@@ -196,9 +194,7 @@ class Detector:
         contours = [c for c in outer_contours(self._picture.mask) if len(c) ** 2 >= least]
         pieces = [c for c in contours if filled_area(c) >= least]
         if not markers:
-            pieces = [
-                c for c in pieces if filled_area(c) > self._most or self._is_clear(*self._middle(c), tags)
-            ]
+            pieces = [c for c in pieces if filled_area(c) > self._most or self._is_clear(*self._middle(c), tags)]
         seen: list[DetectedMarker] = []
         found: list[Detection] = []
         if markers:
@@ -233,9 +229,7 @@ class Detector:
         rows, columns = self._picture.frame.shape
         dark = 0
         for x, y in _CIRCLE:
-            u, v = self._calibration.to_picture(
-                food.x + reach * x, food.y + reach * y, self._settings.food_height
-            )
+            u, v = self._calibration.to_picture(food.x + reach * x, food.y + reach * y, self._settings.food_height)
             column, row = min(max(int(u), 0), columns - 1), min(max(int(v), 0), rows - 1)
             dark += self._picture.frame[row, column] < _DARK * self._picture.floor_at(column, row)
         return dark < _MOST_DARK * len(_CIRCLE)

@@ -33,10 +33,7 @@ _CONTRAST_RESERVE = 1.2
 """Least ratio of the measured contrast to the tracker's: light varies from place to place and minute to minute."""
 _FAINT = 1.15
 """Contrast from which a shape is measured, less than the tracker's."""
-_SIZES = (
-    0.4 * math.pi * FOOD_RADIUS**2 / MM_PER_PIXEL**2,
-    3 * MARKER_LENGTH * MARKER_WIDTH / MM_PER_PIXEL**2,
-)
+_SIZES = (0.4 * math.pi * FOOD_RADIUS**2 / MM_PER_PIXEL**2, 3 * MARKER_LENGTH * MARKER_WIDTH / MM_PER_PIXEL**2)
 """Least and greatest number of pixels of a shape that is measured: food to two markers that touch."""
 _WHITE_QUANTILE, _EDGE_QUANTILE = 90, 95
 _MARKER_SIZE = 0.5 * MARKER_LENGTH * MARKER_WIDTH / MM_PER_PIXEL**2
@@ -164,10 +161,7 @@ def white_and_blur(grey: Frame, inside: NDArray[np.bool_], floor: float) -> tupl
     """Brightness of a bright shape as a multiple of the floor's, and the blur of its border in pixels."""
     white = _percentile(grey[inside], _WHITE_QUANTILE)
     levels = grey.astype(np.float32)
-    steepness = (
-        np.hypot(cv2.Sobel(levels, cv2.CV_32F, 1, 0, ksize=1), cv2.Sobel(levels, cv2.CV_32F, 0, 1, ksize=1))
-        / 2
-    )
+    steepness = np.hypot(cv2.Sobel(levels, cv2.CV_32F, 1, 0, ksize=1), cv2.Sobel(levels, cv2.CV_32F, 0, 1, ksize=1)) / 2
     window = np.ones((9, 9), np.uint8)
     heights = cv2.dilate(levels, window) - cv2.erode(levels, window)
     border = heights > 0.6 * heights.max()

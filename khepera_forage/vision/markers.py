@@ -498,9 +498,7 @@ def _band(darkness: Darkness, one: tuple[float, float], other: tuple[float, floa
     along = (end - start) / length
     normal = np.array((-along[1], along[0]))
     steps = np.arange(0.0, length + 0.5)
-    rows, columns = (
-        ((start[i] + steps * along[i])[:, None] + _ACROSS * normal[i]).astype(np.float32) for i in (0, 1)
-    )
+    rows, columns = (((start[i] + steps * along[i])[:, None] + _ACROSS * normal[i]).astype(np.float32) for i in (0, 1))
     profiles = cv2.remap(darkness, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     profile = np.median(profiles.astype(np.float64), axis=0)
     profile = np.maximum(profile - min(profile[0], profile[-1]), 0)

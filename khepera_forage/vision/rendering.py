@@ -23,13 +23,7 @@ from khepera_forage.robots.khepera import (
     half_gap,
 )
 from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
-from khepera_forage.vision.shapes import (
-    HOLE_SIDE,
-    MARKER_FRAME,
-    MARKER_HOLES,
-    PICTURE_HEIGHT,
-    PICTURE_WIDTH,
-)
+from khepera_forage.vision.shapes import HOLE_SIDE, MARKER_FRAME, MARKER_HOLES, PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tags import CELLS, white_cells
 from khepera_forage.vision.video import Frame
 
@@ -126,9 +120,7 @@ class CameraAppearance:
             if name in _GREYS and value > 255:
                 raise ValueError(f"camera appearance {name} is {value!r}; allowed: a grey level 0..255")
         if self.cable_width > 40:
-            raise ValueError(
-                f"camera appearance cable_width is {self.cable_width!r} mm; allowed: up to 40 mm"
-            )
+            raise ValueError(f"camera appearance cable_width is {self.cable_width!r} mm; allowed: up to 40 mm")
         if self.height is not None and self.height <= self.marker_height:
             raise ValueError(
                 f"camera appearance height is {self.height!r} mm; allowed: above the markers at "
@@ -276,10 +268,7 @@ class FrameRenderer:
         if self._floor is None:
             raise RuntimeError("frame before any reset(rng); allowed: after one")
         truth, picture = truth or self._truth(), self._floor.copy()
-        food, robot = (
-            Disc(FOOD_RADIUS, self._appearance.white),
-            _robot_shapes(self._appearance, self._gripper),
-        )
+        food, robot = (Disc(FOOD_RADIUS, self._appearance.white), _robot_shapes(self._appearance, self._gripper))
         for x, y in truth.foods:
             draw_shapes(picture, self._image_pose(x, y, 0.0, FOOD_HEIGHT), (food,))
         for x, y, heading, _ in truth.markers:
@@ -298,9 +287,7 @@ class FrameRenderer:
         assert self._anchor is not None
         appearance, start = self._appearance, np.array(self._anchor) / self._mm
         sags = (appearance.cable_sag * self._sides + appearance.cable_sway * sway) / self._mm
-        poses = [
-            self._image_pose(x, y, heading, appearance.marker_height) for x, y, heading, _ in truth.markers
-        ]
+        poses = [self._image_pose(x, y, heading, appearance.marker_height) for x, y, heading, _ in truth.markers]
         full, width = _FULL_SAG_LENGTH / self._mm, appearance.cable_width / self._mm
         self.cables = [_cable(start, pose, float(sag), full) for pose, sag in zip(poses, sags, strict=True)]
         for pose, curve, (*_, number) in zip(poses, self.cables, truth.markers, strict=True):
@@ -338,9 +325,7 @@ class Light:
     shifted and mirrored part of it.
     """
 
-    def __init__(
-        self, appearance: CameraAppearance, rng: np.random.Generator, size: tuple[int, int] = SIZE
-    ) -> None:
+    def __init__(self, appearance: CameraAppearance, rng: np.random.Generator, size: tuple[int, int] = SIZE) -> None:
         drift, self._rng = rng.spawn(2)
         self._appearance = appearance
         self._drift = SlowNoise(drift, 3, _DRIFT_PERIOD)
@@ -409,13 +394,7 @@ def _marker_shapes(appearance: CameraAppearance, number: int, tag_size: float | 
         Box(-sheet, -sheet, sheet, sheet, white),
         Box(-half, -half, half, half, black),
         *(
-            Box(
-                half - (row + 1) * cell,
-                half - (column + 1) * cell,
-                half - row * cell,
-                half - column * cell,
-                white,
-            )
+            Box(half - (row + 1) * cell, half - (column + 1) * cell, half - row * cell, half - column * cell, white)
             for row, column in white_cells(number)
         ),
     )
@@ -474,11 +453,7 @@ def draw_shapes(picture: Frame, pose: ImagePose, shapes: Sequence[Box | Disc]) -
 
 
 def draw_cable(
-    picture: Frame,
-    curve: Floats,
-    width: float,
-    grey: float,
-    above: tuple[Box, ImagePose] | None = None,
+    picture: Frame, curve: Floats, width: float, grey: float, above: tuple[Box, ImagePose] | None = None
 ) -> None:
     """Draw one cable into a picture, below the marker `above` it.
 
@@ -497,9 +472,7 @@ def draw_cable(
     if above is not None:
         box, pose = above
         corners = _corners(box, pose) + np.array((pose.x - left, height - pose.y - top)) - 0.5
-        cv2.fillConvexPoly(
-            near, np.round(corners * 2**_CABLE_BITS).astype(np.int32), 0, cv2.LINE_8, _CABLE_BITS
-        )
+        cv2.fillConvexPoly(near, np.round(corners * 2**_CABLE_BITS).astype(np.int32), 0, cv2.LINE_8, _CABLE_BITS)
     rows, columns = near.nonzero()
     rows, columns = rows + top, columns + left
     share = _coverage(columns, rows, points, width)

@@ -125,9 +125,7 @@ def cut_patch(segmentation: Segmentation, contour: Contour) -> ImagePatch:
     return ImagePatch(column, row, grey, segmentation.mask[part], filled, floor, edge)
 
 
-def shape_moments(
-    patch: ImagePatch, mask: Frame, calibration: Calibration, height: float
-) -> ShapeMoments | None:
+def shape_moments(patch: ImagePatch, mask: Frame, calibration: Calibration, height: float) -> ShapeMoments | None:
     """Moments of a shape whose mask (255 within it) is known to a pixel, at a height in mm above the floor.
 
     Border pixels are weighted by their brightness between floor and inside, which locates the border to a small

@@ -16,10 +16,7 @@ PICTURE_HEIGHT = 480.0
 """Height of the camera's picture in pixels (3.4)."""
 HOLE_SIDE = 20.0
 """Side in mm of a black square within a marker (figure 3.9)."""
-MARKER_HOLES: dict[int, tuple[tuple[float, float], ...]] = {
-    1: ((25.0, 0.0),),
-    2: ((30.0, 0.0), (-10.0, 0.0)),
-}
+MARKER_HOLES: dict[int, tuple[tuple[float, float], ...]] = {1: ((25.0, 0.0),), 2: ((30.0, 0.0), (-10.0, 0.0))}
 """Centres of a marker's holes in mm, x forward and y left of its middle, by number of holes.
 
 Decision (figure 3.9 did not survive as a picture): the holes lie ahead of the middle, so that they tell front from

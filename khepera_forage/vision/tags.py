@@ -62,9 +62,7 @@ def _dictionary(ids: tuple[int, ...]) -> cv2.aruco.Dictionary:
     """OpenCV's dictionary of some ids: the fewer there are, the more wrong cells can be corrected."""
     used, distance = _DICTIONARY.bytesList[list(ids)], _DICTIONARY.getDistanceToId
     bits = [_DICTIONARY.getBitsFromByteList(used[i : i + 1], 4) for i in range(len(ids))]
-    least = min(
-        (distance(one, i) for one, j in zip(bits, ids, strict=True) for i in ids if i < j), default=_ALONE
-    )
+    least = min((distance(one, i) for one, j in zip(bits, ids, strict=True) for i in ids if i < j), default=_ALONE)
     return cv2.aruco.Dictionary(used, _DICTIONARY.markerSize, max(0, (min(least, _ALONE) - 1) // 2))
 
 
@@ -88,8 +86,7 @@ def find_tags(grey: Frame, ids: Sequence[int], side: float) -> list[tuple[int, C
     if found is None:
         return []
     return [
-        (ids[int(i)], c.reshape(4, 2).astype(np.float64) + 0.5)
-        for i, c in zip(found.ravel(), corners, strict=True)
+        (ids[int(i)], c.reshape(4, 2).astype(np.float64) + 0.5) for i, c in zip(found.ravel(), corners, strict=True)
     ]
 
 
@@ -124,10 +121,7 @@ class TagDetector:
             self._kinds.append((ids, size * scale, kernel))  # type: ignore[arg-type] # uint8
         # Region pixels around a tag's middle within which white belongs to the tag.
         self.reach = (0.75 * settings.tag_size + 12) / MM_PER_PIXEL
-        self._floor_ids, self._floor_side = (
-            tuple(sorted(calibration.tags)),
-            FLOOR_SIZE / calibration.mm_per_pixel(),
-        )
+        self._floor_ids, self._floor_side = (tuple(sorted(calibration.tags)), FLOOR_SIZE / calibration.mm_per_pixel())
         self._turns = deque(self._floor_ids)
 
     def detect(self, grey: Frame) -> tuple[list[Detection], dict[str, str]]:
@@ -205,9 +199,7 @@ class TagDetector:
         return [corners + np.array((left, top)) for i, corners in found if i == tag][:1]
 
     def _shift(self, tag: int, corners: Corners) -> float:
-        places = (
-            self._calibration.to_region(*pixel) for pixel in (middle(corners), self._calibration.tags[tag])
-        )
+        places = (self._calibration.to_region(*pixel) for pixel in (middle(corners), self._calibration.tags[tag]))
         return MM_PER_PIXEL * math.dist(*places)
 
 
@@ -251,9 +243,7 @@ def fit_to_tags(
     seen = sorted(set(tags) & set(places))
     if len(seen) < 4:
         missing = ", ".join(map(str, sorted(set(places) - set(tags))))
-        raise ValueError(
-            f"{len(seen)} of {len(places)} floor tags are seen, without {missing}; allowed: at least four"
-        )
+        raise ValueError(f"{len(seen)} of {len(places)} floor tags are seen, without {missing}; allowed: at least four")
     middles = [middle(tags[tag]) for tag in seen]
     floor = [places[tag] for tag in seen]
     by_middles = fit_calibration(middles, floor, camera, size)

@@ -70,9 +70,7 @@ class Tracker:
             cause.
     """
 
-    def __init__(
-        self, settings: TrackerSettings | None = None, calibration: Calibration | None = None
-    ) -> None:
+    def __init__(self, settings: TrackerSettings | None = None, calibration: Calibration | None = None) -> None:
         require("the tracker", "camera")
         self.settings = settings or TrackerSettings()
         self.calibration = calibration or Calibration.identity()
@@ -229,10 +227,7 @@ class Tracks:
         self._by_place, self._regions, self._next_label = by_place, list[Region](), 0
 
     def update(
-        self,
-        detections: Sequence[Detection],
-        visible: Callable[[float, float], bool],
-        doomed: Collection[int] = (),
+        self, detections: Sequence[Detection], visible: Callable[[float, float], bool], doomed: Collection[int] = ()
     ) -> Scene:
         """The scene after one more frame.
 
@@ -250,9 +245,7 @@ class Tracks:
         for track, region in zip(tracks, self._regions, strict=True):
             if track.detection >= 0:
                 regions.append(_region(track.label, detections[track.detection]))
-            elif track.label not in doomed and not (
-                may_vanish(track, self._by_place) and visible(track.x, track.y)
-            ):
+            elif track.label not in doomed and not (may_vanish(track, self._by_place) and visible(track.x, track.y)):
                 regions.append(region._replace(found=False))
         self._next_label = start_tracks([*tracks, *new], detections, count, self._next_label)
         self._regions = regions + [_region(track.label, detections[track.detection]) for track in new]

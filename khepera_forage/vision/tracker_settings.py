@@ -90,11 +90,7 @@ class TrackerSettings:
                 f"at least 1.2 times the marker_width of {width!r}, or the axis is uncertain",
             ),
             ("hole_side", self.hole_side > 0.5 * width, f"up to half the marker_width, which is {width!r}"),
-            (
-                "patience",
-                self.patience < 1 or self.patience != int(self.patience),
-                "whole frames, at least 1",
-            ),
+            ("patience", self.patience < 1 or self.patience != int(self.patience), "whole frames, at least 1"),
         ):
             if wrong:
                 self._refuse(name, allowed)

@@ -68,9 +68,7 @@ class VideoSettings:
 
     def __post_init__(self) -> None:
         size = self.size
-        if size is not None and not (
-            len(size) == 2 and all(type(n) is int and 16 <= n <= 16384 for n in size)
-        ):
+        if size is not None and not (len(size) == 2 and all(type(n) is int and 16 <= n <= 16384 for n in size)):
             raise ValueError(f"camera size is {size!r}; allowed: width and height, 16 to 16384 pixels each")
         if self.rate is not None and not 0 < self.rate <= 1000:
             raise ValueError(f"camera rate is {self.rate!r}; allowed: above 0, up to 1000 frames a second")
@@ -159,9 +157,7 @@ class VideoSource:
         self._capture = self._opened()
         try:
             if paced or not self._is_file:
-                self._reader = threading.Thread(
-                    target=self._read_all, name=f"camera {self._name}", daemon=True
-                )
+                self._reader = threading.Thread(target=self._read_all, name=f"camera {self._name}", daemon=True)
                 self._reader.start()
             else:
                 self._read_one()

@@ -18,9 +18,7 @@ from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels, re
 from khepera_forage.rollouts.reinforcement import COMPILED_MODE, TrainedPolicy, recall_envs, reinforce
 from tests.contracts.suites import PolicyContract
 
-FROM_STEPS = {
-    name: learner for name, learner in LEARNERS.items() if isinstance(learner, ReinforcementLearner)
-}
+FROM_STEPS = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, ReinforcementLearner)}
 SMALL: dict[str, dict[str, Any]] = {
     "PPO": {"n_steps": 64, "batch_size": 128},
     "DQN": {"learning_starts": 100},
@@ -87,8 +85,7 @@ def test_policy_forages_the_same_again(name: str, trained: dict[str, list[Traine
     """Also if the last action of the first recall still held."""
     if FROM_STEPS[name].wheels:
         rows: list[Any] = [
-            recall_wheels(recall_wheels_env("corridor", limit=58), trained[name][-1].policy, 3)
-            for _ in range(2)
+            recall_wheels(recall_wheels_env("corridor", limit=58), trained[name][-1].policy, 3) for _ in range(2)
         ]
     else:
         env = recall_env("rectangle", limit=58)
@@ -107,9 +104,7 @@ def test_short_training_learns_one_right_behaviour() -> None:
             self.observation_space = recall_env("corridor").observation_space
             self.action_space = gym.spaces.Discrete(10)  # type: ignore[assignment]
 
-        def reset(
-            self, *, seed: int | None = None, options: Any = None
-        ) -> tuple[dict[str, Any], dict[str, Any]]:
+        def reset(self, *, seed: int | None = None, options: Any = None) -> tuple[dict[str, Any], dict[str, Any]]:
             super().reset(seed=seed)
             self.left = 10
             if seed is not None:
@@ -123,9 +118,7 @@ def test_short_training_learns_one_right_behaviour() -> None:
     def make(count: int) -> gym.vector.VectorEnv[Any, Any, Any]:
         return gym.vector.SyncVectorEnv([OneRight] * count, autoreset_mode=AutoresetMode.SAME_STEP)
 
-    learner = replace(
-        FROM_STEPS["ppo"], settings={**FROM_STEPS["ppo"].settings, **SMALL["PPO"]}, sample=False
-    )
+    learner = replace(FROM_STEPS["ppo"], settings={**FROM_STEPS["ppo"].settings, **SMALL["PPO"]}, sample=False)
     (out,) = reinforce(learner, [3_000], 0, make_env=make, envs=4)
     space, policy = recall_env("corridor").observation_space, replace(out.policy, hold=1)
     assert [int(policy.act(space.sample())) for _ in range(20)].count(7) >= 18
@@ -165,9 +158,7 @@ def test_algorithm_unknown_or_not_installed_is_refused(monkeypatch: pytest.Monke
     with pytest.raises(ValueError, match="algorithm is 'A2C'; allowed: PPO, DQN, SAC"):
         algorithm_named("A2C")
     monkeypatch.setitem(sys.modules, "stable_baselines3", None)
-    with pytest.raises(
-        ImportError, match=r"PPO needs stable_baselines3: pip install 'khepera-forage\[baselines\]'"
-    ):
+    with pytest.raises(ImportError, match=r"PPO needs stable_baselines3: pip install 'khepera-forage\[baselines\]'"):
         algorithm_named("PPO")
 
 

@@ -14,9 +14,7 @@ def test_benchmark_has_rows_of_reinforcement_learners(tmp_path: Path) -> None:
     only = [part for name in names for part in ("--only", name)]
     quick("learners", out, *only, "--seeds", "1", "--jobs", "1")
     rows = read(out / "rows.csv")
-    assert [row["learner"] for row in rows] == ["imitator"] * 4 + [
-        name for name in FROM_STEPS for _ in range(2)
-    ]
+    assert [row["learner"] for row in rows] == ["imitator"] * 4 + [name for name in FROM_STEPS for _ in range(2)]
     for row in rows[4:]:
         assert int(row["steps"]) >= int(row["amount"]) == 1_000
         assert int(row["vectors"]) == 0

@@ -19,13 +19,7 @@ from gymnasium.wrappers.vector import RecordEpisodeStatistics
 from stable_baselines3 import PPO
 from stable_baselines3.common.env_checker import check_env
 from stable_baselines3.common.evaluation import evaluate_policy
-from stable_baselines3.common.vec_env import (
-    DummyVecEnv,
-    SubprocVecEnv,
-    VecCheckNan,
-    VecFrameStack,
-    VecNormalize,
-)
+from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecCheckNan, VecFrameStack, VecNormalize
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.policies import ModelPolicy, as_policy
@@ -40,12 +34,7 @@ WRAPPED: list[tuple[Callable[[Any], Any], int]] = [
     (lambda env: TimeLimit(ActionRepeat(env, 5), 30), 5),
     (lambda env: FlattenObservation(ActionRepeat(env, 3)), 3),
     (lambda env: ActionRepeat(DtypeObservation(FlattenObservation(env), np.float32), 3), 3),
-    (
-        lambda env: TransformReward(
-            ActionRepeat(FlattenObservation(env), 2), lambda reward: float(reward) / 2
-        ),
-        2,
-    ),
+    (lambda env: TransformReward(ActionRepeat(FlattenObservation(env), 2), lambda reward: float(reward) / 2), 2),
 ]
 REFUSED: list[tuple[Callable[[Any], Any], str]] = [
     (lambda env: NormalizeObservation(FlattenObservation(env)), "NormalizeObservation"),
@@ -119,9 +108,7 @@ def test_action_holds_however_it_was_held() -> None:
 
 @pytest.mark.parametrize(("wrap", "name"), REFUSED)
 def test_model_behind_other_wrappers_is_refused(wrap: Callable[[Any], Any], name: str) -> None:
-    with pytest.raises(
-        ValueError, match=rf"PPO was trained behind {name}; allowed: .*ModelPolicy\(model, feat"
-    ):
+    with pytest.raises(ValueError, match=rf"PPO was trained behind {name}; allowed: .*ModelPolicy\(model, feat"):
         as_policy(trained(made(wrap)))
     stacked = VecFrameStack(DummyVecEnv([lambda: made(FlattenObservation)]), 2)
     with pytest.raises(ValueError, match="PPO was trained behind VecFrameStack; allowed"):
@@ -132,9 +119,7 @@ def test_loaded_model_needs_its_environments_or_a_policy_of_ones_own(tmp_path: A
     env = VecEnvAdapter(worlds(), behaviour_features, hold=5)
     trained(env).save(tmp_path / "model")
     loaded = PPO.load(tmp_path / "model", device="cpu")
-    with pytest.raises(
-        ValueError, match="PPO was loaded without the environments that it was trained in; allowed"
-    ):
+    with pytest.raises(ValueError, match="PPO was loaded without the environments that it was trained in; allowed"):
         as_policy(loaded)
     again = PPO.load(tmp_path / "model", env=env, device="cpu")
     row = recall(made(), as_policy(again), 1)
@@ -143,9 +128,7 @@ def test_loaded_model_needs_its_environments_or_a_policy_of_ones_own(tmp_path: A
 
 def test_recall_names_the_wrappers_that_it_leaves_out() -> None:
     env = made(lambda env: TimeLimit(ActionRepeat(env, 5), 3))
-    with pytest.warns(
-        UserWarning, match="TimeLimit, ActionRepeat left out: recalls take place in the environment"
-    ):
+    with pytest.warns(UserWarning, match="TimeLimit, ActionRepeat left out: recalls take place in the environment"):
         recall(env, as_policy(trained(made())), 1)
 
 

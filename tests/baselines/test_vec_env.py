@@ -77,9 +77,7 @@ def test_adapter_equals_the_vector_environment(mode: str, wheels: bool, hold: in
 
 @pytest.mark.parametrize("features", [None, behaviour_features])
 def test_make_vec_is_one_line_from_a_trained_and_recalled_model(features: Any) -> None:
-    envs = gym.make_vec(
-        "khepera_forage:khepera_forage/Corridor-v1", num_envs=8, limit=LIMIT, autoreset_mode="SameStep"
-    )
+    envs = gym.make_vec("khepera_forage:khepera_forage/Corridor-v1", num_envs=8, limit=LIMIT, autoreset_mode="SameStep")
     policy = "MultiInputPolicy" if features is None else "MlpPolicy"
     settings: dict[str, Any] = {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "seed": 0, "device": "cpu"}
     model = PPO(policy, VecEnvAdapter(envs, features, hold=5), **settings).learn(512)
@@ -91,9 +89,7 @@ def test_make_vec_is_one_line_from_a_trained_and_recalled_model(features: Any) -
 
 
 def test_wrappers_of_stable_baselines3_accept_the_adapter() -> None:
-    with pytest.warns(
-        UserWarning, match="already wrapped with a `Monitor`"
-    ):  # the adapter reports episodes itself
+    with pytest.warns(UserWarning, match="already wrapped with a `Monitor`"):  # the adapter reports episodes itself
         monitored = VecMonitor(adapter(COMPILED_MODE))
     env: Any = VecNormalize(VecCheckNan(monitored, raise_exception=True))
     env.seed(0)

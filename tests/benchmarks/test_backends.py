@@ -36,13 +36,7 @@ def out(kernels: None, quick_run: QuickRun) -> Path:
 
 def test_teacher_delivers_nearly_all_food_and_needs_orient(out: Path) -> None:
     lines = read(out / "table_deliveries.csv")
-    assert {line["arenas"] for line in lines} == {
-        "corridor",
-        "rectangle",
-        *FAMILY,
-        *DIFFICULTIES,
-        "all procedural",
-    }
+    assert {line["arenas"] for line in lines} == {"corridor", "rectangle", *FAMILY, *DIFFICULTIES, "all procedural"}
     for line in lines:
         for backend in BACKENDS:
             share = line[f"{backend}: delivered (%)"]
@@ -58,8 +52,7 @@ def test_both_backends_have_the_same_recalls_and_lines_share_their_starts(out: P
     rows = [row for row in read(out / "recalls.csv") if row["part"] != "recalls"]
     names = ("policy", "arena", "level", "food", "seed", "foods", "deliverable")
     one, other = (
-        sorted([row[name] for name in names] for row in rows if row["backend"] == backend)
-        for backend in BACKENDS
+        sorted([row[name] for name in names] for row in rows if row["backend"] == backend) for backend in BACKENDS
     )
     assert one == other
     for arena in ("corridor", "rectangle"):
@@ -77,9 +70,7 @@ def test_tables_count_what_the_rows_hold(out: Path) -> None:
         groups = list(DIFFICULTIES) if line["arenas"] == "all procedural" else [line["arenas"]]
         for backend in BACKENDS:
             known = (line["policy"], line["food"], backend)
-            own = [
-                r for r in rows if (r["policy"], r["food"], r["backend"]) == known and r["arena"] in groups
-            ]
+            own = [r for r in rows if (r["policy"], r["food"], r["backend"]) == known and r["arena"] in groups]
             assert len(own) == int(line["recalls"])
             deliverable = sum(int(row["deliverable"]) for row in own)
             if deliverable:

@@ -33,9 +33,7 @@ def test_knowing_a_decision_explains_what_depends_on_it(posterior: Posterior) ->
     statistics[:, 0, page.MEANS[1]] = 2 * alternative
     found = explained(posterior, statistics, np.random.default_rng(1))
     by_name = {one.name: one for one in found}
-    assert by_name["strong"].share == pytest.approx(0.5 * 0.96, abs=0.02), (
-        "five classes explain 24/25 of a number"
-    )
+    assert by_name["strong"].share == pytest.approx(0.5 * 0.96, abs=0.02), "five classes explain 24/25 of a number"
     assert by_name["alternative"].share == pytest.approx(0.5, abs=0.02)
     assert by_name["nothing"].share < by_name["nothing"].chance + 0.005 < 0.02
     assert found[-1].name == "nothing"
@@ -46,9 +44,7 @@ def test_weights_decide_what_is_explained(posterior: Posterior) -> None:
     statistics = np.where(alternative == 1, strong, 0.3)[:, None, None] * np.ones((1, 1, WIDTH), np.float32)
     for value, least, most in ((1, 0.9, 1.0), (0, 0.0, 0.0)):
         weights = (alternative == value) / (alternative == value).sum()
-        found = explained(
-            replace(posterior, weights=weights), statistics.astype(np.float32), np.random.default_rng(0)
-        )
+        found = explained(replace(posterior, weights=weights), statistics.astype(np.float32), np.random.default_rng(0))
         (own,) = (one.share for one in found if one.name == "strong")
         assert least <= own <= most
 
@@ -56,9 +52,7 @@ def test_weights_decide_what_is_explained(posterior: Posterior) -> None:
 def test_few_sets_explain_nothing(posterior: Posterior) -> None:
     few = np.zeros(SETS)
     few[:3] = 1 / 3
-    found = explained(
-        replace(posterior, weights=few), np.zeros((SETS, 1, WIDTH), np.float32), np.random.default_rng(0)
-    )
+    found = explained(replace(posterior, weights=few), np.zeros((SETS, 1, WIDTH), np.float32), np.random.default_rng(0))
     assert np.isnan([one.share for one in found]).all()
 
 

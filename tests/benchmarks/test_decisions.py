@@ -90,9 +90,7 @@ def test_sets_of_a_run_are_kept_for_other_tables(out: Path) -> None:
 def test_other_files_of_sets_are_refused(changed: str, out: Path, tmp_path: Path) -> None:
     path = tmp_path / "other.npz"
     with np.load(out / KEPT) as file:
-        parts: dict[str, Any] = {
-            name: np.array("other") if name == changed == "prior" else file[name] for name in file
-        }
+        parts: dict[str, Any] = {name: np.array("other") if name == changed == "prior" else file[name] for name in file}
     parts.pop("values") if changed == "values" else None
     np.savez(path, **parts) if changed else path.write_bytes(b"PK")
     with pytest.raises(ValueError, match=r"other\.npz .*; allowed: "):
@@ -133,9 +131,7 @@ def test_printed_tables_are_read_like_the_thesis_s_own(tmp_path: Path) -> None:
     path.write_text("\n".join(line for line in text.split("\n") if "rectangle" not in line))
     assert tables_statistics(path) == pytest.approx(own)
     path.write_text("\n".join(line for line in text.split("\n") if not line.startswith("A.4,3,")))
-    with pytest.raises(
-        ValueError, match=r"has \[9\] recalls after 10 training .*; allowed: 10 each with g1234"
-    ):
+    with pytest.raises(ValueError, match=r"has \[9\] recalls after 10 training .*; allowed: 10 each with g1234"):
         tables_statistics(path)
 
 
@@ -158,10 +154,7 @@ def test_wrong_tables_and_options_without_effect_are_one_line(
 def test_more_sets_continue_the_run_and_other_experiments_are_refused(out: Path, tmp_path: Path) -> None:
     few = Sets.load(out / KEPT)
     shutil.copy(out / FILE, tmp_path)
-    counts = (
-        Count("sets", 10, 4, "admissible sets", adds_units=True),
-        Count("experiments", 20, 2, "experiments"),
-    )
+    counts = (Count("sets", 10, 4, "admissible sets", adds_units=True), Count("experiments", 20, 2, "experiments"))
     options = ["--quick", "--seed", "1", "--out", str(tmp_path), "--jobs", "1"]
     more = draw(parse("decisions", "", *counts, given=options), 4, 2).sets
     assert len(more.statistics) == 4

@@ -8,12 +8,7 @@ import pytest
 from further_experiments import memory
 from further_experiments import perception as new
 from further_experiments.memory import FIXED, PATIENCE, StateLabels, UntilGoal, goal_reached
-from further_experiments.perception import (
-    CopiedMotorsEnv,
-    LearnedBehavioursEnv,
-    ObservingTeacher,
-    hand_coded,
-)
+from further_experiments.perception import CopiedMotorsEnv, LearnedBehavioursEnv, ObservingTeacher, hand_coded
 from further_experiments.teachers import SimulatedPerson
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
@@ -101,9 +96,7 @@ def places_of(out: Path, name: str) -> dict[tuple[str, str], set[tuple[str, ...]
     return seeds
 
 
-def test_conditions_share_their_places_and_replications_have_their_own(
-    out: Path, quick_run: QuickRun
-) -> None:
+def test_conditions_share_their_places_and_replications_have_their_own(out: Path, quick_run: QuickRun) -> None:
     for name in WITH_RECALLS:
         seeds = places_of(out, name)
         assert len(seeds) == 2
@@ -117,9 +110,7 @@ def test_conditions_share_their_places_and_replications_have_their_own(
 def test_trainings_agree_with_themselves(out: Path) -> None:
     for name in EXPERIMENTS:
         for row in rows_of(out, name, "trainings"):
-            true, vectors, rounds, everything = (
-                int(row[key]) for key in ("true", "vectors", "rounds", "all_rounds")
-            )
+            true, vectors, rounds, everything = (int(row[key]) for key in ("true", "vectors", "rounds", "all_rounds"))
             assert 0 <= true <= vectors <= rounds <= everything
             assert (int(row["attempts"]) == 1) is (rounds == everything)
 
@@ -132,9 +123,7 @@ def test_wrong_steps_by_state_add_up(out: Path) -> None:
         for what in ("the teacher", "learned program", "learned behaviours", "both learned")
     }
     for row in rows:
-        spent, wrong = (
-            [int(n) for n in row[key].split(";")] for key in ("rounds_by_state", "wrong_by_state")
-        )
+        spent, wrong = ([int(n) for n in row[key].split(";")] for key in ("rounds_by_state", "wrong_by_state"))
         assert sum(spent) == int(row["steps"])
         assert sum(wrong) == int(row["steps"]) - int(row["correct"])
         if row["condition"].endswith(("the teacher", "learned behaviours")):
@@ -169,9 +158,7 @@ def test_variety_is_variety(out: Path) -> None:
 
 def test_a_robot_with_another_arm_reading_cannot_use_the_teachers_program(out: Path) -> None:
     def delivered(condition: str) -> int:
-        return sum(
-            int(row["delivered"]) for row in rows_of(out, "different_robots", condition=condition, amount="0")
-        )
+        return sum(int(row["delivered"]) for row in rows_of(out, "different_robots", condition=condition, amount="0"))
 
     assert delivered("arm reads 231 when raised") == 0
     assert delivered("same robot") == 1 + 2
@@ -189,9 +176,7 @@ def test_state_labels_forage_exactly_as_the_teacher(out: Path) -> None:
 def test_alternatives_end_differently(out: Path) -> None:
     """Learners that use the same files differently end differently."""
     ends = {
-        name: tuple(
-            (row["steps"], row["correct"]) for row in rows_of(out, "alternatives", condition=name, amount="2")
-        )
+        name: tuple((row["steps"], row["correct"]) for row in rows_of(out, "alternatives", condition=name, amount="2"))
         for name in ("as in the thesis", "highest confidence", "threshold 0.2", "until the goal, all vectors")
     }
     assert len(set(ends.values())) == len(ends)

@@ -28,11 +28,7 @@ def moved(raw: RawData, x: float, y: float, degrees: int) -> RawData:
     def there(px: float, py: float) -> tuple[float, float]:
         return x + px * cosine - py * sine, y + px * sine + py * cosine
 
-    (x1, y1), (x2, y2), (x3, y3) = (
-        there(raw.x, raw.y),
-        there(raw.food_x, raw.food_y),
-        there(raw.home_x, raw.home_y),
-    )
+    (x1, y1), (x2, y2), (x3, y3) = (there(raw.x, raw.y), there(raw.food_x, raw.food_y), there(raw.home_x, raw.home_y))
     orientation = (raw.orientation + degrees) % 360
     return raw._replace(x=x1, y=y1, food_x=x2, food_y=y2, home_x=x3, home_y=y3, orientation=orientation)
 
@@ -65,9 +61,7 @@ def test_behaviours_learned_from_the_teacher_s_motors_forage_at_new_places() -> 
 
     def wheels(behaviour: int, raw: RawData) -> Any:
         left, right, arm, jaw = learned.command(behaviour, raw)
-        return np.array(
-            (left / 20, right / 20, 2.0 * (arm == ARM_RAISED) - 1.0, 2.0 * (jaw == JAW_CLOSED) - 1.0)
-        )
+        return np.array((left / 20, right / 20, 2.0 * (arm == ARM_RAISED) - 1.0, 2.0 * (jaw == JAW_CLOSED) - 1.0))
 
     forages(gym.make("khepera_forage/Corridor-v1").unwrapped, range(12), shown)
     motors = [command(*step, Decisions().values()) for step in zip(behaviours, raws, strict=True)]

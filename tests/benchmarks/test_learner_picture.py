@@ -9,13 +9,7 @@ from khepera_forage.comparison.learning import ARENAS, RecallBatch, all_learners
 from khepera_forage.comparison.page import STYLES, figure
 from khepera_forage.comparison.results import Curve, ReadLearner, curves, described, merged, read_results
 from khepera_forage.policies.learners import OfflineImitation, Supervision
-from tests.figure_checks import (
-    check_points_are_shown,
-    check_readable,
-    check_shading_is_explained,
-    lay_out,
-    legends_of,
-)
+from tests.figure_checks import check_points_are_shown, check_readable, check_shading_is_explained, lay_out, legends_of
 
 AMOUNTS = {
     Supervision.VECTORS: (200, 550, 750, 1_100, 2_200),

@@ -11,10 +11,7 @@ from typing import Any
 import pytest
 
 from khepera_forage.comparison.compare import CANDIDATES, candidates, differences, unavailable
-from khepera_forage.comparison.learning import (
-    RecallBatch,
-    settings_of,
-)
+from khepera_forage.comparison.learning import RecallBatch, settings_of
 from khepera_forage.comparison.results import curves
 from khepera_forage.policies.learners import LEARNERS, Supervision
 from tests.benchmarks.conftest import QuickRun
@@ -94,9 +91,7 @@ def test_tables_are_those_of_the_rows(out: Path) -> None:
 
 def test_page_has_settings_and_command(out: Path) -> None:
     page = (out / "learners.md").read_text(encoding="utf-8")
-    assert (
-        "| `imitator` | the thesis's imitator | `NearestNeighbourImitator(); diagonal of the arena` |" in page
-    )
+    assert "| `imitator` | the thesis's imitator | `NearestNeighbourImitator(); diagonal of the arena` |" in page
     assert "| `dagger_tree` | DAgger, tree | `tree(); queries_a_round=100` |" in page
     assert " --only imitator --only tree --only dagger_tree\n" in page
 
@@ -133,9 +128,7 @@ def test_rows_of_other_learners_in_the_folder_are_kept_but_must_be_known(
 
 def test_an_interval_does_not_depend_on_the_other_learners() -> None:
     rows = [
-        replace(batch(name, 1, 90, number % 9), replication=number)
-        for name in ("tree", "ppo")
-        for number in range(8)
+        replace(batch(name, 1, 90, number % 9), replication=number) for name in ("tree", "ppo") for number in range(8)
     ]
     assert curves(rows, 0)[1] == curves(rows[8:], 0)[0]
 
@@ -237,11 +230,7 @@ def test_a_learner_of_ones_own_has_a_row(tmp_path: Path) -> None:
     shown = {line.partition("  ")[0] for line in printed.splitlines() if " rectangle " in line}
     assert shown == {"the teacher", "the thesis's imitator", "small forest"}
     assert max(map(len, printed.splitlines()[:-1])) <= 80
-    assert {row["learner"] for row in read(tmp_path / "out" / "rows.csv")} == {
-        "teacher",
-        "imitator",
-        "small_forest",
-    }
+    assert {row["learner"] for row in read(tmp_path / "out" / "rows.csv")} == {"teacher", "imitator", "small_forest"}
     page = (tmp_path / "out" / "learners.md").read_text(encoding="utf-8")
     assert " --learner mine:small_forest --seeds 1\n" in page
     for text in (page, printed):

@@ -24,9 +24,7 @@ def run(out: Path, *arguments: str) -> str:
 
 def rows(out: Path) -> list[dict[str, str]]:
     """Rows but for wall times."""
-    return [
-        {name: value for name, value in row.items() if name != "seconds"} for row in read(out / "rows.csv")
-    ]
+    return [{name: value for name, value in row.items() if name != "seconds"} for row in read(out / "rows.csv")]
 
 
 @pytest.fixture(scope="module")

@@ -16,14 +16,7 @@ from tests.benchmarks.conftest import APART, QuickRun
 from tests.benchmarks.running import ROOT, is_picture, quick, quick_here, read, refused
 
 EXPERIMENTS = (
-    *(
-        "push_and_avoid",
-        "attribute_weights",
-        "spatial_variety",
-        "state_vector",
-        "action_level",
-        "different_robots",
-    ),
+    *("push_and_avoid", "attribute_weights", "spatial_variety", "state_vector", "action_level", "different_robots"),
     *("chains_of_learners", "human_teacher", "alternatives", "several_learners"),
 )
 """Of `further_work.py`."""
@@ -66,9 +59,7 @@ SCRIPTS = {
     "lab_faults": Script(("faults", "trainings"), needs=("serial", "cv2")),
     "learners": Script(("rows",), run=LEARNERS_RUN, repeatable=LEARNERS_RUN, subcommand="compare"),
     "tracker": Script(
-        ("observations", "limits", "calibrations", "troubles"),
-        repeatable=("--only", "scenes"),
-        needs=("cv2",),
+        ("observations", "limits", "calibrations", "troubles"), repeatable=("--only", "scenes"), needs=("cv2",)
     ),
     "virtual_lab": Script(("recalls", "trainings"), run=("--jobs", "1"), needs=("serial", "cv2")),
     "wire": Script(("measurements",), needs=("serial",)),
@@ -134,9 +125,7 @@ def test_quick_run_leaves_page_tables_pictures_and_rows(script: str, quick_run: 
     pictures = re.findall(r"\]\((\w+\.png)\)", text)
     assert pictures
     assert all(is_picture(page.parent / picture) for picture in pictures)
-    checked = [
-        line.split("\t") for line in (out.parent / "pictures").read_text(encoding="utf-8").splitlines()
-    ]
+    checked = [line.split("\t") for line in (out.parent / "pictures").read_text(encoding="utf-8").splitlines()]
     assert checked
     assert [(name, fault) for name, fault in checked if fault] == [], "readable, and shading is explained"
 

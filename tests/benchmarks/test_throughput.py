@@ -47,9 +47,7 @@ def test_both_checkouts_are_measured_written_and_printed(tmp_path: Path) -> None
         ("first_make_vec", [(10, 8.5)], "10|8.5|0.85 [0.85, 0.85]|≤ 0.8; ≤ 45|no"),
     ],
 )
-def test_line_compares_medians_with_target_and_goal(
-    name: str, pairs: list[tuple[float, float]], cells: str
-) -> None:
+def test_line_compares_medians_with_target_and_goal(name: str, pairs: list[tuple[float, float]], cells: str) -> None:
     values = [{"a0e33ed": before, "here": now} for before, now in pairs]
     assert "|".join(line(BY_NAME[name], 1, values, "a0e33ed")[1:]) == cells
 

@@ -47,11 +47,7 @@ def test_uncorrected_parallax_moves_centres(accuracy: dict[tuple[str, str], dict
 def test_all_cameras_observe_the_same_trainings(out: Path) -> None:
     rows = [row for row in read(out / "observations.csv") if row["source"] == "training" and row["kind"]]
     seen = [
-        [
-            (row["training"], row["frame"], row["kind"], row["thing"])
-            for row in rows
-            if row["camera"] == camera
-        ]
+        [(row["training"], row["frame"], row["kind"], row["thing"]) for row in rows if row["camera"] == camera]
         for camera in ("tracker", "model", "threshold")
     ]
     assert seen[0] == seen[1] == seen[2]
@@ -83,14 +79,8 @@ def test_speed_has_its_goal(out: Path) -> None:
 
 
 def test_everything_is_found_under_moderate_disturbances_and_failure_has_a_warning(out: Path) -> None:
-    limits = {
-        (row["disturbance"], row["curve"], float(row["value"])): row for row in read(out / "table_limits.csv")
-    }
-    for point in (
-        ("width", "dark grey cable", 6.0),
-        ("blur", "no cable", 0.3),
-        ("exposure", "no cable", 0.75),
-    ):
+    limits = {(row["disturbance"], row["curve"], float(row["value"])): row for row in read(out / "table_limits.csv")}
+    for point in (("width", "dark grey cable", 6.0), ("blur", "no cable", 0.3), ("exposure", "no cable", 0.75)):
         row = limits[point]
         assert float(row["markers found (%)"]) >= 95
         assert float(row["food found (%)"]) == 100

@@ -26,8 +26,7 @@ def recalls(out: Path) -> Rows:
 def test_the_same_recalls_in_both_worlds(recalls: Rows) -> None:
     names = ("arena", "learner", "seed", "start_x", "food_x")
     pymunk, virtual = (
-        [[row[name] for name in names] for row in recalls if row["world"] == world]
-        for world in ("pymunk", "virtual")
+        [[row[name] for name in names] for row in recalls if row["world"] == world] for world in ("pymunk", "virtual")
     )
     assert pymunk == virtual
     assert len(pymunk) == 4
@@ -42,9 +41,7 @@ def test_the_comparison_is_that_of_the_rows(out: Path, recalls: Rows) -> None:
     assert len(lines) == 4
     for line in lines:
         pymunk, virtual = (
-            float(row["score"])
-            for row in recalls
-            if (row["arena"], row["learner"]) == (line["arena"], line["policy"])
+            float(row["score"]) for row in recalls if (row["arena"], row["learner"]) == (line["arena"], line["policy"])
         )
         assert float(line["pymunk alone"]) == pytest.approx(pymunk, rel=1e-4)
         assert float(line["difference"]) == pytest.approx(virtual - pymunk, rel=1e-4, abs=1e-4)

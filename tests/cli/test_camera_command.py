@@ -53,9 +53,7 @@ def test_preview_prints_the_true_places_of_regions(capsys: pytest.CaptureFixture
     assert "frames/s, 0 ms old" in printed
 
 
-def test_preview_saves_pictures_and_films_that_it_can_read(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_preview_saves_pictures_and_films_that_it_can_read(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert preview("--out", "one.png", "--frames", "3") == 0
     picture = cv2.imread("one.png")
     assert picture is not None
@@ -106,9 +104,7 @@ def test_calibration_from_four_points_is_exact(capsys: pytest.CaptureFixture[str
     assert calibration.to_region(100.5, 79.5) == pytest.approx((100.5, 400.5))
 
 
-def test_calibration_of_a_lens_reports_the_error_of_held_out_points(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_calibration_of_a_lens_reports_the_error_of_held_out_points(capsys: pytest.CaptureFixture[str]) -> None:
     plain = Calibration.identity()
     true = Calibration(plain.picture, plain.floor, lens=Lens(-0.0125))
     points = []
@@ -146,9 +142,7 @@ def test_calibrate_check_prints_the_regions(capsys: pytest.CaptureFixture[str]) 
     assert re.search(r"seen now: .*2-hole marker", capsys.readouterr().out)
 
 
-def test_calibrate_from_clicks_in_a_window(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_calibrate_from_clicks_in_a_window(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     show, clicks = Window.show_picture, [(100, 100), (500, 100), (500, 400), (100, 400)]
 
@@ -173,9 +167,7 @@ def test_markers_writes_a_page(capsys: pytest.CaptureFixture[str]) -> None:
     assert 'width="210mm"' in Path("markers.svg").read_text(encoding="utf-8")
 
 
-def test_tags_are_printed_and_calibrate_a_camera_that_is_then_watched(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_tags_are_printed_and_calibrate_a_camera_that_is_then_watched(capsys: pytest.CaptureFixture[str]) -> None:
     """From a film of the floor to a preview that notices that the camera was knocked."""
     assert main(["camera", "tags", "--robots", "1-2", "--floor", "38"]) == 0
     assert "tags.pdf: 2 pages of A4; print at 100 %" in capsys.readouterr().out

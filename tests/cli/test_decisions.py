@@ -21,9 +21,7 @@ def default(name: str) -> str:
     return f"{getattr(Decisions(), name):g}"
 
 
-def test_table_has_every_decision_with_default_range_section_and_reason(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_table_has_every_decision_with_default_range_section_and_reason(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["decisions"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].split() == ["decision", "default", "thesis", "allowed"]
@@ -71,10 +69,7 @@ def test_first_decision_may_be_a_version(words: list[str], expected: Decisions) 
 
 @pytest.mark.parametrize(
     "command",
-    [
-        ["recall", "--episodes", "1", "--out", "rows.csv"],
-        ["watch", "recall", "--every", "100", "--out", "film.gif"],
-    ],
+    [["recall", "--episodes", "1", "--out", "rows.csv"], ["watch", "recall", "--every", "100", "--out", "film.gif"]],
 )
 def test_experience_of_other_decisions_is_refused_unless_allowed(
     command: list[str], capsys: pytest.CaptureFixture[str]
@@ -108,10 +103,7 @@ def test_reproduce_refuses_a_folder_with_rows_of_other_decisions(capsys: pytest.
     Path("thesis").mkdir()
     Path("thesis/recalls.csv").write_text("replication,decisions\n0,v1;separation=20\n")
     assert main(reproduce) == 2
-    assert (
-        "thesis/recalls.csv has rows of other decisions: separation is 20, not 14; "
-        in capsys.readouterr().err
-    )
+    assert "thesis/recalls.csv has rows of other decisions: separation is 20, not 14; " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("backend", ["pymunk", "compiled"])

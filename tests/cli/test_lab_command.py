@@ -62,11 +62,7 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
     with make_rig(kind=EPuckFirmware) as rig:
         assert main(["lab", "new", "--robot", "e-puck2", "--port", rig.url, "--camera", str(film)]) == 1
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[2 if line.startswith("robot") else 1] for line in lines[:3]] == [
-        "pass",
-        "pass",
-        "FAIL",
-    ]
+    assert [line.split()[2 if line.startswith("robot") else 1] for line in lines[:3]] == ["pass", "pass", "FAIL"]
     assert "no marker of teacher is seen in its arena" in lines[2]
     assert (tmp_path / "lab.png").stat().st_size > 0
     assert places == [(600, 600), (1250, 600), (1250, 830), (600, 830)], "the corners of the corridor"
@@ -100,6 +96,4 @@ def test_errors_of_users_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixt
         patch.setattr("sys.stdin", io.StringIO())
         assert main(["lab", "new", "--out", str(tmp_path / "new.toml")]) == 2
     (unanswered,) = capsys.readouterr().err.splitlines()
-    assert (
-        "Kind of robots (khepera, e-puck2, toio): no answer; allowed: an answer, or the option" in unanswered
-    )
+    assert "Kind of robots (khepera, e-puck2, toio): no answer; allowed: an answer, or the option" in unanswered

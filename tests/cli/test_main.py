@@ -31,9 +31,7 @@ def test_train_recall_and_watch_work_together(tmp_path: Path, capsys: pytest.Cap
     assert sorted(path.name for path in tmp_path.glob("*film*")) == ["film.gif", "film.mp4"]
 
 
-def test_film_of_a_training_shows_a_complete_attempt(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_film_of_a_training_shows_a_complete_attempt(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     film = ["--seed", "3", "--every", "100", "--out", str(tmp_path / "film.gif")]
     assert main(["watch", "training", *film]) == 0
     first, *_, last, frames = capsys.readouterr().out.splitlines()
@@ -70,15 +68,10 @@ def test_recall_with_another_learner_noise_and_food(experience: Path, tmp_path: 
     assert {(row.learner, row.noise, row.foods) for row in rows} == {("teacher", "none", 3)}
     still = recalled(out, "--noise", "placement")
     assert still != recalled(out, "--noise", "wheels,tracking losses")
-    assert (
-        main(["watch", "recall", "--noise", "none", "--foods", "2", "--out", str(tmp_path / "new" / "f.gif")])
-        == 0
-    )
+    assert main(["watch", "recall", "--noise", "none", "--foods", "2", "--out", str(tmp_path / "new" / "f.gif")]) == 0
 
 
-def test_attempts_are_written_even_if_none_is_complete(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_attempts_are_written_even_if_none_is_complete(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     hopeless = ["--decision", "next_to_food=12", "--decision", "most_attempts=3"]
     assert main(["train", "--episodes", "1", "--out", str(tmp_path), *hopeless]) == 2
     assert "none of 3 attempts" in capsys.readouterr().err

@@ -48,10 +48,7 @@ def test_rows_of_other_commands_are_drawn(files: list[str], results: Path, tmp_p
     ("files", "message"),
     [
         (["teacher.csv", "g/attempts.csv"], "are of different kinds; allowed: one kind"),
-        (
-            ["g/g1.csv"],
-            "its first line is '# khepera_forage experience, version 1'; allowed: rows of `recall`",
-        ),
+        (["g/g1.csv"], "its first line is '# khepera_forage experience, version 1'; allowed: rows of `recall`"),
         (["nothing.csv"], "No such file or directory"),
         (["empty.csv"], "has no rows; allowed: at least one"),
         (["broken.json"], "broken.json: "),
@@ -59,11 +56,7 @@ def test_rows_of_other_commands_are_drawn(files: list[str], results: Path, tmp_p
     ],
 )
 def test_other_files_are_refused(
-    files: list[str],
-    message: str,
-    results: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    files: list[str], message: str, results: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(results)
     (results / "empty.csv").write_text((results / "teacher.csv").read_text().partition("\n")[0] + "\n")

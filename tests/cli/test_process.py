@@ -18,8 +18,7 @@ def shell(command: str, folder: Path, **environment: str) -> subprocess.Complete
 
 
 @pytest.mark.parametrize(
-    ("command", "unbuffered"),
-    [("decisions", "1"), ("decisions", ""), ("arena list", ""), ("--help", ""), ("", "")],
+    ("command", "unbuffered"), [("decisions", "1"), ("decisions", ""), ("arena list", ""), ("--help", ""), ("", "")]
 )
 def test_closed_pipe_ends_in_silence(command: str, unbuffered: str, tmp_path: Path) -> None:
     done = shell(f"{COMMAND} {command} | true", tmp_path, PYTHONUNBUFFERED=unbuffered)

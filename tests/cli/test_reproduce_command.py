@@ -23,9 +23,7 @@ def printed(out: Path, capsys: pytest.CaptureFixture[str], *arguments: str) -> s
     return capsys.readouterr().out
 
 
-def test_reproduce_ends_with_a_summary_of_both_decisions(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_reproduce_ends_with_a_summary_of_both_decisions(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     start, end = printed(tmp_path, capsys).split("Summary\n")
     assert "smoke test" in start
     page = (tmp_path / "thesis.md").read_text(encoding="utf-8")
@@ -39,9 +37,7 @@ def test_reproduce_ends_with_a_summary_of_both_decisions(
     assert (tmp_path / "recalls_v0.1.csv").exists()
 
 
-def test_reproduce_without_comparison_has_only_our_results(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_reproduce_without_comparison_has_only_our_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "v0.1" not in printed(tmp_path, capsys, "--no-comparison")
     assert "v0.1: score" not in (tmp_path / "thesis.md").read_text(encoding="utf-8")
     assert not (tmp_path / "recalls_v0.1.csv").exists()

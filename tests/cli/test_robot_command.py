@@ -138,9 +138,7 @@ def test_drive_continues_after_a_restart(capsys: pytest.CaptureFixture[str]) -> 
 
     firmware.handle = handle_and_advance  # type: ignore[method-assign]
     with VirtualKhepera(firmware, baud=None) as khepera:
-        out = output(
-            capsys, "drive", "--port", khepera.url, "--left", "4", "--right", "4", "--seconds", "1.5"
-        )
+        out = output(capsys, "drive", "--port", khepera.url, "--left", "4", "--right", "4", "--seconds", "1.5")
     assert "the robot restarted 1 time: check its power supply" in out
     left, right = (int(pulses) for pulses in re.findall(r"(-?\d+) pulses", out))
     true_left = world.robots[0].sense().left_pulses
@@ -150,11 +148,7 @@ def test_drive_continues_after_a_restart(capsys: pytest.CaptureFixture[str]) -> 
 
 @pytest.mark.parametrize(("option", "watchdogs"), [([], 1), (["--no-watchdog"], 0)])
 def test_no_watchdog_starts_none(
-    port: str,
-    option: list[str],
-    watchdogs: int,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    port: str, option: list[str], watchdogs: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     started: list[str] = []
     original = Watchdog.__init__
@@ -190,9 +184,7 @@ def test_selftest_of_a_robot_that_does_not_move_fails(
     assert "7 of 10 passed" in out
 
 
-def test_lost_robot_is_reported_in_one_line(
-    frozen: VirtualKhepera, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_lost_robot_is_reported_in_one_line(frozen: VirtualKhepera, capsys: pytest.CaptureFixture[str]) -> None:
     frozen.faults = Faults(unplug=1.0)
     assert main(["robot", "probe", "--port", frozen.url]) == 2
     err = capsys.readouterr().err

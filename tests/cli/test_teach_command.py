@@ -305,9 +305,7 @@ def test_attempt_after_a_failure_begins_with_the_reason(
 
     run_script(script)
     with pytest.raises(training.IncompleteTrainingError):
-        training.train(
-            env, np.random.SeedSequence(0), callback=teacher.after_round, teacher=teacher, attempts=2
-        )
+        training.train(env, np.random.SeedSequence(0), callback=teacher.after_round, teacher=teacher, attempts=2)
     messages = [caption.message for caption in window.captions if "Enter" in caption.message]
     assert messages[0] == "Press Enter to begin."
     assert messages[-1] == "That attempt is discarded: 3 rounds were not enough. Press Enter to begin."

@@ -26,17 +26,7 @@ from khepera_forage.comparison.compiled_learning import (
     thinned,
 )
 from khepera_forage.comparison.learning import BASELINES
-from khepera_forage.comparison.protocol import (
-    LATE,
-    NAME,
-    PERMUTED,
-    SILENT,
-    TRACKS,
-    WRONG,
-    plan,
-    spoken,
-    wheels_learner,
-)
+from khepera_forage.comparison.protocol import LATE, NAME, PERMUTED, SILENT, TRACKS, WRONG, plan, spoken, wheels_learner
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.learners import LEARNERS, OfflineImitation, ReinforcementLearner
 from khepera_forage.rollouts.compiled.training import train_learners
@@ -44,9 +34,7 @@ from khepera_forage.rollouts.raw_episodes import RawEpisode, teacher_alone
 from khepera_forage.rollouts.recall import recall_env, recall_wheels_env
 from khepera_forage.task.states import NUM_BEHAVIOURS, StateVector
 
-TEN_STEPS = Training(
-    np.arange(50).reshape(10, 5), np.array([0, 0, 1, 2, 3, 4, 5, 6, 7, 8]), np.repeat((0, 1), 5)
-)
+TEN_STEPS = Training(np.arange(50).reshape(10, 5), np.array([0, 0, 1, 2, 3, 4, 5, 6, 7, 8]), np.repeat((0, 1), 5))
 
 
 class TeacherClassifier:
@@ -121,9 +109,7 @@ def test_a_search_finds_better_demonstrations_than_chance() -> None:
     def delivered(marks: NDArray[np.float64]) -> float:
         seeds = {"corridor": range(50)}
         trainings = demonstrate(marks, 10**6, 8)
-        return float(
-            np.mean([recalls_after(learner, t, seeds, 0, 138)["corridor"].delivered for t in trainings])
-        )
+        return float(np.mean([recalls_after(learner, t, seeds, 0, 138)["corridor"].delivered for t in trainings]))
 
     found = search(learner, 1, Budget(12, 3, 8, 64), np.random.default_rng(1))
     chance = np.mean([delivered(random_marks(1, seed)) for seed in range(8)])

@@ -11,15 +11,7 @@ import pytest
 
 from khepera_forage.comparison.learning import RecallBatch, all_learners
 from khepera_forage.comparison.page import page
-from khepera_forage.comparison.results import (
-    PUBLISHED,
-    Results,
-    as_json,
-    curves,
-    described,
-    merged,
-    read_results,
-)
+from khepera_forage.comparison.results import PUBLISHED, Results, as_json, curves, described, merged, read_results
 from khepera_forage.estimates import Estimate
 from khepera_forage.policies.learners import LEARNERS
 
@@ -27,9 +19,7 @@ TABLE = Path(__file__).parents[2] / "docs" / "published" / "learners.zip"
 
 
 def batch(amount: int, delivered: int, replication: int) -> RecallBatch:
-    return RecallBatch(
-        "tree", replication, amount, "corridor", 90 * amount, 80, 10, 50.5, delivered, 10, 900, 1.0
-    )
+    return RecallBatch("tree", replication, amount, "corridor", 90 * amount, 80, 10, 50.5, delivered, 10, 900, 1.0)
 
 
 @pytest.fixture
@@ -93,10 +83,7 @@ def without(content: dict[str, Any], *keys: str | int) -> None:
         (lambda c: c.update(format="other"), "no results of a comparison; allowed: a file with the format"),
         (lambda c: without(c, "learners"), "'learners' is missing"),
         (lambda c: without(c, "curves", 0, "points", 0, "score"), "'score' is missing"),
-        (
-            lambda c: c["curves"][0].update(arena="kitchen"),
-            "arena is 'kitchen'; allowed: corridor, rectangle, t_maze",
-        ),
+        (lambda c: c["curves"][0].update(arena="kitchen"), "arena is 'kitchen'; allowed: corridor, rectangle, t_maze"),
         (lambda c: c["curves"][0].update(learner="x"), "learner is 'x'; allowed: tree"),
         (lambda c: c["curves"][0].update(gain=[1]), r"gain is \[1\]; allowed: a list of value, low and high"),
         (lambda c: c["curves"][0].update(gain=["a", 1, 2]), "gain has 'a'; allowed: a number"),

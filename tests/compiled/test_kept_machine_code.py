@@ -93,12 +93,7 @@ class Package:
         (self.sources / "sim").mkdir(parents=True)
         for module in (compilation, extras):
             shutil.copy(str(module.__file__), self.sources)
-        for name, text in (
-            ("__init__", ""),
-            ("sim/__init__", ""),
-            ("sim/kernel", KERNEL),
-            ("sim/rules", RULES),
-        ):
+        for name, text in (("__init__", ""), ("sim/__init__", ""), ("sim/kernel", KERNEL), ("sim/rules", RULES)):
             (self.sources / f"{name}.py").write_text(text)
         path = os.pathsep.join([str(self.sources.parent), os.environ.get("PYTHONPATH", "")])
         self.environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
@@ -212,9 +207,7 @@ def test_without_a_place_for_files_code_is_compiled_in_memory(
 ) -> None:
     output, error = package.run(before + ADD, **environment)
     assert output == COMPILED
-    said = (
-        "" if before == NOTHING_TO_SAY_IT_TO else "khepera_forage: machine code on disk cannot be used, .*\n"
-    )
+    said = "" if before == NOTHING_TO_SAY_IT_TO else "khepera_forage: machine code on disk cannot be used, .*\n"
     assert re.fullmatch(said, error)
     assert not list(package.sources.parent.parent.rglob("*.nb?"))
 
@@ -235,10 +228,7 @@ print(numbers, Compiled.names.count("add"), Compiled.names.count("left"))
 
 def test_long_compilation_is_announced(package: Package) -> None:
     code = "from khepera_forage import compilation; compilation._SLOW = 0.02\n" + ADD
-    assert package.run(code) == (
-        COMPILED,
-        "khepera_forage: compiling kernels, once for this version: about 20 s ...\n",
-    )
+    assert package.run(code) == (COMPILED, "khepera_forage: compiling kernels, once for this version: about 20 s ...\n")
 
 
 @pytest.mark.parametrize(

@@ -59,9 +59,7 @@ def _state_vectors(observation: Any) -> Any:
 
 
 @pytest.mark.parametrize(
-    "decisions",
-    [Decisions(), Decisions(close_to_food=40), DECISIONS[2]],
-    ids=("default", "changed", "readings"),
+    "decisions", [Decisions(), Decisions(close_to_food=40), DECISIONS[2]], ids=("default", "changed", "readings")
 )
 def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decisions: Decisions) -> None:
     """The environment stepped from Python, the imitator drawing with the kernel's numbers: the same counts."""
@@ -73,8 +71,7 @@ def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decision
     batch = env.batch
     arithmetic = decisions.distance_arithmetic
     imitators = [
-        NearestNeighbourImitator(env.get_attr("diagonal")[0], arithmetic=arithmetic).fit(*part)
-        for part in experience
+        NearestNeighbourImitator(env.get_attr("diagonal")[0], arithmetic=arithmetic).fit(*part) for part in experience
     ]
     over = np.zeros(worlds, np.bool_)
     rounds, wrong = np.zeros((2, worlds, 10), np.int64)

@@ -25,9 +25,7 @@ WAIT = int(Behaviour.WAIT)
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 ROUGH = Noise(placement_error=15.0, placement_heading_error=20.0, wheel_bias=0.1, wheel_slip=0.2)
 """Robots so bad that learners often get separated."""
-TIMES = Decisions(
-    round_duration=0.2, arm_travel_time=0.5, home_speed=10, following_gain=0.2, close_to_food=35
-)
+TIMES = Decisions(round_duration=0.2, arm_travel_time=0.5, home_speed=10, following_gain=0.2, close_to_food=35)
 
 # ---------------------------------------------------------------- the same training everywhere
 
@@ -108,9 +106,7 @@ def test_pairs_have_the_spaces_of_parallel_env() -> None:
     assert envs.possible_agents == one.possible_agents
     envs.reset(seed=1)
     for _ in range(50):
-        actions = {
-            agent: envs.action_space(agent).sample() + np.zeros(3, np.int64) for agent in one.possible_agents
-        }
+        actions = {agent: envs.action_space(agent).sample() + np.zeros(3, np.int64) for agent in one.possible_agents}
         observations, *_ = envs.step(actions)
         for agent in envs.possible_agents:
             assert envs.action_space(agent) == one.action_space(agent)

@@ -93,9 +93,7 @@ def test_rollouts_are_the_same_for_any_number_of_worlds() -> None:
     shown, others = few.reset(seed=3), many.reset(seed=3)
     ended = False
     for _ in range(150):
-        shown, others = (
-            env.step(one[-1]["correct_behaviour"]) for env, one in ((few, shown), (many, others))
-        )
+        shown, others = (env.step(one[-1]["correct_behaviour"]) for env, one in ((few, shown), (many, others)))
         np.testing.assert_equal(shown[0], {key: values[:6] for key, values in others[0].items()})
         np.testing.assert_equal(shown[1:4], tuple(part[:6] for part in others[1:4]))
         ended |= shown[2].any()

@@ -254,11 +254,7 @@ class PolicyContract:
 def observations() -> list[Any]:
     """Observations of the same situations in the recall and the training environments."""
     shown: list[Any] = []
-    for presence, home, food_type, arm, food in (
-        (0, 60, 0, 215, 40),
-        (0, 60, 0, 255, 18),
-        (1, 30, 1, 215, 138),
-    ):
+    for presence, home, food_type, arm, food in ((0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (1, 30, 1, 215, 138)):
         shown.append(
             {
                 "object_presence": np.int64(presence),

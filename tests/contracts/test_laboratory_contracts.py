@@ -27,9 +27,7 @@ pytest.importorskip("cv2")
 @pytest.fixture(params=["none", "laboratory"])
 def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
     quiet = request.param == "none"
-    noise = (
-        Noise.none() if quiet else replace(Noise.laboratory(), placement_error=1, placement_heading_error=0.5)
-    )
+    noise = Noise.none() if quiet else replace(Noise.laboratory(), placement_error=1, placement_heading_error=0.5)
     look = CameraAppearance.none() if quiet else CameraAppearance.laboratory()
     with virtual_laboratory(RECTANGLE, 1, V0_1, noise=noise, appearance=look) as world:
         layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))

@@ -54,18 +54,14 @@ def test_robots_block_each_other(world: Any, arm: int) -> None:
     for _ in range(8):
         world.advance()
     after = world.poses()
-    assert math.dist(after[0][:2], after[1][:2]) > math.dist(poses[0][:2], poses[1][:2]) + 40, (
-        "they part again"
-    )
+    assert math.dist(after[0][:2], after[1][:2]) > math.dist(poses[0][:2], poses[1][:2]) + 40, "they part again"
     assert math.dist(after[2][:2], before[:2]) < 30
 
 
 def test_infra_reds_see_other_robots(world: Any) -> None:
     assert max(world.robots[0].sense().proximity) == 0
     _drive(world, 80)
-    assert sum(max(robot.sense().proximity) > 100 for robot in world.robots) >= 2, (
-        "but for one that has turned away"
-    )
+    assert sum(max(robot.sense().proximity) > 100 for robot in world.robots) >= 2, "but for one that has turned away"
 
 
 def test_camera_shows_every_marker(world: Any) -> None:

@@ -14,9 +14,7 @@ from khepera_forage.task.states import Behaviour
 from tests.sim.worlds import FIELD
 
 NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
-OF_ENVIRONMENT = (
-    "arena decisions foods limit home_radius diagonal confidence metadata observation_space action_space"
-)
+OF_ENVIRONMENT = "arena decisions foods limit home_radius diagonal confidence metadata observation_space action_space"
 OF_FORAGER = "arena holes decisions senses vector state correct_behaviour raw"
 needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba")
 
@@ -94,9 +92,7 @@ def _public(thing: Any) -> set[str]:
 def _types(shown: Any) -> Any:
     if isinstance(shown, dict):
         return {name: _types(value) for name, value in shown.items()}
-    return (
-        [_types(one) for one in shown] if isinstance(shown, tuple) else (type(shown), np.asarray(shown).dtype)
-    )
+    return [_types(one) for one in shown] if isinstance(shown, tuple) else (type(shown), np.asarray(shown).dtype)
 
 
 def _check_foragers(one: Any, other: Any) -> None:

@@ -135,9 +135,7 @@ ONE_EACH = r"actions are of \[.*\]; allowed: one each of teacher_0, learner_0"
 NUMBER_9, FOUR = "{wrong!r}; allowed: a whole number from 0 to 9", r"allowed: four numbers in -1\.\.1"
 
 
-def single(
-    action: Any, wrong: list[Any], message: str, name: str = "Corridor", backend: str = "pymunk"
-) -> Form:
+def single(action: Any, wrong: list[Any], message: str, name: str = "Corridor", backend: str = "pymunk") -> Form:
     made = partial(make, name, backend=backend, limit=2)
     return Form(made, [action] * 2, "ended after 2 steps", wrong, message)
 

@@ -67,9 +67,7 @@ def decisions_of(env: Any) -> Decisions:
 
 @pytest.mark.parametrize("form", FORMS)
 @of_both_versions
-def test_version_has_its_decisions_unless_others_are_given_and_so_has_its_spec(
-    form: str, version: str
-) -> None:
+def test_version_has_its_decisions_unless_others_are_given_and_so_has_its_spec(form: str, version: str) -> None:
     assert Decisions() != V0_1
     make, name, kwargs = FORMS[form]
     for given, decisions in (({}, OF_VERSION[version]), ({"decisions": OTHER}, OTHER)):

@@ -137,9 +137,7 @@ def test_recall_is_truncated_with_the_reason(
     assert not env.step(action)[3]
 
 
-def test_lost_camera_truncates_like_a_lost_robot(
-    alone: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_lost_camera_truncates_like_a_lost_robot(alone: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch) -> None:
     env = BehavioursEnv(world=alone)
     env.reset(seed=1)
     frame, _ = alone.frame_source.newest()
@@ -175,9 +173,7 @@ def test_robot_lost_while_it_is_placed_ends_the_attempt() -> None:
         assert not first.connected
 
 
-def test_experience_recorded_before_a_loss_is_kept(
-    env: Any, tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_experience_recorded_before_a_loss_is_kept(env: Any, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     path = tmp_path / "g1.csv"
     (tmp_path / "g1.lost-1.csv").write_text("of an earlier training")
     seen: list[int] = []

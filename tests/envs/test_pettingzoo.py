@@ -13,14 +13,7 @@ from khepera_forage.envs import paired_corridors_v0, paired_corridors_v1, paired
 with warnings.catch_warnings():
     # PettingZoo's own test module imports one of its deprecated environments.
     warnings.simplefilter("ignore", DeprecationWarning)
-    from pettingzoo.test import (
-        api_test,
-        max_cycles_test,
-        parallel_api_test,
-        parallel_seed_test,
-        render_test,
-        seed_test,
-    )
+    from pettingzoo.test import api_test, max_cycles_test, parallel_api_test, parallel_seed_test, render_test, seed_test
 
 
 @pytest.mark.parametrize(
@@ -52,10 +45,7 @@ def test_render_test_passes() -> None:
     def make(**kwargs: Any) -> Any:
         return paired_corridors_v1.env(max_cycles=30, **kwargs)
 
-    modes: dict[str, Callable[[Any], bool]] = {
-        "rgb_array": lambda frame: frame.shape[2] == 3,
-        "human": lambda _: True,
-    }
+    modes: dict[str, Callable[[Any], bool]] = {"rgb_array": lambda frame: frame.shape[2] == 3, "human": lambda _: True}
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SDL_VIDEODRIVER", "dummy")
         render_test(make, modes)

@@ -35,9 +35,7 @@ LEARNER = RobotView(
     executed=Behaviour.SEARCH_FOR_FOOD,
     confidence=(0.75, 0.25, 0, 0, 0, 0, 0, 0, 0, 0),
 )
-VIEW = View(
-    (CORRIDOR,), (LEARNER,), (FoodView(370.0, 115.0),), step=3, limit=500, score=100.0, title="Corridor"
-)
+VIEW = View((CORRIDOR,), (LEARNER,), (FoodView(370.0, 115.0),), step=3, limit=500, score=100.0, title="Corridor")
 
 
 def region(x: float, y: float, holes: int, found: bool = True) -> Region:
@@ -57,9 +55,7 @@ def draw(screen: Screen, view: View) -> NDArray[np.uint8]:
     return frame
 
 
-def patch(
-    layout: PictureLayout, frame: NDArray[np.uint8], x: float, y: float, reach: float
-) -> NDArray[np.uint8]:
+def patch(layout: PictureLayout, frame: NDArray[np.uint8], x: float, y: float, reach: float) -> NDArray[np.uint8]:
     """The square of pixels around a position in mm."""
     (left, top), (right, bottom) = layout.pixel(x - reach, y + reach), layout.pixel(x + reach, y - reach)
     return frame[top : bottom + 1, left : right + 1]
@@ -88,12 +84,7 @@ def test_equal_views_give_equal_new_pictures_in_any_order(screen: Screen) -> Non
 CHANGES: list[dict[str, Any]] = [
     *({"arm": 255}, {"jaw": 0}, {"holes": 1}, {"proximity": (0,) * 8}, {"name": "learner 7"}),
     *({"vector": StateVector(1, 80, 0, 215, 44)}, {"vector": None}, {"state": State.AT_HOME_NO_FOOD}),
-    *(
-        {"heard": Behaviour.GO_HOME},
-        {"heard": Behaviour.WAIT},
-        {"executed": Behaviour.WAIT},
-        {"executed": None},
-    ),
+    *({"heard": Behaviour.GO_HOME}, {"heard": Behaviour.WAIT}, {"executed": Behaviour.WAIT}, {"executed": None}),
     *({"confidence": None}, {"separated": True}, {"tracked": False}),
 ]
 
@@ -130,12 +121,7 @@ def test_lost_regions_are_drawn_in_red(screen: Screen, holes: int) -> None:
 
 def test_extreme_values_are_drawn(screen: Screen) -> None:
     stray = LEARNER._replace(
-        pose=Pose(1e9, float("nan"), 50.0),
-        proximity=(-5, 2000),
-        arm=0,
-        jaw=999,
-        confidence=(2.0,),
-        name="x\0\n" * 200,
+        pose=Pose(1e9, float("nan"), 50.0), proximity=(-5, 2000), arm=0, jaw=999, confidence=(2.0,), name="x\0\n" * 200
     )
     title, unknown = "A title\nof many words " * 30, StateVector(1, -1, 9, 0, 10**6)
     views = (
@@ -165,9 +151,7 @@ def test_arena_and_panels_do_not_overlap(arena: Arena, robots: int) -> None:
     if robots <= 5:
         assert layout.size[0] <= MAX_WIDTH + 2
         assert layout.size[1] <= MAX_HEIGHT + 210  # five rectangles are in two rows
-    boxes = [
-        shapely.box(a.left, a.top, a.left + a.width, a.top + a.height) for a in (layout.arena, *layout.panels)
-    ]
+    boxes = [shapely.box(a.left, a.top, a.left + a.width, a.top + a.height) for a in (layout.arena, *layout.panels)]
     assert len(boxes) == robots + 1
     assert all(shapely.box(0, 0, *layout.size).covers(box) for box in boxes)
     assert all(one.intersection(other).area == 0 for one, other in combinations(boxes, 2))
@@ -212,9 +196,7 @@ def test_gif_has_the_frames(screen: Screen, tmp_path: Path) -> None:
 
 
 def test_other_endings_and_folders_are_named(tmp_path: Path) -> None:
-    with pytest.raises(
-        ValueError, match=r"film is 'film.mov'; allowed: a name that ends in .gif, .mp4, .avi"
-    ):
+    with pytest.raises(ValueError, match=r"film is 'film.mov'; allowed: a name that ends in .gif, .mp4, .avi"):
         save_film([FRAME], "film.mov", 10.0)
     with pytest.raises(OSError, match="nowhere"):
         save_film([FRAME], tmp_path / "nowhere" / "film.mp4", 10.0)

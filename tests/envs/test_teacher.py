@@ -55,9 +55,7 @@ def forage(env: Any, seed: int, **reset: Any) -> dict[str, Any]:
     ids=str,
 )
 @pytest.mark.parametrize("name", ["Corridor", "Rectangle"])
-def test_teacher_delivers_food_and_leaves_poison(
-    robot: str, name: str, food_types: Any, backend: str
-) -> None:
+def test_teacher_delivers_food_and_leaves_poison(robot: str, name: str, food_types: Any, backend: str) -> None:
     env = make(name, backend, robot=robot, food_types=food_types, limit=1500)
     ends = [forage(env, seed) for seed in range(5)]
     assert sum(end["terminated"] for end in ends) >= 4
@@ -72,12 +70,8 @@ def test_teacher_delivers_food_and_leaves_poison(
 
 
 @on_both_backends
-@pytest.mark.parametrize(
-    ("robot", "food", "delivered"), [("toio", "PUSHABLE", 1), ("e-puck2", "POISONOUS", 0)]
-)
-def test_learners_without_a_gripper_do_what_they_hear(
-    robot: str, food: str, delivered: int, backend: str
-) -> None:
+@pytest.mark.parametrize(("robot", "food", "delivered"), [("toio", "PUSHABLE", 1), ("e-puck2", "POISONOUS", 0)])
+def test_learners_without_a_gripper_do_what_they_hear(robot: str, food: str, delivered: int, backend: str) -> None:
     env = paired_arenas_v1.env(num_learners=2, robot=robot, backend=backend, food_types=food)
     teacher, infos = Teacher.of(env), {}
     env.reset(seed=0)

@@ -45,11 +45,7 @@ def play(env: TrainingEnv, rounds: int = 10_000) -> list[list[int]]:
 )
 def test_learners_do_what_they_hear_until_the_episode_is_complete(food_type: str, learners: int) -> None:
     env = TrainingEnv(num_learners=learners, food_types=food_type, decisions=V0_1)
-    shown = {
-        "PICKABLE": Behaviour.GO_HOME,
-        "PUSHABLE": Behaviour.PUSH_FOOD,
-        "POISONOUS": Behaviour.AVOID_FOOD,
-    }
+    shown = {"PICKABLE": Behaviour.GO_HOME, "PUSHABLE": Behaviour.PUSH_FOOD, "POISONOUS": Behaviour.AVOID_FOOD}
     complete = 0
     for seed in range(5):
         env.reset(seed=seed)
@@ -100,11 +96,7 @@ def test_teacher_waits_while_a_separated_learner_recovers() -> None:
 
 @pytest.mark.parametrize(
     "given",
-    [
-        {"patience": 4},
-        {"decisions": Decisions(patience=4)},
-        {"patience": 4, "decisions": Decisions(patience=9)},
-    ],
+    [{"patience": 4}, {"decisions": Decisions(patience=4)}, {"patience": 4, "decisions": Decisions(patience=9)}],
 )
 def test_separation_longer_than_patience_ends_the_attempt(given: dict[str, Any]) -> None:
     env = TrainingEnv(noise=QUIET, **given)
@@ -206,9 +198,7 @@ def test_attempts_begin_alike_on_both_backends_with_corresponding_food() -> None
             one, other = ([int(food.type) for food in forager.food.objects] for forager in env.foragers)
             assert one == other
             types |= set(one)
-            starts.append(
-                [*(pose[:2] for pose in env.world.poses()), *(food[:2] for food in env.world.food_places())]
-            )
+            starts.append([*(pose[:2] for pose in env.world.poses()), *(food[:2] for food in env.world.food_places())])
     assert np.allclose(starts[:3], starts[3:])
     assert len(types) > 1
 
@@ -228,9 +218,7 @@ def test_wheels_that_do_what_the_behaviours_command_train_as_the_behaviours_do(b
     behaviours.reset(seed=3)
     wheels.reset(seed=3)
     while not any((*behaviours.terminations.values(), *behaviours.truncations.values())):
-        said = (
-            10 if behaviours.observe("teacher_0")[6] else behaviours.infos["teacher_0"]["correct_behaviour"]
-        )
+        said = 10 if behaviours.observe("teacher_0")[6] else behaviours.infos["teacher_0"]["correct_behaviour"]
         for i, agent in enumerate(behaviours.agents):
             assert wheels.observe(agent)[-2:].tolist() == behaviours.observe(agent)[5:].tolist()
             action = action_of(wheels.foragers[i].motors_for(said))

@@ -19,9 +19,7 @@ def run_example(name: str, folder: Path, *arguments: str) -> str:
     command = [sys.executable, "-W", "error", str(EXAMPLES / f"{name}.py"), *arguments]
     # Matplotlib and others must not start a thread for each core: other tests run beside.
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-    finished = subprocess.run(
-        command, capture_output=True, text=True, cwd=folder, env=environment, timeout=300
-    )
+    finished = subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment, timeout=300)
     assert finished.returncode == 0, finished.stderr
     said = [line for line in finished.stderr.splitlines() if "compiling kernels" not in line]
     assert not said, finished.stderr

@@ -24,9 +24,7 @@ def test_imitator_brings_food_home_in_both_arenas(tmp_path: Path) -> None:
         assert sum(row.delivered for row in rows if row.arena == arena) > 0
     assert len({row.experience_size for row in rows}) == 4
     assert is_picture(tmp_path / "out" / "food.png")
-    shares = [
-        f"{100 * sum(row.delivered for row in trained if row.arena == a) / n / 3:.1f}" for a, n in FOODS
-    ]
+    shares = [f"{100 * sum(row.delivered for row in trained if row.arena == a) / n / 3:.1f}" for a, n in FOODS]
     assert f"10 training episodes: corridor {shares[0]:>5}, rectangle {shares[1]:>5}" in printed
 
 

@@ -19,9 +19,7 @@ from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
 DISTANCES = st.one_of(st.integers(0, 177), st.integers(0, 2**31 - 1))
-EMPTY_HANDED = st.builds(
-    StateVector, st.integers(0, 1), DISTANCES, st.just(0), st.integers(215, 255), DISTANCES
-)
+EMPTY_HANDED = st.builds(StateVector, st.integers(0, 1), DISTANCES, st.just(0), st.integers(215, 255), DISTANCES)
 WITH_FOOD = st.builds(StateVector, st.just(1), DISTANCES, st.integers(0, 3), st.integers(215, 255), DISTANCES)
 ROWS = st.lists(st.tuples(st.one_of(EMPTY_HANDED, WITH_FOOD), st.integers(0, 9)), max_size=30)
 NAMES = st.text(min_size=1, max_size=20).filter(lambda text: text == text.strip() and text.isprintable())
@@ -52,12 +50,7 @@ def test_saved_experience_loads_equal(experience: Experience) -> None:
         assert os.listdir(folder) == ["g1.csv"]
         assert experience.decisions is not None
         with ExperienceWriter(
-            path,
-            experience.arena,
-            experience.seed,
-            experience.episodes,
-            decisions=experience.decisions,
-            overwrite=True,
+            path, experience.arena, experience.seed, experience.episodes, decisions=experience.decisions, overwrite=True
         ) as writer:
             for vector, behaviour in experience:
                 writer.append(vector, behaviour)
@@ -87,19 +80,13 @@ def test_loading_several_files_joins_them(tmp_path: Path) -> None:
     paths = [tmp_path / f"g{n}.csv" for n in (1, 2, 3)]
     for part, path in zip(parts, paths, strict=True):
         part.save(path)
-    assert (
-        Experience.load(*paths[:2])
-        == parts[0] + parts[1]
-        == Experience([SEARCH] * 3, [0] * 3, seed=4, episodes=2)
-    )
+    assert Experience.load(*paths[:2]) == parts[0] + parts[1] == Experience([SEARCH] * 3, [0] * 3, seed=4, episodes=2)
     g123 = Experience.load(*paths)
     assert g123 == Experience.load(tmp_path)
     assert (len(g123), g123.seed, g123.episodes) == (6, None, 3)
     assert pickle.loads(pickle.dumps(g123)) == g123
     text = decisions_text(Decisions())
-    assert repr(g123) == (
-        f"<Experience: 6 vectors, arena='corridor', seed=None, episodes=3, decisions={text!r}>"
-    )
+    assert repr(g123) == (f"<Experience: 6 vectors, arena='corridor', seed=None, episodes=3, decisions={text!r}>")
 
 
 def test_joining_two_arenas_is_an_error(tmp_path: Path) -> None:
@@ -114,9 +101,7 @@ def test_joining_two_arenas_is_an_error(tmp_path: Path) -> None:
         ExperienceError, match=r"c\.csv, line 3: arena is 'corridor'; allowed: 'rectangle', the argument"
     ):
         Experience.load(tmp_path / "c.csv", arena="rectangle")
-    with pytest.raises(
-        ExperienceError, match="'rectangle' added to experience of 'corridor'; allowed: the same"
-    ):
+    with pytest.raises(ExperienceError, match="'rectangle' added to experience of 'corridor'; allowed: the same"):
         corridor + rectangle
     assert corridor != rectangle
     with pytest.raises(TypeError, match="unsupported operand"):
@@ -188,9 +173,7 @@ def test_exception_leaves_the_file_incomplete(tmp_path: Path) -> None:
     with contextlib.suppress(KeyboardInterrupt), ExperienceWriter(path, "corridor", seed=3) as writer:
         writer.append(SEARCH, 0)
         raise KeyboardInterrupt
-    with pytest.raises(
-        ExperienceError, match="1 complete rows, no incomplete line; --recover or recover=True"
-    ):
+    with pytest.raises(ExperienceError, match="1 complete rows, no incomplete line; --recover or recover=True"):
         Experience.load(path)
     with pytest.warns(ExperienceWarning, match="no line is known to be lost"):
         assert Experience.load(path, recover=True) == Experience([SEARCH], [0], seed=3)
@@ -223,9 +206,7 @@ for number in range(10**9):
 @pytest.mark.parametrize("lines", [1, 20, 500])
 def test_killed_recording_loses_at_most_its_last_line(lines: int, tmp_path: Path) -> None:
     path = tmp_path / "g1.csv"
-    with subprocess.Popen(
-        [sys.executable, "-c", RECORDER, str(path)], stdout=subprocess.PIPE, text=True
-    ) as recorder:
+    with subprocess.Popen([sys.executable, "-c", RECORDER, str(path)], stdout=subprocess.PIPE, text=True) as recorder:
         assert recorder.stdout is not None
         for _ in range(lines):
             recorder.stdout.readline()
@@ -283,7 +264,5 @@ def test_mixed_experience_stays_mixed_and_fits_no_environment(tmp_path: Path) ->
         lambda: mixed + mixed,
         lambda: Experience.load(path, decisions=OTHER),
     ):
-        with pytest.raises(
-            ExperienceError, match="experience of mixed decisions; allowed: the same decisions, or"
-        ):
+        with pytest.raises(ExperienceError, match="experience of mixed decisions; allowed: the same decisions, or"):
             refused()

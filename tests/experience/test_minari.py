@@ -202,9 +202,7 @@ def test_recovered_environment_has_an_arena_of_ones_own() -> None:
 
 @pytest.mark.parametrize(("first", "split"), [(0, "train"), (LEVELS, "test")])
 def test_recovered_environment_has_the_levels_of_the_experience(first: int, split: str) -> None:
-    parts = [
-        Experience(SOME.vectors, SOME.behaviours, f"procedural_hard_{first + level}") for level in (7, 3)
-    ]
+    parts = [Experience(SOME.vectors, SOME.behaviours, f"procedural_hard_{first + level}") for level in (7, 3)]
     to_minari(parts, "khepera/levels-v0")
     dataset = import_module("minari").load_dataset("khepera/levels-v0")
     env = dataset.recover_environment()
@@ -219,9 +217,7 @@ def test_recovered_environment_has_the_levels_of_the_experience(first: int, spli
 
 
 @pytest.mark.parametrize("arena", [BLOCKS, {"name": "blocks"}, "blocks"])
-def test_episode_without_an_arena_has_that_of_its_environment(
-    arena: object, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_episode_without_an_arena_has_that_of_its_environment(arena: object, monkeypatch: pytest.MonkeyPatch) -> None:
     dataset = to_minari([SOME], "khepera/plain-v0")
     monkeypatch.setattr(dataset.storage, "get_episode_metadata", lambda indices: [{}])
     spec = replace(gym.spec("khepera_forage/Corridor-v1"), kwargs={"arena": arena})

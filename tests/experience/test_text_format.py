@@ -24,9 +24,7 @@ object_presence,robot_home_distance,food_type,arms_height,robot_food_distance,be
 ROW = "0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD\n"
 GRASPED = "1,48,PICKABLE,215,14,GO_HOME\n"
 WHOLE = HEADER + ROW + GRASPED + "# complete: 2 vectors\n"
-EXPERIENCE = Experience(
-    [(0, 52, 0, 215, 28), (1, 48, 1, 215, 14)], [0, 7], seed=7, decisions=Decisions.v0_1()
-)
+EXPERIENCE = Experience([(0, 52, 0, 215, 28), (1, 48, 1, 215, 14)], [0, 7], seed=7, decisions=Decisions.v0_1())
 
 
 def write(folder: Path, content: str | bytes) -> Path:
@@ -63,11 +61,7 @@ BAD: list[tuple[str | bytes, int, str]] = [
     ("", 1, "not an experience file, it is empty"),
     (b"\x89PNG\r\n\x1a\n\0", 1, "not an experience file, its first line is '\ufffdPNG'; allowed: '# khe"),
     ("a,b\n1,2\n", 1, "not an experience file, its first line is 'a,b'; allowed: '# khepera_forage ex"),
-    (
-        WHOLE.replace("version 1", "version 2"),
-        1,
-        "version is '2', written by a later version of this package",
-    ),
+    (WHOLE.replace("version 1", "version 2"), 1, "version is '2', written by a later version of this package"),
     (WHOLE.replace("seed: 7", "seed: 7.5"), 4, "seed is '7.5'; allowed: an integer"),
     (WHOLE.replace("episodes: 1", "episodes: 0"), 5, "episodes is 0; allowed: at least 1"),
     (WHOLE.replace("corridor", " corridor"), 3, "arena is ' corridor'; allowed: a printable name"),
@@ -118,9 +112,7 @@ INCOMPLETE = [
 
 
 @pytest.mark.parametrize(("content", "line", "rows", "message"), INCOMPLETE)
-def test_incomplete_file_can_be_recovered(
-    content: str, line: int, rows: int, message: str, tmp_path: Path
-) -> None:
+def test_incomplete_file_can_be_recovered(content: str, line: int, rows: int, message: str, tmp_path: Path) -> None:
     path = write(tmp_path, content)
     complaint = f"{path}, line {line}: ends before its closing line: "
     with pytest.raises(ExperienceError, match=re.escape(complaint)) as caught:
@@ -145,9 +137,7 @@ def recovered(folder: Path, content: bytes) -> Experience | None:
             return None
 
 
-LONG = Experience(
-    [(n % 2, n * 7 % 200, 0, 215 + n, n * 3 % 150) for n in range(20)], [n % 10 for n in range(20)]
-)
+LONG = Experience([(n % 2, n * 7 % 200, 0, 215 + n, n * 3 % 150) for n in range(20)], [n % 10 for n in range(20)])
 
 
 @pytest.fixture(scope="module")
@@ -177,9 +167,7 @@ def test_file_cut_at_any_byte_is_an_error_or_a_prefix(long_file: bytes, folder: 
 
 @settings(deadline=None)
 @given(st.data())
-def test_damaged_file_is_an_error_or_valid_experience(
-    long_file: bytes, folder: Path, data: st.DataObject
-) -> None:
+def test_damaged_file_is_an_error_or_valid_experience(long_file: bytes, folder: Path, data: st.DataObject) -> None:
     start = data.draw(st.integers(0, len(long_file)))
     stop = data.draw(st.integers(start, min(start + 40, len(long_file))))
     kept = recovered(folder, long_file[:start] + data.draw(st.binary(max_size=10)) + long_file[stop:])

@@ -22,8 +22,7 @@ def star(radii: list[float], centre: Place = (0.0, 0.0)) -> tuple[Corner, ...]:
     x, y = centre
     n = len(radii)
     return tuple(
-        (x + r * math.cos(2 * math.pi * i / n), y + r * math.sin(2 * math.pi * i / n))
-        for i, r in enumerate(radii)
+        (x + r * math.cos(2 * math.pi * i / n), y + r * math.sin(2 * math.pi * i / n)) for i, r in enumerate(radii)
     )
 
 

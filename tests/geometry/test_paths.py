@@ -47,8 +47,7 @@ def test_waypoint_is_kept_until_the_robot_has_driven_36_mm(driven: float, kept: 
         angle = rng.uniform(-math.pi, math.pi)
         there = x + driven * math.cos(angle), y + driven * math.sin(angle)
         if any(
-            clearance(*place, walls) <= 0 or is_clear(*place, *home, False, walls, paths)
-            for place in ((x, y), there)
+            clearance(*place, walls) <= 0 or is_clear(*place, *home, False, walls, paths) for place in ((x, y), there)
         ):
             continue
         chosen = ChosenWaypoint()

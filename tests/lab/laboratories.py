@@ -15,9 +15,7 @@ from khepera_forage.vision.rendering import CameraAppearance
 from tests.version_0_1 import CORRIDOR, V0_1
 
 ARENAS = copies(CORRIDOR, 2)
-LAYOUT = Layout(
-    tuple(arena.start for arena in ARENAS), tuple(food for arena in ARENAS for food in arena.foods)
-)
+LAYOUT = Layout(tuple(arena.start for arena in ARENAS), tuple(food for arena in ARENAS for food in arena.foods))
 
 
 class Time:
@@ -59,9 +57,7 @@ def quiet_laboratory(operator: ClumsyOperator | None = None, **options: Any) -> 
     return lab
 
 
-def moved(
-    request: OperatorRequest, robot: int, dx: float = 0, dy: float = 0, degrees: float = 0
-) -> OperatorRequest:
+def moved(request: OperatorRequest, robot: int, dx: float = 0, dy: float = 0, degrees: float = 0) -> OperatorRequest:
     marks = list(request.robots)
     x, y, heading = marks[robot].pose
     marks[robot] = marks[robot]._replace(pose=Pose(x + dx, y + dy, heading + math.radians(degrees)))

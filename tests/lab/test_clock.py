@@ -53,7 +53,5 @@ def test_many_overruns_cause_one_warning(late: int, caplog: pytest.LogCaptureFix
             clock.wait()
     warnings = [record.getMessage() for record in caplog.records]
     assert warnings == (
-        []
-        if late < 10
-        else ["10 of the last 100 rounds took longer than 100 ms; the worst so far was 20 ms over"]
+        [] if late < 10 else ["10 of the last 100 rounds took longer than 100 ms; the worst so far was 20 ms over"]
     )

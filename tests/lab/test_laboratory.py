@@ -10,12 +10,7 @@ from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import Point, Pose
-from tests.lab.laboratories import (
-    LAYOUT,
-    ClumsyOperator,
-    moved,
-    quiet_laboratory,
-)
+from tests.lab.laboratories import LAYOUT, ClumsyOperator, moved, quiet_laboratory
 
 cv2 = pytest.importorskip("cv2")
 

@@ -20,13 +20,7 @@ from khepera_forage.robots.serial.line import LineTooSlow
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.virtual_khepera import Faults
 from khepera_forage.vision.video import CameraLost, FrameSource
-from tests.lab.laboratories import (
-    ARENAS,
-    LAYOUT,
-    drive_all,
-    is_stopped,
-    quiet_laboratory,
-)
+from tests.lab.laboratories import ARENAS, LAYOUT, drive_all, is_stopped, quiet_laboratory
 from tests.version_0_1 import V0_1
 
 cv2 = pytest.importorskip("cv2")
@@ -47,8 +41,7 @@ class FailingSource:
 
 
 @pytest.mark.parametrize(
-    "lost",
-    [RobotLost("p", "D", 3, "mute"), RobotSuspended("p", "", 0, "slept"), CameraLost("0", "closed", None)],
+    "lost", [RobotLost("p", "D", 3, "mute"), RobotSuspended("p", "", 0, "slept"), CameraLost("0", "closed", None)]
 )
 def test_losses_reach_other_processes(lost: Exception) -> None:
     copied = pickle.loads(pickle.dumps(lost))
@@ -155,9 +148,7 @@ def test_laboratory_from_a_file_runs_until_its_video_ends(tmp_path: Path) -> Non
     """The real driver on the ports in the file, a real video source, and the wall clock."""
     with quiet_laboratory() as virtual:
         virtual.reset(np.random.default_rng(0), LAYOUT)
-        film = cv2.VideoWriter(
-            str(tmp_path / "film.avi"), cv2.VideoWriter_fourcc(*"MJPG"), 20, (640, 480), False
-        )
+        film = cv2.VideoWriter(str(tmp_path / "film.avi"), cv2.VideoWriter_fourcc(*"MJPG"), 20, (640, 480), False)
         for _ in range(60):
             film.write(virtual.frame_source.newest()[0])
         film.release()

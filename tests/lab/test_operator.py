@@ -30,10 +30,7 @@ MARK = RobotMark(0, "teacher", 1, Pose(90.4, 115.0, -math.pi / 2))
     ],
 )
 def test_request_shows_all_places_and_errors(
-    request_: OperatorRequest,
-    lines: list[str],
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    request_: OperatorRequest, lines: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("sys.stdin", io.StringIO("\n"))
     ask_person(request_)

@@ -21,17 +21,14 @@ ARENAS = copies(CORRIDOR, 2)
 FOODS = tuple(food for arena in ARENAS for food in arena.foods)
 
 
-def scene_of(
-    markers: tuple[tuple[float, float, float, int], ...], foods: tuple[tuple[float, float], ...]
-) -> Scene:
+def scene_of(markers: tuple[tuple[float, float, float, int], ...], foods: tuple[tuple[float, float], ...]) -> Scene:
     camera = OverheadCamera(lambda: Truth(markers, foods), Noise.none())
     camera.reset(np.random.default_rng(0))
     return camera.look()
 
 
 MARKS = tuple(
-    RobotMark(i, name, i + 1, arena.start)
-    for i, (name, arena) in enumerate(zip(("Ann", "Bob"), ARENAS, strict=True))
+    RobotMark(i, name, i + 1, arena.start) for i, (name, arena) in enumerate(zip(("Ann", "Bob"), ARENAS, strict=True))
 )
 ANN, BOB = (*ARENAS[0].start, 1), (*ARENAS[1].start, 2)
 FOOD = tuple(tuple(food) for food in FOODS)
@@ -69,9 +66,7 @@ FOOD = tuple(tuple(food) for food in FOODS)
     ],
 )  # fmt: skip
 def test_placement_errors_describe_all_deviations(
-    markers: tuple[tuple[float, float, float, int], ...],
-    foods: tuple[tuple[float, float], ...],
-    errors: list[str],
+    markers: tuple[tuple[float, float, float, int], ...], foods: tuple[tuple[float, float], ...], errors: list[str]
 ) -> None:
     assert list(placement_errors(scene_of(markers, foods), ARENAS, MARKS, FOODS, Tolerance())) == errors
 

@@ -71,9 +71,7 @@ def test_every_key_is_read() -> None:
     assert settings.safe_speed == 12
     assert settings.period == 0.2
     assert settings.arena == RECTANGLE
-    assert settings.robots == (
-        RobotSettings("socket://127.0.0.1:5000", "Ada", 9600, 2, Point(10.5, 20.0), 0.3, False),
-    )
+    assert settings.robots == (RobotSettings("socket://127.0.0.1:5000", "Ada", 9600, 2, Point(10.5, 20.0), 0.3, False),)
     assert settings.camera.source == "rtsp://camera"
     assert settings.camera.calibration == Path("lab/c.toml")
     assert settings.camera.oldest == 1.0

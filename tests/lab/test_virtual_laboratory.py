@@ -185,9 +185,7 @@ def test_command_line_trains_recalls_and_films(tmp_path: Path, capsys: pytest.Ca
     assert film.read_bytes().startswith(b"GIF")
 
 
-def test_interrupt_ends_the_command_and_its_threads(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_interrupt_ends_the_command_and_its_threads(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def interrupt() -> None:
         while not (tmp_path / "e" / "g1.csv").exists():
             time.sleep(0.01)
@@ -203,18 +201,12 @@ def test_interrupt_ends_the_command_and_its_threads(
     assert left == []
 
 
-def test_errors_in_the_file_are_reported_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_errors_in_the_file_are_reported_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "lab.toml"
     robot = '[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\n'
     alone = "robots has one entry; allowed: a teacher and at least one learner"
     wrong = "robots[0].baud is 1; allowed: 9600"
-    for command, key, message in (
-        ("train", "", alone),
-        ("train", "baud = 1", wrong),
-        ("recall", "baud = 1", wrong),
-    ):
+    for command, key, message in (("train", "", alone), ("train", "baud = 1", wrong), ("recall", "baud = 1", wrong)):
         path.write_text(robot + key)
         assert main(f"{command} --out {tmp_path / 'out'} --episodes 1 --lab {path}".split()) == 2
         assert f"{path}: {message}" in capsys.readouterr().err
@@ -244,9 +236,7 @@ def test_rounds_of_another_duration_than_decided_are_refused(kind: Any) -> None:
             match=r"a round of this world lasts 0\.1 s, and decision round_duration is 0\.2 s; allowed: the same",
         ):
             kind(world=lab, decisions=Decisions(round_duration=0.2))
-        assert (
-            kind(world=lab, decisions=Decisions(round_duration=0.1, separation=20)).decisions.separation == 20
-        )
+        assert kind(world=lab, decisions=Decisions(round_duration=0.1, separation=20)).decisions.separation == 20
 
 
 def test_period_of_the_file_must_be_the_decided_round_duration(

@@ -47,9 +47,7 @@ def test_learners_become_the_policy_of_their_kind() -> None:
     assert type(as_policy(Answer(0))) is AgentPolicy
 
 
-@pytest.mark.parametrize(
-    "learner", [Teacher, GaussianNB, 7, None, LinearSVC().fit(X, Y), lambda observation: 3]
-)
+@pytest.mark.parametrize("learner", [Teacher, GaussianNB, 7, None, LinearSVC().fit(X, Y), lambda observation: 3])
 def test_objects_that_cannot_decide_are_refused(learner: Any) -> None:
     with pytest.raises(TypeError, match=r"learner is .*; allowed: an instance with act\(observation\), "):
         as_policy(learner)
@@ -78,14 +76,10 @@ class Probabilities:
         return np.array([self.levels] * len(rows))
 
 
-@pytest.mark.parametrize(
-    "levels", [(np.nan, 0.5, 0.5), (0.5, 0.5, 0.5), (-0.5, 1.0, 0.5), (0.5, 0.5), (0.0, 0.0, 0.0)]
-)
+@pytest.mark.parametrize("levels", [(np.nan, 0.5, 0.5), (0.5, 0.5, 0.5), (-0.5, 1.0, 0.5), (0.5, 0.5), (0.0, 0.0, 0.0)])
 def test_numbers_that_are_no_probabilities_are_refused(levels: tuple[float, ...]) -> None:
     policy = as_policy(Probabilities(*levels))
-    with pytest.raises(
-        ValueError, match=r"Probabilities predicts the probabilities .* of the classes .*; allowed"
-    ):
+    with pytest.raises(ValueError, match=r"Probabilities predicts the probabilities .* of the classes .*; allowed"):
         policy.act(X[0], np.random.default_rng(0))
 
 
@@ -143,9 +137,7 @@ def test_action_holds_for_its_rounds_and_its_generator() -> None:
 
 
 def test_sampling_without_a_generator_is_refused() -> None:
-    with pytest.raises(
-        TypeError, match=r"rng is None; allowed: a numpy\.random\.Generator, to draw actions from"
-    ):
+    with pytest.raises(TypeError, match=r"rng is None; allowed: a numpy\.random\.Generator, to draw actions from"):
         ModelPolicy(Counter(), sample=True).act(OBSERVATION)
 
 
@@ -173,18 +165,14 @@ def test_recurrent_model_remembers_within_an_episode_and_forgets_after_it() -> N
 class Masked:
     """A model like sb3-contrib's MaskablePPO: it prefers the last behaviour that its mask allows."""
 
-    def predict(
-        self, observation: Any, deterministic: bool = False, action_masks: Any = None
-    ) -> tuple[Any, None]:
+    def predict(self, observation: Any, deterministic: bool = False, action_masks: Any = None) -> tuple[Any, None]:
         return np.flatnonzero(action_masks)[-1:], None
 
 
 @pytest.mark.parametrize(
     ("presence", "food_type", "behaviour"), [(0, 0, 8), (1, 0, 9), (1, 1, 9), (1, 2, 9), (1, 3, 9)]
 )
-def test_masked_model_gets_the_masks_of_the_environment(
-    presence: int, food_type: int, behaviour: int
-) -> None:
+def test_masked_model_gets_the_masks_of_the_environment(presence: int, food_type: int, behaviour: int) -> None:
     assert ModelPolicy(Masked()).act((presence, 90, food_type, 215, 60)) == behaviour
 
 

@@ -9,12 +9,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from khepera_forage.policies import Observation, state_vector_of
-from khepera_forage.policies.features import (
-    BEHAVIOUR_FEATURES,
-    WHEELS_FEATURES,
-    behaviour_features,
-    wheels_features,
-)
+from khepera_forage.policies.features import BEHAVIOUR_FEATURES, WHEELS_FEATURES, behaviour_features, wheels_features
 from khepera_forage.task.states import StateVector
 
 VECTOR = StateVector(1, 52, 2, 215, 28)
@@ -47,10 +42,7 @@ def test_state_vector_is_found_in_every_kind_of_observation(kind: str) -> None:
 
 
 BAD: list[tuple[Any, str]] = [
-    (
-        {"food_type": 0},
-        r"observation lacks 'object_presence', it has \['food_type'\]; needed: object_presence, ",
-    ),
+    ({"food_type": 0}, r"observation lacks 'object_presence', it has \['food_type'\]; needed: object_presence, "),
     ([1, 52, 2], "observation has 3 values; allowed: at least 5"),
     (np.array([VECTOR]), r"observation has shape \(1, 5\); allowed: one dimension"),
     ([1, 52.5, 2, 215, 28], r"observation has the values \(1, 52.5, .*; allowed: one integer each"),
@@ -68,10 +60,7 @@ def test_observation_without_a_state_vector_is_refused_with_its_value(observatio
 
 @pytest.mark.parametrize(
     ("name", "features", "width"),
-    [
-        ("Corridor", behaviour_features, BEHAVIOUR_FEATURES),
-        ("CorridorWheels", wheels_features, WHEELS_FEATURES),
-    ],
+    [("Corridor", behaviour_features, BEHAVIOUR_FEATURES), ("CorridorWheels", wheels_features, WHEELS_FEATURES)],
 )
 def test_features_of_many_equal_features_one_by_one(name: str, features: object, width: int) -> None:
     assert callable(features)
@@ -97,12 +86,7 @@ def test_features_of_many_equal_features_one_by_one(name: str, features: object,
 def test_places_are_relative_to_the_robot() -> None:
     env = gym.make("khepera_forage:khepera_forage/CorridorWheels-v1")
     shown, _ = env.reset(seed=1)
-    told = {
-        **shown,
-        "pose": np.array((100.0, 50.0, 90.0)),
-        "food": np.array((100.0, 80.0)),
-        "food_seen": np.int64(1),
-    }
+    told = {**shown, "pose": np.array((100.0, 50.0, 90.0)), "food": np.array((100.0, 80.0)), "food_seen": np.int64(1)}
     told |= {"home": np.array((90.0, 50.0, 20.0)), "wall": np.array((13.8, 90.0))}
     row = wheels_features(told)[0]
     np.testing.assert_allclose(row[15:18] * 138, (30, 0, 30), atol=1e-4)  # straight ahead
@@ -114,7 +98,5 @@ def test_places_are_relative_to_the_robot() -> None:
 
 
 def test_missing_part_of_an_observation_is_named() -> None:
-    with pytest.raises(
-        ValueError, match=r"observation lacks 'robot_home_distance', it has \['object_presence'\]"
-    ):
+    with pytest.raises(ValueError, match=r"observation lacks 'robot_home_distance', it has \['object_presence'\]"):
         behaviour_features({"object_presence": np.int64(0)})

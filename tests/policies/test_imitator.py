@@ -60,9 +60,7 @@ def expected_neighbours(
     return Neighbours(behaviours, counts, chosen.total(), float(least))
 
 
-def imitator_of(
-    experience: Experienced, diagonal: int = CORRIDOR, threshold: float = 0.0
-) -> NearestNeighbourImitator:
+def imitator_of(experience: Experienced, diagonal: int = CORRIDOR, threshold: float = 0.0) -> NearestNeighbourImitator:
     vectors, behaviours = zip(*experience, strict=True)
     return NearestNeighbourImitator(diagonal, threshold, "exact").fit(np.array(vectors), np.array(behaviours))
 
@@ -131,9 +129,7 @@ def test_distance_equals_section_4_6_1() -> None:
 # ---------------------------------------------------------------- arithmetic of the thesis's time
 
 
-@pytest.mark.parametrize(
-    ("arithmetic", "kind"), [("32-bit floats", np.float32), ("64-bit floats", np.float64)]
-)
+@pytest.mark.parametrize(("arithmetic", "kind"), [("32-bit floats", np.float32), ("64-bit floats", np.float64)])
 @settings(max_examples=60, deadline=None)
 @given(experience=EXPERIENCE, queries=QUERIES, diagonal=st.sampled_from((CORRIDOR, RECTANGLE, 7)))
 def test_votes_in_floats_are_those_of_the_least_sum(
@@ -291,9 +287,7 @@ def test_act_refuses_labels_that_are_no_behaviours(labels: list[Any]) -> None:
 
 def test_labels_outside_classes_are_refused() -> None:
     imitator = NearestNeighbourImitator()
-    with pytest.raises(
-        ValueError, match=r"labels are \[0, 2, 3, 7\]; allowed: those among classes, \[0, 2\]"
-    ):
+    with pytest.raises(ValueError, match=r"labels are \[0, 2, 3, 7\]; allowed: those among classes, \[0, 2\]"):
         imitator.partial_fit(X, Y, classes=[0, 2])
     imitator.partial_fit(X[:1], Y[:1], classes=range(10))
     assert imitator.classes_.tolist() == list(range(10))
@@ -315,9 +309,7 @@ def test_copy_learns_independently(again: Any) -> None:
 def test_behaviours_are_drawn_with_their_confidence_levels() -> None:
     """The example of section 4.6.2: of five equally near vectors, four say x and one says y."""
     query, near = StateVector(0, 50, 0, 215, 18), [(0, 50, 0, 215, food) for food in (20, 20, 16, 16)]
-    imitator = NearestNeighbourImitator().fit(
-        [*near, (0, 52, 0, 215, 18), (0, 90, 0, 215, 60)], [2, 2, 2, 2, 1, 0]
-    )
+    imitator = NearestNeighbourImitator().fit([*near, (0, 52, 0, 215, 18), (0, 90, 0, 215, 60)], [2, 2, 2, 2, 1, 0])
     levels = imitator.confidence_levels(query)
     assert levels == {Behaviour.ORIENT_WITH_FOOD: 0.8, Behaviour.MOVE_SLOWLY: 0.2}
     rng = np.random.default_rng(11)
@@ -336,9 +328,7 @@ def misleading(seed: int, count: int = 200) -> Data:
     """Only the food distance decides the behaviour; the home distance is noise with four times the range."""
     rng = np.random.default_rng(seed)
     food = rng.integers(0, 30, count)
-    rows = np.column_stack(
-        [np.zeros(count), rng.integers(0, 120, count), np.zeros(count), np.full(count, 215), food]
-    )
+    rows = np.column_stack([np.zeros(count), rng.integers(0, 120, count), np.zeros(count), np.full(count, 215), food])
     return rows.astype(np.int64), np.where(food <= 15, 2, 0)
 
 
@@ -377,9 +367,7 @@ def test_error_equals_leave_one_out_error() -> None:
 
 def test_equal_weights_equal_the_imitator() -> None:
     rng = np.random.default_rng(3)
-    rows = np.column_stack([rng.integers(0, high, 200) for high in (2, 9, 4, 3, 9)]) + np.array(
-        [0, 0, 0, 215, 0]
-    )
+    rows = np.column_stack([rng.integers(0, high, 200) for high in (2, 9, 4, 3, 9)]) + np.array([0, 0, 0, 215, 0])
     heard = rng.integers(0, 10, 200)
     same = WeightedImitator(weights=(3,) * 5).fit(rows, heard)
     np.testing.assert_array_equal(
@@ -421,17 +409,13 @@ def test_rare_node_is_forgotten_in_time_and_frequent_node_later() -> None:
     rare.partial_fit([THERE], [2])
     assert len(rare.nodes_) == 1
     assert rare.predict([HERE]).tolist() == [2], "the remaining node is nearest"
-    frequent = GrowingMemory(**settings).fit(
-        [HERE] * 20 + [THERE] * (lasts + 20), [0] * 20 + [2] * (lasts + 20)
-    )
+    frequent = GrowingMemory(**settings).fit([HERE] * 20 + [THERE] * (lasts + 20), [0] * 20 + [2] * (lasts + 20))
     assert frequent.predict([HERE]).tolist() == [0]
 
 
 def test_partial_fit_equals_fit() -> None:
     rng = np.random.default_rng(0)
-    rows = np.column_stack(
-        [np.zeros(300), rng.integers(0, 40, 300), np.zeros(300), np.full(300, 215), np.zeros(300)]
-    )
+    rows = np.column_stack([np.zeros(300), rng.integers(0, 40, 300), np.zeros(300), np.full(300, 215), np.zeros(300)])
     heard = rng.integers(0, 4, 300)
     whole = GrowingMemory(recovery=0.05).fit(rows, heard)
     parts = GrowingMemory(recovery=0.05).partial_fit(rows[:10], heard[:10])

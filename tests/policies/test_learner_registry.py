@@ -69,8 +69,7 @@ def test_names_are_checked() -> None:
 @pytest.mark.parametrize("learner", [7, None, GaussianNB()])
 def test_what_makes_no_classifier_is_refused(learner: Any) -> None:
     with pytest.raises(
-        TypeError,
-        match=r"learner mine is .*; allowed: OfflineImitation, InteractiveImitation, ReinforcementLearner",
+        TypeError, match=r"learner mine is .*; allowed: OfflineImitation, InteractiveImitation, ReinforcementLearner"
     ):
         register_learner("mine", learner)
 

@@ -138,9 +138,7 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize(("classifier", "parameters", "message"), WRONG)
-def test_parameters_out_of_range_are_refused(
-    classifier: Any, parameters: dict[str, Any], message: str
-) -> None:
+def test_parameters_out_of_range_are_refused(classifier: Any, parameters: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         classifier(**parameters).fit([VECTOR, (0, 90, 0, 215, 60)], [2, 0])
 

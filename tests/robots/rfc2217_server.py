@@ -29,10 +29,7 @@ def rfc2217_server(device: str) -> Iterator[str]:
         device: A port with modem status lines, which `socket://` emulates; a pseudo-terminal has none.
     """
     stopping = threading.Event()
-    with (
-        socket.create_server(("127.0.0.1", 0)) as listener,
-        serial.serial_for_url(device, 38400, timeout=0) as port,
-    ):
+    with socket.create_server(("127.0.0.1", 0)) as listener, serial.serial_for_url(device, 38400, timeout=0) as port:
 
         def serve() -> None:
             client, _ = listener.accept()

@@ -59,13 +59,7 @@ class SimulatedLine:
         requests: The requests that have arrived, with their times.
     """
 
-    def __init__(
-        self,
-        script: Script | None = None,
-        *,
-        baud: int = 38400,
-        latency: float = 0.0,
-    ) -> None:
+    def __init__(self, script: Script | None = None, *, baud: int = 38400, latency: float = 0.0) -> None:
         self.now, self.latency = 0.0, latency
         self.requests: list[tuple[float, bytes]] = []
         self._script = NumberedReplies({}) if script is None else script

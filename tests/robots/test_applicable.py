@@ -23,12 +23,7 @@ PROPERTY = settings(derandomize=True, deadline=None, max_examples=300)
 SPEEDS = st.floats(-MAX_SPEED, MAX_SPEED)
 
 
-@given(
-    SPEEDS,
-    SPEEDS,
-    st.floats(ARM_RAISED, ARM_DOWN),
-    st.sampled_from([JAW_OPEN, JAW_CLOSED]),
-)
+@given(SPEEDS, SPEEDS, st.floats(ARM_RAISED, ARM_DOWN), st.sampled_from([JAW_OPEN, JAW_CLOSED]))
 @PROPERTY
 def test_command_within_limits_is_only_rounded(left: float, right: float, arm: float, jaw: int) -> None:
     applied = applicable(Motors(left, right, arm, jaw))  # type: ignore[arg-type]  # an arm between positions

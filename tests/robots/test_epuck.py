@@ -75,10 +75,7 @@ def test_counters_continue_across_16_bits(begin: int, wrap: int) -> None:
 
 
 def test_port_of_another_robot_is_refused_before_anything_moves() -> None:
-    with (
-        make_rig() as rig,
-        pytest.raises(RobotLost, match=r"is this the port of an e-puck2, .* selector") as lost,
-    ):
+    with make_rig() as rig, pytest.raises(RobotLost, match=r"is this the port of an e-puck2, .* selector") as lost:
         SerialEPuck(rig.url, baud=115200)
     assert "'V'" in str(lost.value)
     with make_rig(kind=EPuckFirmware) as rig:

@@ -55,8 +55,7 @@ def test_unknown_commands_get_an_error_reply(stage: Rig, line: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "line",
-    ["D", "D,5", "D,5,5,5", "D,5,128", "D,5, 5", "N,1", "L,2,0", "T", "T,1", "T,2,N", "T,1,E,256", "T,1,H"],
+    "line", ["D", "D,5", "D,5,5,5", "D,5,128", "D,5, 5", "N,1", "L,2,0", "T", "T,1", "T,2,N", "T,1,E,256", "T,1,H"]
 )
 def test_wrong_values_get_an_error_reply(stage: Rig, line: str) -> None:
     assert stage.firmware.handle(line.encode()) == b"z,Protocol error\r\n"

@@ -110,11 +110,7 @@ def test_robot_that_does_not_confirm_is_named_when_all_stop_and_logged_once_or_n
 def test_invalid_fleets_are_rejected() -> None:
     with pytest.raises(ValueError, match="at least one"):
         Fleet([])
-    with (
-        make_rig() as rig,
-        SerialKhepera(rig.url) as robot,
-        pytest.raises(ValueError, match="on its own port"),
-    ):
+    with make_rig() as rig, SerialKhepera(rig.url) as robot, pytest.raises(ValueError, match="on its own port"):
         Fleet([robot, robot])
 
 

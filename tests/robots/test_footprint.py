@@ -9,12 +9,7 @@ from hypothesis import strategies as st
 from shapely import affinity
 
 from khepera_forage.geometry.plane import walls_of
-from khepera_forage.robots.footprint import (
-    GRIPPER_HALF_WIDTH,
-    body_is_free,
-    discs_are_apart,
-    gripper_is_free,
-)
+from khepera_forage.robots.footprint import GRIPPER_HALF_WIDTH, body_is_free, discs_are_apart, gripper_is_free
 from khepera_forage.robots.khepera import FINGER_TIP, JAW_ROOT, RADIUS
 from tests.geometry.shapes import PROPERTY, Enclosure, Place, enclosures, places
 
@@ -52,13 +47,7 @@ def test_gripper_just_fits_beside_a_wall(side: int, margin: float) -> None:
 @pytest.mark.parametrize("heading", [0.0, 0.4, 2.0, -1.3])
 @pytest.mark.parametrize(
     "ends",
-    [
-        ((20, 75), (95, 0)),
-        ((95, 0), (20, -75)),
-        ((56, 80), (56, -80)),
-        ((0, 52), (80, -48)),
-        ((36, 50), (36, -50)),
-    ],
+    [((20, 75), (95, 0)), ((95, 0), (20, -75)), ((56, 80), (56, -80)), ((0, 52), (80, -48)), ((36, 50), (36, -50))],
     ids=["left finger", "right finger", "both", "palm and right finger", "palm"],
 )
 def test_gripper_is_not_free_with_a_thin_wall_across_it(

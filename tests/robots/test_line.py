@@ -101,10 +101,7 @@ def test_replies_belong_to_the_requests_of_their_exchange(
 
 
 def test_each_try_begins_with_a_query_that_is_not_pending() -> None:
-    with connected(NumberedReplies({0: lambda reply: [1.2, reply]}), timeout=0.05) as (
-        line,
-        scripted,
-    ):
+    with connected(NumberedReplies({0: lambda reply: [1.2, reply]}), timeout=0.05) as (line, scripted):
         line.deadline = line.now() + 0.05
         with pytest.raises(RobotLost):
             line.exchange([N])
@@ -169,13 +166,7 @@ def test_disconnected_robot_is_lost_without_more_tries() -> None:
         b"ROM of minirobot\r\nKHEPERA\r\n" + b"some words\r\n" * 15,
         BANNER_BYTES[17:],
     ],
-    ids=[
-        "complete",
-        "after a partial reply",
-        "after a version",
-        "other line breaks",
-        "without its beginning",
-    ],
+    ids=["complete", "after a partial reply", "after a version", "other line breaks", "without its beginning"],
 )
 def test_restart_banner_is_recognised_and_discarded(banner: bytes) -> None:
     with connected(NumberedReplies({0: lambda reply: [banner[:40], 0.01, banner[40:]]})) as (line, _):
@@ -211,10 +202,7 @@ def test_invalid_arguments_are_rejected(arguments: dict[str, Any], message: str)
 def test_port_that_is_missing_or_in_use_is_reported() -> None:
     with pytest.raises(ConnectionError, match="/dev/nowhere cannot be opened"):
         Line("/dev/nowhere", KHEPERA, baud=38400)
-    with (
-        opened() as (line, _),
-        pytest.raises(ConnectionError, match=f"{line.port} cannot be opened"),
-    ):
+    with opened() as (line, _), pytest.raises(ConnectionError, match=f"{line.port} cannot be opened"):
         Line(line.port, KHEPERA, baud=38400)
 
 

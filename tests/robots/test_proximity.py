@@ -22,9 +22,7 @@ Wall = tuple[float, float, float, float]
 Disc = tuple[float, float, float]
 
 near = st.floats(-120, 120)
-walls = st.lists(
-    st.tuples(near, near, near, near).filter(lambda w: math.dist(w[:2], w[2:]) > 1.0), max_size=4
-)
+walls = st.lists(st.tuples(near, near, near, near).filter(lambda w: math.dist(w[:2], w[2:]) > 1.0), max_size=4)
 discs = st.lists(st.tuples(near, near, st.sampled_from([17.5, 27.5])), max_size=3)
 angles = st.floats(-math.pi, math.pi)
 
@@ -135,9 +133,7 @@ def test_obstacles_on_top_of_a_sensor_give_finite_readings() -> None:
 
 @given(st.integers(0, 2**63), st.booleans(), walls, discs)
 @PROPERTY
-def test_noise_stays_within_its_limits(
-    key: int, arm_down: bool, walls: list[Wall], discs: list[Disc]
-) -> None:
+def test_noise_stays_within_its_limits(key: int, arm_down: bool, walls: list[Wall], discs: list[Disc]) -> None:
     arm = ARM_DOWN if arm_down else ARM_RAISED
     robot = sensed(walls, discs, noise=Noise.only("infra-reds"), arm=arm, key=key)
     quiet = sensed(walls, discs, arm=arm)

@@ -48,9 +48,7 @@ def opened(
         if LineTiming(baud, latency=latency, pipelined=True).duration(6, 103) <= PERIOD / 2 + latency
     ],
 )
-def test_rounds_keep_the_period_and_one_latency(
-    baud: int, latency: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_rounds_keep_the_period_and_one_latency(baud: int, latency: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Wheels and gripper move, and an object interrupts the barrier now and then."""
     stage = make_stage()
 
@@ -83,9 +81,7 @@ def test_rounds_keep_the_period_and_one_latency(
 
 
 @pytest.mark.parametrize("latency", [0.12, 0.3, 0.7, 1.0])
-def test_line_that_cannot_keep_the_period_is_rejected(
-    latency: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_line_that_cannot_keep_the_period_is_rejected(latency: float, monkeypatch: pytest.MonkeyPatch) -> None:
     line = SimulatedLine(latency=latency).install(monkeypatch)
     with pytest.raises(
         LineTooSlow, match=r"rounds of 0\.1 s: .* required: at most 8\d ms .*Lengthen the period"
@@ -99,9 +95,7 @@ def test_line_that_cannot_keep_the_period_is_rejected(
 
 
 @pytest.mark.parametrize("request_number", [0, 1, 3, 5])
-def test_line_with_one_stalled_reply_is_accepted(
-    request_number: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_line_with_one_stalled_reply_is_accepted(request_number: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """The identity, the stop, a measurement, and the pipelined requests: a busy machine can delay any of them."""
     stalled = NumberedReplies({request_number: lambda reply: [0.7, reply]})
     with opened(monkeypatch, stalled) as (robot, line):

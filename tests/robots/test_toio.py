@@ -36,9 +36,7 @@ def stepped() -> SteppedTable:
 
 
 @pytest.mark.parametrize(("left", "right"), [(6, 6), (1, -1), (2, 2), (-3, 3)])
-def test_wheels_turn_at_the_commanded_speed_and_counters_follow(
-    stepped: SteppedTable, left: int, right: int
-) -> None:
+def test_wheels_turn_at_the_commanded_speed_and_counters_follow(stepped: SteppedTable, left: int, right: int) -> None:
     """A wheel does not turn slower than 4.8 speed units: slow speeds are short motions."""
     with ToioRobot("virtual:a") as robot:
         stepped.drive(robot, left, right, 20)
@@ -97,7 +95,5 @@ def test_cube_off_the_mat_keeps_its_last_place(stepped: SteppedTable) -> None:
 
 def test_cube_that_is_not_found_is_reported_in_one_message(stepped: SteppedTable) -> None:
     stepped.table.unplugged.add("a")
-    with pytest.raises(
-        RobotLost, match=r"^virtual:a: it cannot be connected: the cube does not advertise itself$"
-    ):
+    with pytest.raises(RobotLost, match=r"^virtual:a: it cannot be connected: the cube does not advertise itself$"):
         ToioRobot("virtual:a")

@@ -16,13 +16,7 @@ import pytest
 import serial
 
 from khepera_forage.robots.serial.protocol import KHEPERA, Reply, TextLine
-from khepera_forage.robots.virtual.virtual_khepera import (
-    FAULTS,
-    Faults,
-    VirtualKhepera,
-    garbled,
-    is_undetectable,
-)
+from khepera_forage.robots.virtual.virtual_khepera import FAULTS, Faults, VirtualKhepera, garbled, is_undetectable
 from tests.robots.driver_process import wait_for
 from tests.robots.rig import Rig
 
@@ -57,9 +51,7 @@ def send_until_disconnected(host: serial.Serial) -> None:
 
 
 @contextmanager
-def connected(
-    stage: Rig, *, timeout: float = WAIT, **options: Any
-) -> Iterator[tuple[VirtualKhepera, serial.Serial]]:
+def connected(stage: Rig, *, timeout: float = WAIT, **options: Any) -> Iterator[tuple[VirtualKhepera, serial.Serial]]:
     """A virtual robot, as fast as possible by default, and its host."""
     with (
         VirtualKhepera(stage.firmware, **{"baud": None, **options}) as khepera,
@@ -82,11 +74,7 @@ def test_requests_are_executed_and_answered(stage: Rig, tcp: int | None) -> None
             assert asked(host, line) == reply
         stage.advance(12)
         host.write(b"H\nT,1,H,1\nfoo\n")
-        assert [host.readline() for _ in range(3)] == [
-            b"h,600,600\r\n",
-            b"t,1,h,255\r\n",
-            b"z,Command not found\r\n",
-        ]
+        assert [host.readline() for _ in range(3)] == [b"h,600,600\r\n", b"t,1,h,255\r\n", b"z,Command not found\r\n"]
         host.write(b"restart\n")
         assert [host.readline().decode().rstrip() for _ in KHEPERA.banner] == list(KHEPERA.banner)
         assert khepera.fault_counts == {"replies": 7}

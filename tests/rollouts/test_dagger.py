@@ -30,9 +30,7 @@ def test_every_query_has_the_teachers_behaviour(env: BehavioursEnv) -> None:
     assert [r.queries for r in out.rounds] == [100, 100, 30]
     assert out.vectors.shape == (230, 5)
     for row, behaviour in zip(out.vectors, out.behaviours, strict=True):
-        assert behaviour == behaviour_for(
-            classify(state_vector_of(row), env.home_radius, env.decisions.values())
-        )
+        assert behaviour == behaviour_for(classify(state_vector_of(row), env.home_radius, env.decisions.values()))
     assert out.rounds[0].agreed == 100, "the teacher itself acts in the first round"
     assert out.rounds[1].agreed < 100
 
@@ -59,15 +57,11 @@ def test_number_of_queries_below_one_is_an_error(env: BehavioursEnv, queries: in
         dagger(make, env, queries, 0, queries_a_round=a_round)
 
 
-@pytest.mark.parametrize(
-    "name", [name for name, one in LEARNERS.items() if isinstance(one, InteractiveImitation)]
-)
+@pytest.mark.parametrize("name", [name for name, one in LEARNERS.items() if isinstance(one, InteractiveImitation)])
 def test_registered_dagger_learners_work(env: BehavioursEnv, name: str) -> None:
     learner = LEARNERS[name]
     assert isinstance(learner, InteractiveImitation)
     inner: OfflineImitation = learner.learner
-    out = dagger(
-        lambda: inner.classifier(env.diagonal, 0), env, 150, 0, sample=inner.sample, **learner.settings
-    )
+    out = dagger(lambda: inner.classifier(env.diagonal, 0), env, 150, 0, sample=inner.sample, **learner.settings)
     assert Behaviour(out.policy.act(out.vectors[0], np.random.default_rng(0))) < Behaviour.WAIT
     assert encoded(out.vectors, 138).shape == (150, 9)

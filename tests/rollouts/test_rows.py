@@ -23,11 +23,7 @@ ELSEWHERE = {"wrong_by_state": counts({NEXT: 40}), "rounds_by_state": counts({SE
     ("row", "changes", "message"),
     [
         (recall, {"steps": 501}, r"steps is 501; allowed: 1\.\.limit, which is 500"),
-        (
-            recall,
-            {"correct": 201, "wrong_by_state": counts({})},
-            r"correct is 201; allowed: 0\.\.steps, which",
-        ),
+        (recall, {"correct": 201, "wrong_by_state": counts({})}, r"correct is 201; allowed: 0\.\.steps, which"),
         (recall, {"score": 79.0}, r"score is 79.0; allowed: 80.000000"),
         (recall, {"food_x": (1.0, 2.0)}, r"food_x is \(1.0, 2.0\); allowed: one value for each of 1 foods"),
         (recall, {"delivered": 0, "penalty": 0}, r"delivered is 0; allowed: 1, the sum of food_delivered"),
@@ -103,9 +99,7 @@ def test_killed_process_loses_at_most_the_last_row(tmp_path: Path) -> None:
 def test_resuming_with_other_columns_is_an_error(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
     write_rows(path, RecallRow, [recall()])
-    with pytest.raises(
-        ValueError, match=r"rows.csv:1: header is 'replication,arena.*'; allowed: 'replication,file,"
-    ):
+    with pytest.raises(ValueError, match=r"rows.csv:1: header is 'replication,arena.*'; allowed: 'replication,file,"):
         RowWriter(path, TrainingRow, resume=True)
     assert read_rows(path, RecallRow) == [recall()]
 

@@ -38,10 +38,7 @@ def test_recall_takes_what_make_returns(backend: str) -> None:
 
 @pytest.mark.parametrize(
     "given",
-    [
-        {"decisions": Decisions(next_to_food=22)},
-        {"arena": replace(named_arena("corridor", SET_UP), home_radius=60.0)},
-    ],
+    [{"decisions": Decisions(next_to_food=22)}, {"arena": replace(named_arena("corridor", SET_UP), home_radius=60.0)}],
 )
 def test_teacher_learns_what_it_needs_of_the_environment(given: Any) -> None:
     env: Any = gym.make(NAME, noise="none", **given).unwrapped
@@ -67,10 +64,7 @@ def test_imitator_learns_the_diagonal_of_the_arena() -> None:
         recall(recall_env("rectangle", limit=10), Spy(diagonal).fit(vectors, behaviours), seed=0)
     assert used == {177, 138}
     given = NearestNeighbourImitator().fit(vectors, behaviours)
-    assert (
-        given.predict_proba(vectors).tolist()
-        == given.set_params(diagonal=138).predict_proba(vectors).tolist()
-    )
+    assert given.predict_proba(vectors).tolist() == given.set_params(diagonal=138).predict_proba(vectors).tolist()
 
 
 def test_train_takes_a_number_as_seed_and_a_wrapped_environment() -> None:

@@ -39,11 +39,7 @@ def test_arenas_have_the_sizes_of_section_3_1() -> None:
 def test_copy_differs_in_its_place_only(arena: Arena, dx: float, dy: float, x: float, y: float) -> None:
     copy = arena.shifted(dx, dy)
     assert copy.clearance(Point(x + dx, y + dy)) == pytest.approx(arena.clearance(Point(x, y)), abs=1e-6)
-    assert (copy.name, copy.home_radius, copy.start.heading) == (
-        arena.name,
-        arena.home_radius,
-        arena.start.heading,
-    )
+    assert (copy.name, copy.home_radius, copy.start.heading) == (arena.name, arena.home_radius, arena.start.heading)
     assert copy.diagonal == pytest.approx(arena.diagonal)
     pairs = zip(
         (*copy.walls, copy.home, copy.start, *copy.foods, *(c for o in copy.obstacles for c in o)),

@@ -68,9 +68,7 @@ def arenas(draw: st.DrawFn) -> Arena:
         home_radius=draw(st.floats(1, 50)),
         start=Pose(*place(), draw(st.floats(-1e4, 1e4))),
         foods=tuple(place() for _ in range(draw(st.integers(1, 4)))),
-        obstacles=tuple(
-            box(left + 11 * i, bottom, left + 11 * i + t, bottom + t) for i, t in enumerate(thickness)
-        ),
+        obstacles=tuple(box(left + 11 * i, bottom, left + 11 * i + t, bottom + t) for i, t in enumerate(thickness)),
     )
 
 

@@ -141,9 +141,7 @@ def test_jitter_has_the_stated_size_and_no_bias() -> None:
     frames, sd = 5000, LABORATORY.position_jitter
     stage = Stage(((400.0, 300.0, math.radians(90), 1),), ((400.0, 700.0),))
     scenes = list(film(camera_over(stage, Noise.only("camera jitter")), frames))
-    marker, food = (
-        [(r.x - 80, r.y - y) for r in (only(s, h) for s in scenes)] for h, y in ((1, 60), (0, 140))
-    )
+    marker, food = ([(r.x - 80, r.y - y) for r in (only(s, h) for s in scenes)] for h, y in ((1, 60), (0, 140)))
     errors = np.hstack([marker, food])
     assert np.abs(errors.mean(axis=0)).max() < 5 * sd / math.sqrt(frames)
     assert np.abs(errors.std(axis=0) - sd).max() < 5 * sd / math.sqrt(2 * frames)
@@ -174,9 +172,7 @@ def test_reversals_are_as_frequent_as_stated_and_last_one_frame() -> None:
 
 
 @pytest.mark.parametrize(("anchor", "factor"), [(None, 1), ((100.0, 500.0), 4)])
-def test_losses_are_as_frequent_and_as_long_as_stated(
-    anchor: tuple[float, float] | None, factor: int
-) -> None:
+def test_losses_are_as_frequent_and_as_long_as_stated(anchor: tuple[float, float] | None, factor: int) -> None:
     """A loss begins in a share `rate` of the frames without one, and the mean loss lasts `loss_rounds`.
 
     The cable of the one-hole robot at the right passes over the two-hole robot and the food between, not over its own.

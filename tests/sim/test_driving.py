@@ -12,13 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from khepera_forage.robots.khepera import (
-    CONTROL_PERIOD,
-    MAX_SPEED,
-    PULSE,
-    SPEED_UNIT,
-    WHEEL_BASE,
-)
+from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED, PULSE, SPEED_UNIT, WHEEL_BASE
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from tests.sim.worlds import NONE, apart, make_world, run
@@ -94,9 +88,7 @@ def shares(world: PymunkWorld, rounds: int, speed: int = 10) -> list[tuple[float
 def test_wheel_slip_is_drawn_each_round_for_each_wheel() -> None:
     noise = replace(NONE, wheel_slip=0.05)
     found = [
-        share
-        for seed in range(8)
-        for share in shares(make_world(CENTRE, OUT_OF_THE_WAY, noise=noise, seed=seed), 75)
+        share for seed in range(8) for share in shares(make_world(CENTRE, OUT_OF_THE_WAY, noise=noise, seed=seed), 75)
     ]
     left, right = np.array(found).T
     for wheel in (left, right):

@@ -44,9 +44,7 @@ def test_pushed_food_stays_ahead_and_stops_soon_after(speed: int) -> None:
         (60.0, 60, False),
     ],
 )
-def test_barrier_is_interrupted_by_food_between_the_fingers(
-    ahead: float, aside: float, present: bool
-) -> None:
+def test_barrier_is_interrupted_by_food_between_the_fingers(ahead: float, aside: float, present: bool) -> None:
     # The palm just clears food at the barrier: half a millimetre further out than it would push.
     world = make_world(CENTRE, (1000 + max(ahead, 54.0), 1000 + aside))
     assert run(world, 1).object_presence == 0, "above it, a raised arm sees nothing"

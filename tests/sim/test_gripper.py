@@ -161,11 +161,7 @@ def test_picking_up_carrying_and_releasing_is_the_same_on_both_backends_within_3
     held = []
     for motors in script:
         senses, others = (run(world, 1, *motors) for world in worlds)
-        assert (senses.arm, senses.jaw, senses.object_presence) == (
-            others.arm,
-            others.jaw,
-            others.object_presence,
-        )
+        assert (senses.arm, senses.jaw, senses.object_presence) == (others.arm, others.jaw, others.object_presence)
         pose, other = (world.poses()[0] for world in worlds)
         assert apart(pose, other) < 3.0
         assert abs(pose.heading - other.heading) < 0.03

@@ -36,9 +36,7 @@ TOUCH = 1.0
 def test_bodies_stay_inside_the_walls_apart_and_move_at_their_speed(
     kind: Kind, arena: Arena, seed: int, commands: list[tuple[float, float, int, int, int]]
 ) -> None:
-    layout = random_layout(
-        arena, 1 + seed % 3 if arena is RECTANGLE else 1 + seed % 2, key_of(seed), DEFAULT_VALUES
-    )
+    layout = random_layout(arena, 1 + seed % 3 if arena is RECTANGLE else 1 + seed % 2, key_of(seed), DEFAULT_VALUES)
     world = kind([arena], (2,), Noise.laboratory(), timing=TIMING)
     world.reset(np.random.default_rng(seed), layout)
     pose, places = layout.starts[0], list(layout.foods)

@@ -41,9 +41,7 @@ def reset(world: PymunkWorld, starts: tuple[Pose, ...], foods: tuple[Point, ...]
         ([CORRIDOR, CORRIDOR.shifted(3000, 0)], (2,), "3650.*allowed"),
     ],
 )
-def test_impossible_world_is_refused(
-    arenas: list[Arena], markers: tuple[int, ...], complaint: str, kind: Kind
-) -> None:
+def test_impossible_world_is_refused(arenas: list[Arena], markers: tuple[int, ...], complaint: str, kind: Kind) -> None:
     with pytest.raises(ValueError, match=complaint):
         kind(arenas, markers, NONE, timing=TIMING)
 
@@ -61,23 +59,13 @@ REFUSED: list[tuple[Arena, tuple[Pose, ...], tuple[Point, ...], str]] = [
     (CORRIDOR, (Pose(math.nan, 115, 0),), (FOOD,), "robot.*nan"),
     (CORRIDOR, (Pose(90, 115, math.nan),), (FOOD,), "robot.*nan"),
     (CORRIDOR, (Pose(340, 115, 0),), (FOOD,), r"food at \(370, 115\) mm overlaps robot at \(340, 115\)"),
-    (
-        CORRIDOR,
-        (Pose(300, 170, 1.2),),
-        (FOOD,),
-        r"robot at \(300, 170\)",
-    ),  # its gripper would be stuck in the wall
+    (CORRIDOR, (Pose(300, 170, 1.2),), (FOOD,), r"robot at \(300, 170\)"),  # its gripper would be stuck in the wall
     (CORRIDOR, (Pose(600, 115, 0.0),), (FOOD,), r"robot at \(600, 115\)"),
     (CORRIDOR, (START,), (Point(370, 5),), "food.* 5 mm from a wall"),
     (CORRIDOR, (START,), (Point(370, -40),), "food.*outside"),
     (CORRIDOR, (START,), (Point(math.nan, 0),), "food.*nan"),
     (CORRIDOR, (START,), (FOOD, Point(390, 115)), r"food at \(390, 115\) mm overlaps food at \(370, 115\)"),
-    (
-        RECTANGLE,
-        (Pose(100, 300, 0), Pose(154, 300, 0)),
-        (PLACE,),
-        r"robot at \(154, 300\) mm overlaps robot at",
-    ),
+    (RECTANGLE, (Pose(100, 300, 0), Pose(154, 300, 0)), (PLACE,), r"robot at \(154, 300\) mm overlaps robot at"),
     (ELL, (ELL.start,), (Point(180, 120),), r"ell: food.*inside a wall"),
     (ELL, (Pose(230, 120, 0),), (Point(450, 150),), r"ell: robot.* 20 mm from a wall"),
 ]

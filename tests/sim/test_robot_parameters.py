@@ -15,9 +15,7 @@ from tests.version_0_1 import CORRIDOR, TIMING
 HERE = Pose(1000, 1000, 0)
 
 
-def stand(
-    start: Pose = HERE, food: tuple[float, float] = (100, 100), arena: Any = None, **parameters: float
-) -> Any:
+def stand(start: Pose = HERE, food: tuple[float, float] = (100, 100), arena: Any = None, **parameters: float) -> Any:
     arenas = {} if arena is None else {"arena": arena}
     return make_world(start, food, robot_parameters=(RobotParameters(**parameters),), **arenas)
 
@@ -33,10 +31,7 @@ def test_slow_left_wheel_turns_the_robot_left() -> None:
 
 def test_infra_red_gain_scales_the_readings() -> None:
     full, weak, blind = (
-        stand(Pose(40, 115, math.pi / 2), (400, 115), CORRIDOR, infra_red_gain=gain)
-        .robots[0]
-        .sense()
-        .proximity
+        stand(Pose(40, 115, math.pi / 2), (400, 115), CORRIDOR, infra_red_gain=gain).robots[0].sense().proximity
         for gain in (1.0, 0.3, 0.0)
     )
     assert max(full) > 300
@@ -52,9 +47,7 @@ def test_arm_reading_scale_shortens_the_reported_travel() -> None:
 
 
 @pytest.mark.parametrize(("finger_length", "grips"), [(FINGER_TIP - JAW_ROOT, True), (25.0, False)])
-def test_short_fingers_miss_food_at_the_edge_of_the_optical_barrier(
-    finger_length: float, grips: bool
-) -> None:
+def test_short_fingers_miss_food_at_the_edge_of_the_optical_barrier(finger_length: float, grips: bool) -> None:
     world = stand(food=(HERE.x + BARRIER + 16, HERE.y), finger_length=finger_length)
     assert run(world, 12, arm=ARM_DOWN).object_presence == PRESENT
     run(world, 10, arm=ARM_DOWN, jaw=JAW_CLOSED)

@@ -39,9 +39,7 @@ L_ROOM = Arena(
     Pose(575, 600, -math.pi / 2),
     (Point(575, 200),),
 )
-HALL = Arena(
-    "hall", box(0, 0, 2000, 2000), Point(1000, 1000), 80.0, Pose(200, 200, 0.0), (Point(1800, 1800),)
-)
+HALL = Arena("hall", box(0, 0, 2000, 2000), Point(1000, 1000), 80.0, Pose(200, 200, 0.0), (Point(1800, 1800),))
 WINDING = [BLOCK, DOOR, L_ROOM]
 
 
@@ -65,9 +63,7 @@ def test_home_is_free_where_a_robot_can_drive_all_the_way_round_it() -> None:
     room = HALL.home_radius + 20.0 + CLEARANCE
     assert is_home_free(replace(HALL, home=Point(room, 1000)))
     assert not is_home_free(replace(HALL, home=Point(room - 1.0, 1000)))
-    assert not is_home_free(
-        replace(HALL, obstacles=(box(1000 + room - 1.0, 990, 1000 + room - 1.0 + 20, 1010),))
-    )
+    assert not is_home_free(replace(HALL, obstacles=(box(1000 + room - 1.0, 990, 1000 + room - 1.0 + 20, 1010),)))
 
 
 @pytest.mark.parametrize("arena", WINDING, ids=lambda arena: arena.name)
@@ -80,10 +76,7 @@ def test_shortest_path_keeps_its_clearance_and_is_symmetric(arena: Arena, data: 
     places = []
     for name in ("start", "goal"):
         x1, y1, x2, y2 = arena.bounds
-        x, y = (
-            data.draw(st.floats(x1, x2), label=f"{name} x"),
-            data.draw(st.floats(y1, y2), label=f"{name} y"),
-        )
+        x, y = (data.draw(st.floats(x1, x2), label=f"{name} x"), data.draw(st.floats(y1, y2), label=f"{name} y"))
         if not shapely.contains_xy(inside, x, y) or math.dist((x, y), arena.home) < arena.home_radius + 40:
             return
         places.append(Point(x, y))
@@ -115,9 +108,7 @@ def test_every_free_place_has_a_way_home(arena: Arena) -> None:
 
 
 def test_check_ways_names_what_cannot_be_reached_and_the_narrow_place() -> None:
-    with pytest.raises(
-        ValueError, match=r"closed: there is no way between the start at \(680, 680\) mm"
-    ) as error:
+    with pytest.raises(ValueError, match=r"closed: there is no way between the start at \(680, 680\) mm") as error:
         check_paths(CLOSED)
     assert "too narrow near (400, 400) mm; allowed: passages that are 160 mm wide" in str(error.value)
     with pytest.raises(ValueError, match=r"there is no way between food 1 at \(600, 300\) mm"):

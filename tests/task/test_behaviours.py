@@ -77,9 +77,7 @@ def test_arm_and_jaw_are_where_each_behaviour_needs_them(raw: RawData) -> None:
 
 
 @given(left=UNIT, right=UNIT, arm=UNIT, jaw=UNIT)
-def test_actions_of_wheels_environments_reach_the_limits(
-    left: float, right: float, arm: float, jaw: float
-) -> None:
+def test_actions_of_wheels_environments_reach_the_limits(left: float, right: float, arm: float, jaw: float) -> None:
     motors = decode_motors(left, right, arm, jaw)
     assert (motors.left, motors.right) == (left * MAX_SPEED, right * MAX_SPEED)
     assert ARM_RAISED <= motors.arm <= ARM_DOWN
@@ -192,10 +190,7 @@ def test_speed_is_what_the_behaviour_commands(
 def test_circle_speed_is_the_mean_speed_of_search_without_food() -> None:
     for speed in (0.0, 3.0, 5.0):
         unseen = placed(OPEN_FLOOR, food_seen=False)
-        assert command(B.SEARCH_FOR_FOOD, unseen, changed_to(circle_speed=speed))[:2] == (
-            speed - 5,
-            speed + 5,
-        )
+        assert command(B.SEARCH_FOR_FOOD, unseen, changed_to(circle_speed=speed))[:2] == (speed - 5, speed + 5)
 
 
 # ---------------------------------------------------------------- decisions: distances and angles

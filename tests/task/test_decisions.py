@@ -110,9 +110,7 @@ def test_decisions_are_immutable_hashable_and_picklable() -> None:
     assert pickle.loads(pickle.dumps(decisions)) == decisions
 
 
-def test_version_0_1_names_every_field_and_does_not_follow_the_defaults(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_version_0_1_names_every_field_and_does_not_follow_the_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
     assert list(FIELDS_OF_V0_1) == list(FIELDS)
     *others, _ = (field.default for field in dataclasses.fields(Decisions))
     monkeypatch.setattr(Decisions.__init__, "__defaults__", (*others, 1))

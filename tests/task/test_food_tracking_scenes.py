@@ -9,13 +9,7 @@ from khepera_forage.envs.layouts import arena_map_of, known_food
 from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.sim.arena import Point
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.food_tracking import (
-    FoodObject,
-    KnownFood,
-    can_explore,
-    is_candidate,
-    share_identified,
-)
+from khepera_forage.task.food_tracking import FoodObject, KnownFood, can_explore, is_candidate, share_identified
 from khepera_forage.task.perception import perceive
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
@@ -66,12 +60,7 @@ class Story:
         self.round((20, 60), EMPTY, region(1, FIRST), region(2, SECOND))
 
     def round(
-        self,
-        robot: tuple[float, float],
-        senses: Senses,
-        *foods: Region,
-        motors: Motors = STILL,
-        orientation: int = 0,
+        self, robot: tuple[float, float], senses: Senses, *foods: Region, motors: Motors = STILL, orientation: int = 0
     ) -> None:
         own = region(0, robot, holes=2)._replace(orientation=orientation)
         exploring = can_explore(self.senses) and motors.left == motors.right == 0
@@ -171,9 +160,7 @@ def test_last_distance_is_forgotten_once_poison_is_known() -> None:
     story.round((44, 40), EMPTY, region(1, FIRST), region(2, SECOND))
     story.food.objects[0].known = FoodType.POISONOUS
     story.round((44, 40), EMPTY, region(1, FIRST), region(2, SECOND))
-    assert story.tracker.last_distance == pytest.approx(math.dist((44, 40), SECOND)), (
-        "the other one is a candidate"
-    )
+    assert story.tracker.last_distance == pytest.approx(math.dist((44, 40), SECOND)), "the other one is a candidate"
     story.food.objects[1].delivered = True
     story.round((20, 40), EMPTY, region(1, FIRST), region(2, SECOND))
     assert story.tracker.last_distance == -1

@@ -10,14 +10,7 @@ from khepera_forage.envs.layouts import arena_map_of
 from khepera_forage.robots.khepera import MAX_SPEED, Motors
 from khepera_forage.sim.arena import copies
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions, DecisionValues
-from khepera_forage.task.pairing import (
-    AttemptState,
-    Pairing,
-    end_round,
-    follow,
-    recover,
-    update_pairing,
-)
+from khepera_forage.task.pairing import AttemptState, Pairing, end_round, follow, recover, update_pairing
 from khepera_forage.task.perception import Marker
 from tests.version_0_1 import CORRIDOR, V0_1
 
@@ -58,9 +51,7 @@ def test_follow_keeps_the_mean_speed_within_a_robots_limits(
 
 
 @given(x=PLACE, y=PLACE, heading=DEGREES, tx=PLACE, ty=PLACE)
-def test_recover_drives_an_arc_at_recovery_speed(
-    x: float, y: float, heading: int, tx: float, ty: float
-) -> None:
+def test_recover_drives_an_arc_at_recovery_speed(x: float, y: float, heading: int, tx: float, ty: float) -> None:
     for speed in (1.0, 6.0, 12.0):
         values = Decisions(recovery_speed=speed).values()
         motors = recover(teacher_at(tx, ty), Motors(0, 0, 255, 0), at(x, y, heading), values)

@@ -25,9 +25,7 @@ def test_raw_data_and_state_vector_have_what_the_thesis_lists(
 ) -> None:
     """Distances are whole pixels of 5 mm."""
     nearest = min(math.dist(start, place) for place in (food, FAR))
-    assume(
-        nearest > 100 and math.dist(food, FAR) > 25
-    )  # not hidden by the marker, and not on top of each other
+    assume(nearest > 100 and math.dist(food, FAR) > 25)  # not hidden by the marker, and not on top of each other
     observation, _ = ENV.reset(seed=0, options={"start": (*start, degrees), "foods": [food, FAR]})
     raw, senses, home = ENV.forager.raw, ENV.forager.senses, RECTANGLE.home
     assert raw.proximity == senses.proximity[:6]
@@ -37,14 +35,8 @@ def test_raw_data_and_state_vector_have_what_the_thesis_lists(
     assert math.dist(start, (raw.food_x * MM_PER_PIXEL, raw.food_y * MM_PER_PIXEL)) == pytest.approx(nearest)
     assert raw.wall_distance * MM_PER_PIXEL == pytest.approx(RECTANGLE.clearance(Point(*start)))
     distances = observation["robot_home_distance"][0], observation["robot_food_distance"][0]
-    assert distances == pytest.approx(
-        (math.dist(start, home) / MM_PER_PIXEL, nearest / MM_PER_PIXEL), abs=0.5001
-    )
-    assert (observation["object_presence"], observation["food_type"], *observation["arms_height"]) == (
-        0,
-        0,
-        215,
-    )
+    assert distances == pytest.approx((math.dist(start, home) / MM_PER_PIXEL, nearest / MM_PER_PIXEL), abs=0.5001)
+    assert (observation["object_presence"], observation["food_type"], *observation["arms_height"]) == (0, 0, 215)
 
 
 def test_own_region_has_the_markers_holes_in_the_own_arena_in_any_order() -> None:

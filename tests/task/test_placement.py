@@ -20,12 +20,7 @@ from khepera_forage.sim.waypoints import check_paths
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
 from khepera_forage.task.food_tracking import FoodObject
-from khepera_forage.task.placement import (
-    Place,
-    Start,
-    draw_food_types,
-    layout_is_free,
-)
+from khepera_forage.task.placement import Place, Start, draw_food_types, layout_is_free
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from tests.geometry.shapes import star
@@ -65,8 +60,7 @@ def arenas_with_obstacles(draw: st.DrawFn) -> Arena:
     """A wide floor with obstacles, around which there are ways."""
     cells = draw(st.lists(CELLS, min_size=1, max_size=4, unique=True))
     obstacles = tuple(
-        tuple(Point(*corner) for corner in star(draw(RADII), (400.0 + 500.0 * i, 400.0 + 500.0 * j)))
-        for i, j in cells
+        tuple(Point(*corner) for corner in star(draw(RADII), (400.0 + 500.0 * i, 400.0 + 500.0 * j))) for i, j in cells
     )
     try:
         arena = replace(FIELD, obstacles=obstacles)
@@ -94,9 +88,7 @@ def test_random_start_has_room_for_the_gripper_beside_a_thin_wall() -> None:
     for seed in range(1500):
         x, y, heading = random_layout(arena, 1, key_of(seed), DEFAULT_VALUES).starts[0]
         cosine, sine = math.cos(heading), math.sin(heading)
-        gripper = shapely.Polygon(
-            [(x + u * cosine - v * sine, y + u * sine + v * cosine) for u, v in fingers]
-        )
+        gripper = shapely.Polygon([(x + u * cosine - v * sine, y + u * sine + v * cosine) for u, v in fingers])
         assert not gripper.intersects(shapely.Polygon(thin)), seed
 
 
@@ -146,9 +138,7 @@ def test_food_types_have_their_odds() -> None:
 
 @given(st.sampled_from(ARENAS), KEYS, st.floats(0, 20), st.floats(0, 30))
 @PROPERTY
-def test_training_layout_is_free_and_near_the_marks(
-    arena: Arena, key: int, error: float, degrees: float
-) -> None:
+def test_training_layout_is_free_and_near_the_marks(arena: Arena, key: int, error: float, degrees: float) -> None:
     layout = training_layout((arena,), Noise(placement_error=error, placement_heading_error=degrees), key)
     check_layout((arena,), layout)
     assert math.dist(layout.starts[0][:2], arena.start[:2]) <= 8 * error + 1e-9
@@ -175,17 +165,11 @@ def test_training_errors_have_their_deviation_and_differ_between_arenas() -> Non
 @given(st.sampled_from(ARENAS[:3]), SHARES, SHARES, SHARES, st.floats(-math.pi, math.pi))
 @settings(PROPERTY, max_examples=300)
 def test_layout_is_free_agrees_with_the_checks_of_worlds(
-    arena: Arena,
-    start: tuple[float, float],
-    food: tuple[float, float],
-    other: tuple[float, float],
-    heading: float,
+    arena: Arena, start: tuple[float, float], food: tuple[float, float], other: tuple[float, float], heading: float
 ) -> None:
     """Those checks are the same rule, and also say what is wrong."""
     left, bottom, right, top = arena.bounds
-    (x, y), *foods = (
-        Point(left + (right - left) * u, bottom + (top - bottom) * v) for u, v in (start, food, other)
-    )
+    (x, y), *foods = (Point(left + (right - left) * u, bottom + (top - bottom) * v) for u, v in (start, food, other))
     free = layout_is_free(Start(x, y, heading), [Place(*place) for place in foods], floor_of(arena))
     try:
         check_layout((arena,), Layout((Pose(x, y, heading),), tuple(foods)))

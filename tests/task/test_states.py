@@ -33,10 +33,7 @@ def rows_of_table_4_2(v: StateVector, decisions: Decisions) -> list[State]:
         State.NEXT_TO_FOOD: not present and not at_home and next_to,
         State.ORIENTED_WITH_FOOD: present and not at_home and v.food_type == FoodType.UNKNOWN,
         # The table omits the arm here, which alone separates this row from FOOD IN HAND.
-        State.READY_TO_PICK_UP_FOOD: present
-        and not at_home
-        and v.food_type == FoodType.PICKABLE
-        and not raised,
+        State.READY_TO_PICK_UP_FOOD: present and not at_home and v.food_type == FoodType.PICKABLE and not raised,
         State.READY_TO_PUSH_FOOD: present and not at_home and v.food_type == FoodType.PUSHABLE,
         State.MUST_AVOID_FOOD: present and not at_home and v.food_type == FoodType.POISONOUS,
         State.FOOD_IN_HAND: present and not at_home and v.food_type == FoodType.PICKABLE and raised,

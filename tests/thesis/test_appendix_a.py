@@ -65,9 +65,7 @@ def test_errata_follow_changes_of_the_tables(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_table_of_an_unknown_cell_is_an_error() -> None:
-    with pytest.raises(
-        KeyError, match=r"no table for 'rectangle' after 3 episodes; allowed: .*'corridor', 1"
-    ):
+    with pytest.raises(KeyError, match=r"no table for 'rectangle' after 3 episodes; allowed: .*'corridor', 1"):
         appendix_a.table_of("rectangle", 3)
 
 

@@ -77,8 +77,7 @@ def effects(rows: list[RecallRow], trainings: list[TrainingRow], training: float
     return [
         *(score[arena, 10] - score[arena, 1] for arena in ARENAS),
         *shrinking,
-        delivered(pick(own["rectangle"], episodes=10))
-        - delivered(pick(rows, arena="rectangle", learner=RANDOM)),
+        delivered(pick(own["rectangle"], episodes=10)) - delivered(pick(rows, arena="rectangle", learner=RANDOM)),
         score["corridor", 10] - score["rectangle", 10],
         *(delivered(own[a], 0, training) - delivered(own[a], training) for a in ARENAS),
         *(around(own[a], training) for a in ARENAS),
@@ -133,9 +132,7 @@ def test_rectangle_must_have_the_direction_of_the_corridor(nearer: bool, rule: R
     near, far = (recall, failed) if nearer else (failed, recall)
     rows = [near(food_x=(-25.0,)), far(food_x=(-70.0,))]
     (claim,) = (
-        c
-        for c in claims(gather(rows, [], rng()))
-        if "in training (rectangle)" in c.name and "nearer" in c.name
+        c for c in claims(gather(rows, [], rng())) if "in training (rectangle)" in c.name and "nearer" in c.name
     )
     assert claim.rule == rule
 
@@ -184,8 +181,6 @@ def test_rule_gives_its_verdict(rule: Rule, estimate: Estimate, verdict: Verdict
 
 def test_rules_and_effects_have_a_text() -> None:
     assert above(0.5).words(percent) == "supported above 50 %, not supported below"
-    assert (
-        within(10.0).words(points) == "supported between -10.0 points and +10.0 points, not supported beyond"
-    )
+    assert within(10.0).words(points) == "supported between -10.0 points and +10.0 points, not supported beyond"
     assert percent_change.estimate(Estimate(0.125, -0.02, 0.3)) == "+12 [-2, +30] points"
     assert points.estimate(Estimate(0.0, float("nan"), float("nan"))) == "0 points"

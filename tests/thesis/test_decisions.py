@@ -41,9 +41,7 @@ def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) 
         "orient_rows": [OrientRow(0, 1, "g1", 0, 1.0, 0.0, 0.0)],
     }
     rows[table] = [replace(rows[table][0], decisions=TEXT)]
-    with pytest.raises(
-        ValueError, match=r"rows of different decisions: food_to_home is .*; next_to_food is"
-    ) as error:
+    with pytest.raises(ValueError, match=r"rows of different decisions: food_to_home is .*; next_to_food is") as error:
         write_report(tmp_path, **rows, rng=np.random.default_rng(0))
     assert str(error.value).endswith("allowed: rows of the same decisions in one report")
     assert not list(tmp_path.iterdir())
@@ -61,9 +59,7 @@ def test_reproduction_refuses_a_folder_with_rows_of_other_decisions(name: str, t
         (tmp_path / f"{other}.csv").unlink()
     path = tmp_path / f"{name}.csv"
     before = path.read_bytes()
-    with pytest.raises(
-        ValueError, match=re.escape(f"{path} has rows of other decisions: {DIFFERENCES}; ")
-    ) as error:
+    with pytest.raises(ValueError, match=re.escape(f"{path} has rows of other decisions: {DIFFERENCES}; ")) as error:
         reproduce(tmp_path, V0_1)
     assert str(error.value).endswith("same decisions (now v0.1), another --out, or no such file")
     with pytest.raises(ValueError, match=re.escape(f"{path} has rows of other decisions: ")) as error:
@@ -116,9 +112,7 @@ def test_reproduction_compares_with_version_0_1(tmp_path: Path) -> None:
     ours, v0_1 = (read_rows(first / name, RecallRow) for name in ("recalls.csv", V0_1_RECALLS))
     assert {row.decisions for row in ours} == {NEXT_TEXT}
     assert v0_1 == [
-        row
-        for row in read_rows(old / "recalls.csv", RecallRow)
-        if row.learner == IMITATOR and row.noise == LABORATORY
+        row for row in read_rows(old / "recalls.csv", RecallRow) if row.learner == IMITATOR and row.noise == LABORATORY
     ]
     assert len(v0_1) == sum(cell.size for cell in THESIS)
     assert not (old / V0_1_RECALLS).exists()

@@ -7,21 +7,11 @@ import pytest
 
 from khepera_forage.noise import SOURCES, Noise
 from khepera_forage.thesis import appendix_a
-from khepera_forage.thesis.design import (
-    FILES,
-    LABORATORY,
-    NO_LOSSES,
-    NO_NOISE,
-    THESIS,
-    Cell,
-    noise_conditions,
-)
+from khepera_forage.thesis.design import FILES, LABORATORY, NO_LOSSES, NO_NOISE, THESIS, Cell, noise_conditions
 
 
 @pytest.mark.parametrize(
-    ("cell", "table"),
-    list(zip(THESIS, appendix_a.TABLES, strict=True)),
-    ids=[t.table for t in appendix_a.TABLES],
+    ("cell", "table"), list(zip(THESIS, appendix_a.TABLES, strict=True)), ids=[t.table for t in appendix_a.TABLES]
 )
 def test_cell_equals_its_table(cell: Cell, table: appendix_a.PrintedTable) -> None:
     assert (cell.arena, cell.episodes) == (table.arena, table.episodes)
@@ -45,10 +35,7 @@ def test_noise_conditions_contain_the_sources_in_their_names() -> None:
     assert conditions["only wheels"] == Noise.only("wheels")
     no_losses, laboratory = conditions[NO_LOSSES], Noise.laboratory()
     differing = {
-        name
-        for names in SOURCES.values()
-        for name in names
-        if getattr(no_losses, name) != getattr(laboratory, name)
+        name for names in SOURCES.values() for name in names if getattr(no_losses, name) != getattr(laboratory, name)
     }
     assert differing == set(SOURCES["tracking losses"])
     assert all(getattr(no_losses, name) == 0 for name in differing)

@@ -13,13 +13,7 @@ from khepera_forage.study import Rows
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.claims import Claim, claims, gather
 from khepera_forage.thesis.design import LABORATORY, NO_LOSSES
-from khepera_forage.thesis.inference.claims import (
-    RESAMPLES,
-    LaboratoryClaims,
-    claim_table,
-    claims_of,
-    measure,
-)
+from khepera_forage.thesis.inference.claims import RESAMPLES, LaboratoryClaims, claim_table, claims_of, measure
 from khepera_forage.thesis.inference.prior import LabModel
 from khepera_forage.thesis.replication import JobCounts, compiled_jobs
 

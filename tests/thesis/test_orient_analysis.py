@@ -24,16 +24,12 @@ TRAINING += [((0, 56, 0, 215, 20), Behaviour.ORIENT_WITH_FOOD)]
 @pytest.fixture(scope="module")
 def imitator() -> NearestNeighbourImitator:
     vectors, behaviours = zip(*TRAINING, strict=True)
-    return NearestNeighbourImitator(diagonal=138, arithmetic="exact").fit(
-        np.array(vectors), np.array(behaviours)
-    )
+    return NearestNeighbourImitator(diagonal=138, arithmetic="exact").fit(np.array(vectors), np.array(behaviours))
 
 
 @pytest.mark.parametrize("equal_distance", ["nearer state", "farther state"])
 @pytest.mark.parametrize("next_to_food", [Decisions().next_to_food, 12.5, 13.5, 17.0])
-def test_robot_arrives_at_the_largest_distances_next_to_food(
-    next_to_food: float, equal_distance: str
-) -> None:
+def test_robot_arrives_at_the_largest_distances_next_to_food(next_to_food: float, equal_distance: str) -> None:
     decisions = Decisions(next_to_food=next_to_food, equal_distance=equal_distance)
     arrival = arrival_vectors(decisions)[-1].tolist()
     last = arrival[-1][-1]

@@ -82,10 +82,7 @@ def calibrated(simulator: tuple[list[Parameter], Any]) -> tuple[Any, Any, list[P
     weights = weights_of(own, statistics[learned], statistics[held_out, 0])
     true = [parameter.of(held_out) for parameter in parameters]
     return (
-        [
-            calibrate(o, weights, t, np.random.default_rng(0), even(weights))
-            for o, t in zip(own, true, strict=True)
-        ],
+        [calibrate(o, weights, t, np.random.default_rng(0), even(weights)) for o, t in zip(own, true, strict=True)],
         weights,
         own,
         true,
@@ -184,9 +181,7 @@ def test_experiment_unlike_all_simulated_ones_is_told() -> None:
 def test_unlikely_combination_of_usual_values_is_told() -> None:
     rng = np.random.default_rng(0)
     first = rng.normal(size=(400, 2, 1))
-    statistics = np.concatenate([first, first + 0.1 * rng.normal(size=(400, 2, 1))], axis=2).astype(
-        np.float32
-    )
+    statistics = np.concatenate([first, first + 0.1 * rng.normal(size=(400, 2, 1))], axis=2).astype(np.float32)
     found = prior_check(statistics, np.array([1.5, -1.5]), rng)
     assert found.outside == 0
     assert found.tail < 0.02

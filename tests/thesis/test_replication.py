@@ -26,9 +26,7 @@ OTHER = replace(V0_1, next_to_food=22, food_to_home=200)
 SMALL = (Cell("corridor", 2, (Subset((1,)), Subset((1, 2))), 2, foods=1, limit=500),)
 
 
-def two_replications(
-    backend: str, seed: int, decisions: Decisions, noise: str, cells: tuple[Cell, ...]
-) -> Rows:
+def two_replications(backend: str, seed: int, decisions: Decisions, noise: str, cells: tuple[Cell, ...]) -> Rows:
     if backend == PYMUNK:
         return Rows(row for i in range(2) for row in replicate(seed, i, noise, cells, decisions))
     pytest.importorskip("numba")

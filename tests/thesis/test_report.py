@@ -30,13 +30,7 @@ from khepera_forage.thesis.figures import (
 )
 from khepera_forage.thesis.reproduce import PAGE, write_report
 from khepera_forage.thesis.tables import CellResult, cell_results, noise_table
-from tests.figure_checks import (
-    check_points_are_shown,
-    check_readable,
-    check_shading_is_explained,
-    lay_out,
-    legends_of,
-)
+from tests.figure_checks import check_points_are_shown, check_readable, check_shading_is_explained, lay_out, legends_of
 from tests.thesis.synthetic import failed, recall
 
 Draw = Callable[..., Figure]
@@ -48,11 +42,7 @@ BY_EPISODES = [
 
 
 def test_success_by_distance_ignores_other_arenas_and_policies() -> None:
-    rows = [
-        recall(food_x=(-30.0,), food_y=(1.0,)),
-        failed(food_x=(0.0,), food_y=(30.0,)),
-        failed(food_x=(-90.0,)),
-    ]
+    rows = [recall(food_x=(-30.0,), food_y=(1.0,)), failed(food_x=(0.0,), food_y=(30.0,)), failed(food_x=(-90.0,))]
     ignored = [recall(arena="rectangle"), recall(learner=RANDOM)]
     near, far = success_by_distance(food_places(rows + ignored))
     assert (near[0], near[1], near[2].value) == (BIN * 3.5, 2, 50)
@@ -78,9 +68,7 @@ def test_figures_show_the_thesis_and_our_means(results: list[CellResult]) -> Non
             assert axes.get_ylim()[1] >= scale
 
 
-def test_figures_show_version_0_1_in_grey_left_of_ours(
-    results: list[CellResult], recalls: list[RecallRow]
-) -> None:
+def test_figures_show_version_0_1_in_grey_left_of_ours(results: list[CellResult], recalls: list[RecallRow]) -> None:
     v0_1_results = cell_results(pick(recalls, replication=0), np.random.default_rng(12))
     for draw, arena, maximum in BY_EPISODES:
         (axes,) = draw(results, v0_1_results).axes
@@ -90,9 +78,7 @@ def test_figures_show_version_0_1_in_grey_left_of_ours(
             for wanted in (GREY, OURS)
         )
         mine = [r for r in v0_1_results if r.cell.arena == arena]
-        values = [
-            r.food.ours.value * maximum / r.cell.available if maximum else r.score.ours.value for r in mine
-        ]
+        values = [r.food.ours.value * maximum / r.cell.available if maximum else r.score.ours.value for r in mine]
         assert grey[:, 1].tolist() == pytest.approx(values)
         assert (grey[:, 0] < ours[:, 0]).all()
         legend = axes.get_legend()

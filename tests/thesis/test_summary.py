@@ -38,9 +38,7 @@ def test_recalls_are_summarised_experiment_by_experiment() -> None:
 
 def test_scores_cut_fractions_of_a_percent_off_as_the_thesis_does() -> None:
     one = np.full((1, 1, 1), 1.0)
-    summary = of_recalls(
-        Cell("corridor", 10, (Subset((1,)),), 1, 1, 500), CellRecalls(2 * one, 3 * one, one, 0 * one)
-    )
+    summary = of_recalls(Cell("corridor", 10, (Subset((1,)),), 1, 1, 500), CellRecalls(2 * one, 3 * one, one, 0 * one))
     assert summary.score.tolist() == [66.0]
     assert np.isnan(summary.spread).all()
 
@@ -80,9 +78,7 @@ def test_statistics_have_names_and_rectangle_is_never_fitted() -> None:
     assert len(FITTED) == 4 * 6 + 2
     named = by_name()
     assert named["corridor slope of food"] == pytest.approx(0.3)
-    assert named["rectangle slope of score"] == pytest.approx(
-        named["rectangle 10 score"] - named["rectangle 1 score"]
-    )
+    assert named["rectangle slope of score"] == pytest.approx(named["rectangle 10 score"] - named["rectangle 1 score"])
 
 
 def test_fastest_recalls_are_those_of_the_usable_lines() -> None:

@@ -61,19 +61,14 @@ def test_table_as_markdown_csv_and_text() -> None:
         "Title",
         "Note.",
         (Column("what"), Column("share", 2, estimate=True), Column("hidden", page=False), Column("count", 0)),
-        [
-            ("a | b", Estimate(0.5, 0.25, 0.75), "x", 3),
-            ("c", Estimate(0.5, math.nan, math.nan), "y", math.nan),
-        ],
+        [("a | b", Estimate(0.5, 0.25, 0.75), "x", 3), ("c", Estimate(0.5, math.nan, math.nan), "y", math.nan)],
     )
     assert table.markdown() == (
         "## Title\n\nNote.\n\n"
         "| what | share | count |\n| --- | ---: | ---: |\n"
         "| a / b | 0.50 [0.25, 0.75] | 3 |\n| c | 0.50 | - |\n"
     )
-    assert (
-        table.csv() == "what,share,share: low,share: high,hidden,count\na | b,0.5,0.25,0.75,x,3\nc,0.5,,,y,\n"
-    )
+    assert table.csv() == "what,share,share: low,share: high,hidden,count\na | b,0.5,0.25,0.75,x,3\nc,0.5,,,y,\n"
     assert table.text() == (
         "Title\n\nNote.\n\n"
         "what               share  count\n"
@@ -96,12 +91,7 @@ def test_noise_table_has_the_cost_of_each_condition(noise_rows: list[RecallRow],
 
 
 def test_training_table_counts_attempts_by_noise() -> None:
-    rows = [
-        training(reason="separated"),
-        training(attempt=2),
-        training(file=2),
-        training(file=2, noise="none"),
-    ]
+    rows = [training(reason="separated"), training(attempt=2), training(file=2), training(file=2, noise="none")]
     table = training_table(gather([], rows, np.random.default_rng(1)))
     assert [row[0] for row in table.rows] == ["none", LABORATORY]
     laboratory = table.rows[1]
@@ -112,8 +102,7 @@ def test_training_table_counts_attempts_by_noise() -> None:
 
 def test_teacher_table_has_quantiles_of_steps() -> None:
     rows = [
-        recall(steps=s, correct=s, limit=2000, recall=s, ties=0, conflicts=0, learner=TEACHER)
-        for s in range(41, 61)
+        recall(steps=s, correct=s, limit=2000, recall=s, ties=0, conflicts=0, learner=TEACHER) for s in range(41, 61)
     ]
     rows.append(failed(steps=2000, limit=2000, learner=TEACHER))
     corridor, rectangle = teacher_table(gather(rows, [], np.random.default_rng(1))).rows
@@ -166,12 +155,7 @@ def test_joint_table_takes_results_together(results: list[CellResult]) -> None:
     assert 0 < percentile < 6
     assert tail > 0.01
     assert rows["sum of all scores (%)"][0] == pytest.approx(4 * 60 + 3 * 40)
-    assert rows["median steps of successful recalls, corridor"] == (
-        185.5,
-        150.0,
-        pytest.approx(66.7, abs=0.1),
-        1.0,
-    )
+    assert rows["median steps of successful recalls, corridor"] == (185.5, 150.0, pytest.approx(66.7, abs=0.1), 1.0)
     assert rows["Mahalanobis distance of all means"][3] == pytest.approx(1 / 201)
 
 

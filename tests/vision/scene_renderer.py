@@ -45,10 +45,7 @@ class SceneRenderer:
         return self.truth
 
     def frame(
-        self,
-        markers: tuple[Marker, ...],
-        foods: tuple[Place, ...] = (),
-        change: Callable[[Frame], Frame] | None = None,
+        self, markers: tuple[Marker, ...], foods: tuple[Place, ...] = (), change: Callable[[Frame], Frame] | None = None
     ) -> Frame:
         """The next frame; a change is done to the picture before lens and sensor, and without cables."""
         robots, self.truth = len(self.truth.markers), Truth(markers, foods)
@@ -83,11 +80,7 @@ def heading_error(region: Region | Detection, heading: float) -> float:
 
 
 def render_frames(
-    truth: Truth,
-    appearance: CameraAppearance = NONE,
-    frames: int = 1,
-    seed: int = 0,
-    anchor: Place | None = None,
+    truth: Truth, appearance: CameraAppearance = NONE, frames: int = 1, seed: int = 0, anchor: Place | None = None
 ) -> list[Frame]:
     renderer = FrameRenderer(lambda: truth, appearance, anchor)
     renderer.reset(np.random.default_rng(seed))

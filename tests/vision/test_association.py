@@ -117,12 +117,8 @@ def test_first_frame_is_numbered_in_reading_order() -> None:
     assert all(r.found for r in scene.regions)
 
 
-@pytest.mark.parametrize(
-    ("distance", "expected"), [(GATE, [(0, True)]), (GATE + 0.01, [(0, False), (1, True)])]
-)
-def test_food_that_reappears_near_its_last_place_is_the_same(
-    distance: float, expected: list[tuple[int, bool]]
-) -> None:
+@pytest.mark.parametrize(("distance", "expected"), [(GATE, [(0, True)]), (GATE + 0.01, [(0, False), (1, True)])])
+def test_food_that_reappears_near_its_last_place_is_the_same(distance: float, expected: list[tuple[int, bool]]) -> None:
     tracks = Tracks()
     tracks.update([seen(50, 60)], nowhere)
     tracks.update([], nowhere)

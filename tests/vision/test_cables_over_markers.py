@@ -47,9 +47,7 @@ def random_marker(tile: int, rng: np.random.Generator) -> Marker:
 
 
 @cache  # two tests measure the same frames
-def errors(
-    width: float, grey: float, count: int, angle: float | None = None, place: float | None = None
-) -> Errors:
+def errors(width: float, grey: float, count: int, angle: float | None = None, place: float | None = None) -> Errors:
     """Errors of position (pixels) and heading (degrees) of the found markers; nothing else may be found.
 
     Each of `count` markers is under a cable; food lies beside every third, where the gripper holds it.
@@ -84,21 +82,11 @@ def clear() -> Errors:
     return errors(0.0, GREY, 200)
 
 
-CABLES = [
-    (4.0, GREY),
-    (5.0, LIGHT_GREY),
-    (6.0, BLACK),
-    (6.0, GREY),
-    (8.0, GREY),
-    (10.0, BLACK),
-    (12.0, LIGHT_GREY),
-]
+CABLES = [(4.0, GREY), (5.0, LIGHT_GREY), (6.0, BLACK), (6.0, GREY), (8.0, GREY), (10.0, BLACK), (12.0, LIGHT_GREY)]
 
 
 @pytest.mark.parametrize(("width", "grey"), CABLES)
-def test_marker_under_a_cable_is_found_as_exactly_as_without(
-    width: float, grey: float, clear: Errors
-) -> None:
+def test_marker_under_a_cable_is_found_as_exactly_as_without(width: float, grey: float, clear: Errors) -> None:
     distances, angles = errors(width, grey, 200)
     assert len(distances) >= 0.98 * 200
     for quantile in (0.5, 0.9):
@@ -110,9 +98,7 @@ def test_marker_under_a_cable_is_found_as_exactly_as_without(
 @pytest.mark.parametrize("grey", [BLACK, GREY])
 @pytest.mark.parametrize("width", [4.0, 6.0, 12.0])
 @pytest.mark.parametrize("angle", [0.0, 2.0, 5.0, 80.0, 90.0])
-def test_cable_along_a_side_does_not_move_the_marker(
-    angle: float, width: float, grey: float, clear: Errors
-) -> None:
+def test_cable_along_a_side_does_not_move_the_marker(angle: float, width: float, grey: float, clear: Errors) -> None:
     """It may cover a fraction of a pixel of the white, beside the black frame."""
     distances, _ = errors(width, grey, 200, angle)
     assert len(distances) >= 0.98 * 200
@@ -123,9 +109,7 @@ def test_cable_along_a_side_does_not_move_the_marker(
     ("nearest", "furthest", "angle"),
     [(8.6, 11.0, 90.0), (-11.0, -8.6, 90.0), (-8.4, -5.0, 88.0), (-8.4, -5.0, 90.0), (-8.4, -5.0, 92.0)],
 )
-def test_cable_near_a_short_side_does_not_move_the_marker(
-    nearest: float, furthest: float, angle: float
-) -> None:
+def test_cable_near_a_short_side_does_not_move_the_marker(nearest: float, furthest: float, angle: float) -> None:
     """Its inner edge looks like the marker's border; a marker further ahead would have its holes elsewhere."""
     places = np.arange(nearest, furthest, 0.2)
     distances = [distance for place in places for distance in errors(12.0, GREY, 10, angle, place)[0]]

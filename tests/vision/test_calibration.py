@@ -12,13 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.vision.calibration import (
-    Calibration,
-    CalibrationFit,
-    Lens,
-    fit_calibration,
-    root_mean_square,
-)
+from khepera_forage.vision.calibration import Calibration, CalibrationFit, Lens, fit_calibration, root_mean_square
 from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import SceneRenderer, only_region, position_error, random_marker
 

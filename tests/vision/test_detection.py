@@ -178,11 +178,7 @@ CALIBRATED = Calibration.identity()
     [
         (CALIBRATED, np.zeros((480, 640)), r"frame is \(480, 640\) of float64; allowed: .* uint8"),
         (CALIBRATED, np.zeros((480, 640, 2), np.uint8), r"frame is \(480, 640, 2\).*x 3 colours"),
-        (
-            CALIBRATED,
-            np.zeros((720, 1280), np.uint8),
-            "frame is 1280 x 720; allowed: 640 x 480, as calibrated",
-        ),
+        (CALIBRATED, np.zeros((720, 1280), np.uint8), "frame is 1280 x 720; allowed: 640 x 480, as calibrated"),
         (None, np.zeros((240, 320), np.uint8), r"shows 10\.0 mm of the floor; allowed: up to 9\.1 mm"),
     ],
 )

@@ -14,16 +14,7 @@ from numpy.typing import NDArray
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
 from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.shapes import MARKER_FEATURES, MARKER_FRAME, MARKER_HOLES
-from tests.vision.scene_renderer import (
-    COLUMN,
-    LABORATORY,
-    NONE,
-    PAIR,
-    ROW,
-    Frame,
-    render_frame,
-    render_frames,
-)
+from tests.vision.scene_renderer import COLUMN, LABORATORY, NONE, PAIR, ROW, Frame, render_frame, render_frames
 
 Floats = NDArray[np.float64]
 
@@ -80,14 +71,10 @@ def test_food_under_a_marker_is_hidden() -> None:
 
 
 def test_objects_at_the_border_are_cut_off() -> None:
-    frame = render_frame(
-        Truth(((0.0, 0.0, 0.4, 2), (-500.0, 1000.0, 0.0, 1)), ((3200.0, 2400.0), (9000.0, 0.0)))
-    )
+    frame = render_frame(Truth(((0.0, 0.0, 0.4, 2), (-500.0, 1000.0, 0.0, 1)), ((3200.0, 2400.0), (9000.0, 0.0))))
     assert frame[0, 639] > 200
     assert frame[479 - 6, 2] > 200 or frame[479, 0] > 200
-    quarter = (
-        render_frame(Truth((), ((3200.0, 1200.0),)), replace(NONE, floor=0, white=250)).astype(float) / 250
-    )
+    quarter = render_frame(Truth((), ((3200.0, 1200.0),)), replace(NONE, floor=0, white=250)).astype(float) / 250
     assert quarter.sum() == pytest.approx(math.pi * 3.5**2 / 2, rel=0.02)
 
 
@@ -127,11 +114,7 @@ def test_noise_is_independent_and_has_its_size() -> None:
     assert frames.mean() == pytest.approx(NONE.floor, abs=0.05)
     # From pixel to pixel, and from frame to frame.
     errors = frames - NONE.floor
-    for a, b in (
-        (errors[:, 1:], errors[:, :-1]),
-        (errors[:, :, 1:], errors[:, :, :-1]),
-        (errors[1:], errors[:-1]),
-    ):
+    for a, b in ((errors[:, 1:], errors[:, :-1]), (errors[:, :, 1:], errors[:, :, :-1]), (errors[1:], errors[:-1])):
         assert abs((a * b).mean()) < 0.02 * 16
 
 

@@ -8,15 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from khepera_forage.vision.marker_sheets import (
-    DPI,
-    PAGE_HEIGHT,
-    PAGE_WIDTH,
-    marker_pages,
-    save_pages,
-    svg,
-    tag_pages,
-)
+from khepera_forage.vision.marker_sheets import DPI, PAGE_HEIGHT, PAGE_WIDTH, marker_pages, save_pages, svg, tag_pages
 from khepera_forage.vision.tracker import Tracker
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -59,9 +51,7 @@ def test_tracker_recognises_the_printed_markers(tmp_path: Path) -> None:
     floor = np.full((480 * 8, 640 * 8), 105, np.uint8)
     for row, (x, y) in enumerate(((1000, 1000), (2000, 1400))):
         top, left = 68 + row * 118 - 48, 105 - 68
-        printed = page[
-            int(top * scale) : int((top + 96) * scale), int(left * scale) : int((left + 136) * scale)
-        ]
+        printed = page[int(top * scale) : int((top + 96) * scale), int(left * scale) : int((left + 136) * scale)]
         small = cv2.resize(printed, (round(136 * 8 / 5), round(96 * 8 / 5)), interpolation=cv2.INTER_AREA)
         height, width = small.shape
         up, across = round((2400 - y) * 8 / 5 - height / 2), round(x * 8 / 5 - width / 2)
@@ -85,12 +75,10 @@ def test_printed_tags_have_their_true_size(tmp_path: Path) -> None:
     """OpenCV finds them on the page, with corners where they should be."""
     (page,) = tag_pages((1, 7), (), (), 80.0, 24.0)
     with Image.open(save_pages(tmp_path / "tags.png", [page])) as image:
-        picture = cv2.resize(
-            np.asarray(image.convert("L")), None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA
-        )
-    corners, ids, _ = cv2.aruco.ArucoDetector(
-        cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
-    ).detectMarkers(picture)
+        picture = cv2.resize(np.asarray(image.convert("L")), None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
+    corners, ids, _ = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)).detectMarkers(
+        picture
+    )
     assert sorted(ids.ravel().tolist()) == [1, 7]
     for c in corners:
         sides = np.hypot(*(np.roll(c[0], 1, axis=0) - c[0]).T) * 25.4 / (DPI / 4)

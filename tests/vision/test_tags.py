@@ -47,9 +47,7 @@ def errors(poses: Mapping[int, Pose], found: Sequence[Detection]) -> list[tuple[
         *((640, 480, "grid"), (848, 480, "grid"), (1280, 720, "grid")),
     ],
 )
-def test_tags_and_twelve_markers_are_found_exactly_and_never_mistaken(
-    width: int, height: int, markers: str
-) -> None:
+def test_tags_and_twelve_markers_are_found_exactly_and_never_mistaken(width: int, height: int, markers: str) -> None:
     numbers = ROBOTS if markers == "tags" else tuple(GRID_HOLES)
     rng, tracker = np.random.default_rng(1), Tracker(replace(TAGS, markers=markers, numbers=numbers))
     found = []
@@ -95,9 +93,7 @@ def test_one_hidden_hole_never_makes_another_marker() -> None:
 
 
 def test_tagged_food_is_food_and_tags_contain_none() -> None:
-    settings = TrackerSettings(
-        markers="tags", numbers=(3,), food_tags=(20,), food_tag_size=26.0, tag_size=100.0
-    )
+    settings = TrackerSettings(markers="tags", numbers=(3,), food_tags=(20,), food_tag_size=26.0, tag_size=100.0)
     scene = Scene(1920, 1080)
     scene.put(tag_sheet(3, 100.0), (1000.0, 900.0, 0.5))
     scene.put(tag_sheet(4, 100.0), (2000.0, 900.0, 0.5))  # not in use
@@ -163,9 +159,7 @@ def floor_places(height: float) -> dict[int, Pose]:
     }
 
 
-def floor_scene(
-    width: int, height: int, shift: tuple[float, float] = (20.0, 10.0), turn: float = 0.03
-) -> Scene:
+def floor_scene(width: int, height: int, shift: tuple[float, float] = (20.0, 10.0), turn: float = 0.03) -> Scene:
     scene = Scene(width, height, shift=shift, turn=turn)
     for tag, pose in floor_places(3200 * height / width).items():
         scene.put(tag_sheet(tag, 100.0), pose)
@@ -187,9 +181,7 @@ def test_floor_tags_calibrate_to_a_millimetre(width: int, height: int) -> None:
             assert math.dist((5 * found[0], 5 * found[1]), (x, y)) < 1.5
 
 
-@pytest.mark.parametrize(
-    ("shift", "turn"), [((30.0, 10.0), 0.03), ((20.0, 60.0), 0.03), ((20.0, 10.0), 0.06)]
-)
+@pytest.mark.parametrize(("shift", "turn"), [((30.0, 10.0), 0.03), ((20.0, 60.0), 0.03), ((20.0, 10.0), 0.06)])
 def test_camera_that_was_knocked_is_noticed_at_the_next_frame(
     tmp_path: Path, shift: tuple[float, float], turn: float
 ) -> None:

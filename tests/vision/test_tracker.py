@@ -87,9 +87,7 @@ def test_labels_are_kept_while_robots_pass_each_other() -> None:
             assert position_error(region, x, y) < 1
             assert heading_error(region, heading) < 4
         for x, y in foods:
-            shown = any(
-                not r.holes and r.found and position_error(r, x, y) < 0.01 for r in model.look().regions
-            )
+            shown = any(not r.holes and r.found and position_error(r, x, y) < 0.01 for r in model.look().regions)
             seen = any(not r.holes and r.found and position_error(r, x, y) < 1.5 for r in scene.regions)
             assert seen or not shown
 

@@ -47,9 +47,7 @@ def glare(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
 def _beyond(marker: Marker, angle: float, distance: float) -> NDArray[np.float64]:
     """For each pixel, by how many pixels it lies beyond a line at a distance (mm) from a marker's middle."""
     beyond: NDArray[np.float64] = (
-        (COLUMN - marker[0] / 5) * math.cos(angle)
-        + (480 - ROW - marker[1] / 5) * math.sin(angle)
-        - distance / 5
+        (COLUMN - marker[0] / 5) * math.cos(angle) + (480 - ROW - marker[1] / 5) * math.sin(angle) - distance / 5
     )
     return beyond
 

@@ -82,9 +82,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module", params=ENVIRONMENTS, ids=lambda extras: extras or "no extras")
-def environment(
-    request: pytest.FixtureRequest, wheel: Path, tmp_path_factory: pytest.TempPathFactory
-) -> Environment:
+def environment(request: pytest.FixtureRequest, wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Environment:
     folder = tmp_path_factory.mktemp("environment")
     venv.create(folder, with_pip=True)
     made = Environment(ENVIRONMENTS[request.param], folder / "bin")
@@ -108,9 +106,7 @@ def test_every_module_imports_or_says_what_to_install(environment: Environment, 
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_command_works_or_says_what_to_install(
-    environment: Environment, command: str, tmp_path: Path
-) -> None:
+def test_command_works_or_says_what_to_install(environment: Environment, command: str, tmp_path: Path) -> None:
     missing = COMMANDS[command] - environment.extras
     done = environment.run("khepera-forage", *command.split(), folder=tmp_path)
     if not missing:

@@ -41,11 +41,7 @@ settings_dtype = np.dtype(
 
 _COUNTS = ("walls", "corners", "waypoints")
 _MAP, _FLOOR, _PATHS = (
-    [
-        name
-        for name in kind._fields
-        if name not in ("walls", "paths", *PathTables._fields[8:], "home_x", "home_y")
-    ]
+    [name for name in kind._fields if name not in ("walls", "paths", *PathTables._fields[8:], "home_x", "home_y")]
     for kind in (ArenaMap, Floor, PathTables)
 )
 arena_dtype = np.dtype(
@@ -207,9 +203,7 @@ def _records(rows: Any, kind: np.dtype[Any]) -> NDArray[Any]:
     return np.array(list(map(tuple, rows)), kind)
 
 
-def settings_record(
-    settings: Settings, foods: int, limit: int, holes: int, wheel_speed: float = 1.0
-) -> NDArray[Any]:
+def settings_record(settings: Settings, foods: int, limit: int, holes: int, wheel_speed: float = 1.0) -> NDArray[Any]:
     """The settings of worlds, as an array of one record.
 
     Args:

@@ -111,9 +111,7 @@ class CompiledBatch:
         given = self._random
         if options:
             for place in np.unique(places).tolist():
-                given = given_records(
-                    *given_places(self._arenas.arena(place), self.foods, options), self.foods
-                )
+                given = given_records(*given_places(self._arenas.arena(place), self.foods, options), self.foods)
         some, count = WorldRecords(*(part[worlds] for part in self.worlds)), len(worlds)
         self._run(some, places, np.zeros((count, 1)), np.ones(count, np.bool_), given)
         for part, begun in zip(self.worlds, some, strict=True):
@@ -217,9 +215,7 @@ def _step_worlds(
     `free[0]` becomes False where a new episode has no room.
     """
     # As arguments of their own, which numba hands over faster than a tuple.
-    worlds = WorldRecords(
-        robots, foragers, starts, foods, objects, food_places, detections, tracks, links, chosen
-    )
+    worlds = WorldRecords(robots, foragers, starts, foods, objects, food_places, detections, tracks, links, chosen)
     place, arena = places[first], arena_at(blocks, places[first])
     for i in range(first, last):
         world = world_of(worlds, i)

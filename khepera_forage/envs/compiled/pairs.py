@@ -39,13 +39,7 @@ from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import has_done_its_part
 from khepera_forage.task.food_tracking import share_identified
-from khepera_forage.task.pairing import (
-    AttemptState,
-    Pairing,
-    end_round,
-    lead,
-    update_pairing,
-)
+from khepera_forage.task.pairing import AttemptState, Pairing, end_round, lead, update_pairing
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key, place_by_hand
 from khepera_forage.task.states import Behaviour
 
@@ -74,11 +68,7 @@ class Sides(NamedTuple):
 
 
 def paired_sides(
-    robots: int,
-    settings: Settings,
-    max_cycles: int,
-    patience: int | None,
-    options: Mapping[str, Any] | None = None,
+    robots: int, settings: Settings, max_cycles: int, patience: int | None, options: Mapping[str, Any] | None = None
 ) -> tuple[tuple[Arena, ...], Sides, NDArray[Any]]:
     """The copies of an arena, one a robot; what their worlds have in common; and one `AttemptState` record.
 
@@ -91,9 +81,7 @@ def paired_sides(
     arena: Any = settings.arena
     arenas = tuple(arenas_with_marks(copies(checked_arena(arena, decisions), robots), options or {}))
     check_seen(arenas)
-    check_layout(
-        arenas, Layout(tuple(a.start for a in arenas), tuple(food for a in arenas for food in a.foods))
-    )
+    check_layout(arenas, Layout(tuple(a.start for a in arenas), tuple(food for a in arenas for food in a.foods)))
     foods, anchor = len(arenas[0].foods), cable_anchor(arenas)
     blocks = [arena_block(side, anchor) for side in arenas]
     # The teacher has the marker of one hole.
@@ -102,10 +90,7 @@ def paired_sides(
     attempt = np.zeros(1, dtype_of(AttemptState))
     attempt["limit"] = max_cycles
     attempt["patience"] = decisions.patience if patience is None else whole_number("patience", patience, 1)
-    attempt["error"], attempt["heading_error"] = (
-        noise.placement_error,
-        np.radians(noise.placement_heading_error),
-    )
+    attempt["error"], attempt["heading_error"] = (noise.placement_error, np.radians(noise.placement_heading_error))
     sides = Sides(
         np.concatenate(blocks),
         np.cumsum([0, *map(len, blocks[:-1])]),
@@ -117,9 +102,7 @@ def paired_sides(
 
 
 @rule
-def put_on_marks(
-    worlds: WorldRecords, first: int, sides: Sides, attempt: Any, pairings: Any, key: Any
-) -> bool:
+def put_on_marks(worlds: WorldRecords, first: int, sides: Sides, attempt: Any, pairings: Any, key: Any) -> bool:
     """Begin an attempt: robots and food on their marks, as well as an operator can put them there.
 
     Args:
@@ -156,9 +139,7 @@ def put_on_marks(
 
 
 @rule
-def carry_out_pair(
-    worlds: WorldRecords, first: int, sides: Sides, attempt: Any, pairings: Any, actions: Any
-) -> bool:
+def carry_out_pair(worlds: WorldRecords, first: int, sides: Sides, attempt: Any, pairings: Any, actions: Any) -> bool:
     """One round of paired robots. The first round of an attempt only takes the first frame.
 
     Args:
@@ -297,9 +278,7 @@ class PairedBatch:
         """The space of one of an agent's actions."""
         return spaces.Discrete(len(Behaviour))
 
-    def reset(
-        self, seed: int | None = None
-    ) -> tuple[dict[str, NDArray[np.int64]], dict[str, dict[str, NDArray[Any]]]]:
+    def reset(self, seed: int | None = None) -> tuple[dict[str, NDArray[np.int64]], dict[str, dict[str, NDArray[Any]]]]:
         """Begin a new attempt in every pair.
 
         Args:
@@ -349,12 +328,7 @@ class PairedBatch:
         given = np.empty_like(self._actions)
         for j, agent in enumerate(self.possible_agents):
             own = np.asarray(actions[agent])
-            if (
-                own.shape != (self.num_envs,)
-                or own.dtype.kind not in "iu"
-                or own.min() < 0
-                or own.max() > _WAIT
-            ):
+            if own.shape != (self.num_envs,) or own.dtype.kind not in "iu" or own.min() < 0 or own.max() > _WAIT:
                 raise ValueError(
                     f"actions of {agent} are {actions[agent]!r}; allowed: {self.num_envs} whole numbers from 0 "
                     f"to {_WAIT}"

@@ -21,29 +21,13 @@ from khepera_forage.sim.compiled.world import advance, detection_dtype, food_dty
 from khepera_forage.sim.driving import put_down, set_motors
 from khepera_forage.sim.records import Enclosure
 from khepera_forage.sim.sensing import forget_tracks
-from khepera_forage.task import (
-    arena_map,
-    behaviours,
-    episode,
-    food_tracking,
-    pairing,
-    perception,
-    placement,
-    states,
-)
+from khepera_forage.task import arena_map, behaviours, episode, food_tracking, pairing, perception, placement, states
 from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.behaviours import behaviour_of_motors, command, decode_motors, path_home_for
 from khepera_forage.task.episode import ForagerState, begin_episode, end_step
 from khepera_forage.task.food_tracking import FoodObject, KnownFood, Link, can_explore
 from khepera_forage.task.perception import Marker, RawData, perceive
-from khepera_forage.task.placement import (
-    Place,
-    Start,
-    draw_food_types,
-    draw_layout,
-    food_type_key,
-    layout_key,
-)
+from khepera_forage.task.placement import Place, Start, draw_food_types, draw_layout, food_type_key, layout_key
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 register(paths, footprint)
@@ -117,9 +101,7 @@ def world_of(worlds: WorldRecords, i: int) -> WorldRecords:
 
 
 @rule
-def begin(
-    world: WorldRecords, arena: ArenaRecords, settings: Any, given_start: Any, given_places: Any
-) -> bool:
+def begin(world: WorldRecords, arena: ArenaRecords, settings: Any, given_start: Any, given_places: Any) -> bool:
     """Begin an episode; its first frame is taken in the coming round.
 
     Args:
@@ -223,15 +205,11 @@ def carry_out(world: WorldRecords, arena: ArenaRecords, settings: Any) -> None:
     robot, forager, numbers = world.robots[0], world.foragers[0], arena.numbers[0]
     correct, begins = forager.behaviour == forager.state, robot.first_frame
     exploring = can_explore(robot.senses) and robot.left == 0.0 and robot.right == 0.0
-    everything = Enclosure(
-        world.robots, world.foods, world.tracks, world.detections, arena.walls, arena.corners
-    )
+    everything = Enclosure(world.robots, world.foods, world.tracks, world.detections, arena.walls, arena.corners)
     advance(everything, numbers.anchor_x, numbers.anchor_y, settings.constants)
     food = KnownFood(forager.tracker, world.objects, world.links, world.chosen)
     own = Marker(robot.marker_x, robot.marker_y, int(robot.marker_heading), robot.marker_found)
-    raw, vector, state = perceive(
-        food, own, world.tracks, robot.senses, exploring, map_of(arena), settings.decisions
-    )
+    raw, vector, state = perceive(food, own, world.tracks, robot.senses, exploring, map_of(arena), settings.decisions)
     _write_raw(forager.raw, raw)
     written = forager.vector
     written.object_presence, written.robot_home_distance = vector.object_presence, vector.robot_home_distance

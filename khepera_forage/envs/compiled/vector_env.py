@@ -98,10 +98,7 @@ class RecallVectorEnv(VectorEnv):
         self.render_mode = render_mode
         self._screen = Screen(render_mode, duration)
         single = self._single(arena=arena, foods=foods, limit=limit, decisions=decisions)
-        self.single_observation_space, self.single_action_space = (
-            single.observation_space,
-            single.action_space,
-        )
+        self.single_observation_space, self.single_action_space = (single.observation_space, single.action_space)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         longest = -1 if max_episode_steps is None else max_episode_steps
@@ -251,9 +248,7 @@ class RecallVectorEnv(VectorEnv):
             return tuple(map(of_arenas[name], self.batch.arenas))
         if name not in of_all:
             known = ", ".join([*of_arenas, *of_all])
-            raise AttributeError(
-                f"compiled worlds have no {name!r}; allowed: {known}, and action_masks of behaviours"
-            )
+            raise AttributeError(f"compiled worlds have no {name!r}; allowed: {known}, and action_masks of behaviours")
         return (of_all[name],) * self.num_envs
 
     @abstractmethod

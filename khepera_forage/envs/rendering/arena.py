@@ -39,10 +39,7 @@ CHEVRON = ((-4.0, 8.0), (0.0, 8.0), (5.0, 0.0), (0.0, -8.0), (-4.0, -8.0), (1.0,
 STROKE = ((-9.0, 5.0), (-5.0, 9.0), (9.0, -5.0), (5.0, -9.0))
 FOOD_SYMBOLS: dict[FoodType, tuple[tuple[XY, ...], ...]] = {
     # An arrow upwards: lift it.
-    FoodType.PICKABLE: (
-        ((-8.0, -1.0), (0.0, 9.0), (8.0, -1.0)),
-        ((-2.5, -9.0), (-2.5, 0.0), (2.5, 0.0), (2.5, -9.0)),
-    ),
+    FoodType.PICKABLE: (((-8.0, -1.0), (0.0, 9.0), (8.0, -1.0)), ((-2.5, -9.0), (-2.5, 0.0), (2.5, 0.0), (2.5, -9.0))),
     # A double arrow to the side: push it.
     FoodType.PUSHABLE: tuple(tuple((x + dx, y) for x, y in CHEVRON) for dx in (-4.0, 4.0)),
     # A cross: leave it.
@@ -70,10 +67,7 @@ def draw_floor(canvas: Canvas, arenas: Sequence[Arena]) -> None:
 
 
 def draw_arena(
-    canvas: Canvas,
-    robots: Sequence[tuple[RobotView, Colour]],
-    foods: Sequence[FoodView],
-    regions: Sequence[Region],
+    canvas: Canvas, robots: Sequence[tuple[RobotView, Colour]], foods: Sequence[FoodView], regions: Sequence[Region]
 ) -> None:
     """Draw on the floor: robots with finite poses and their colours, food, and regions that the camera reports."""
     for robot, _ in robots:
@@ -130,12 +124,7 @@ def draw_region(canvas: Canvas, region: Region) -> None:
         for a, b in zip(rim[::2], rim[1::2], strict=True):
             canvas.line(a, b, colour, 1.2)
     inner, outer = radius - 1.0, radius + 6.0
-    for dx, dy in (
-        (1, 0),
-        (-1, 0),
-        (0, 1),
-        (0, -1),
-    ):  # cross-hairs outside the disc, clear of the food's symbol
+    for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):  # cross-hairs outside the disc, clear of the food's symbol
         canvas.line((x + dx * inner, y + dy * inner), (x + dx * outer, y + dy * outer), colour, 1.2)
 
 

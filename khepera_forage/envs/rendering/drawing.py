@@ -76,12 +76,7 @@ class Canvas:
         dx, dy = (b[0] - a[0]) / length * half, (b[1] - a[1]) / length * half
         # The ends extend half a width beyond their points, so that two lines that meet form a closed corner.
         a, b = (a[0] - dx, a[1] - dy), (b[0] + dx, b[1] + dy)
-        corners = (
-            (a[0] - dy, a[1] + dx),
-            (a[0] + dy, a[1] - dx),
-            (b[0] + dy, b[1] - dx),
-            (b[0] - dy, b[1] + dx),
-        )
+        corners = ((a[0] - dy, a[1] + dx), (a[0] + dy, a[1] - dx), (b[0] + dy, b[1] - dx), (b[0] - dy, b[1] + dx))
         self.polygon(corners, colour)
 
     def outline(self, corners: Sequence[XY], colour: Colour, width: float = 1.0) -> None:
@@ -131,13 +126,7 @@ def regular_polygon(centre: XY, radius: float, corners: int) -> list[XY]:
 
 
 def write(
-    surface: pygame.Surface,
-    text: str,
-    x: float,
-    y: float,
-    size: float,
-    colour: Colour,
-    anchor: Anchor = "left",
+    surface: pygame.Surface, text: str, x: float, y: float, size: float, colour: Colour, anchor: Anchor = "left"
 ) -> None:
     """Write at `x`, with capital letters vertically centred on `y`."""
     drawn, ascent = _text_picture(_on_one_line(text), round(size * SUPERSAMPLING), colour)
@@ -163,9 +152,7 @@ def fitted(text: str, size: float, width: float) -> str:
     return text.rstrip() + "…" if text else ""
 
 
-def box(
-    surface: pygame.Surface, rect: Rect, colour: Colour, radius: float = 0.0, edge: Colour | None = None
-) -> None:
+def box(surface: pygame.Surface, rect: Rect, colour: Colour, radius: float = 0.0, edge: Colour | None = None) -> None:
     """Fill a rectangle with rounded corners, and draw an edge one pixel wide if `edge` is a colour."""
     left, top = round(rect[0]), round(rect[1])
     width, height = round(rect[0] + rect[2]) - left, round(rect[1] + rect[3]) - top

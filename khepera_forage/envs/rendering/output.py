@@ -77,9 +77,7 @@ class Screen:
             ValueError: The view has no arena.
         """
         if self._mode is None:
-            gym.logger.warn(
-                "render() without a render_mode; make the environment with render_mode='rgb_array'"
-            )
+            gym.logger.warn("render() without a render_mode; make the environment with render_mode='rgb_array'")
             return None
         if self._closed_by_user:
             return None
@@ -186,13 +184,9 @@ def _check_frames(frames: Sequence[NDArray[np.uint8]], fps: float) -> None:
     for number, frame in enumerate(frames):
         what = f"{frame.dtype} {frame.shape}" if isinstance(frame, np.ndarray) else type(frame).__name__
         if not what.startswith("uint8 ") or frame.ndim != 3 or frame.shape[2] != 3 or frame.size == 0:
-            raise ValueError(
-                f"frame {number} is {what}; allowed: uint8 arrays, height x width x 3, not empty"
-            )
+            raise ValueError(f"frame {number} is {what}; allowed: uint8 arrays, height x width x 3, not empty")
         if frame.shape != frames[0].shape:
-            raise ValueError(
-                f"frame {number} is {frame.shape}, frame 0 is {frames[0].shape}; allowed: one size"
-            )
+            raise ValueError(f"frame {number} is {frame.shape}, frame 0 is {frames[0].shape}; allowed: one size")
 
 
 def _write_video(frames: Sequence[NDArray[np.uint8]], path: Path, fps: float, codec: str) -> bool:
@@ -238,9 +232,7 @@ def _palette(frames: Sequence[NDArray[np.uint8]]) -> "PIL.Image.Image":
     from PIL import Image
 
     combined = Image.fromarray(np.concatenate(frames))
-    counts = cast(
-        "list[tuple[int, tuple[int, int, int]]]", combined.getcolors(combined.width * combined.height)
-    )
+    counts = cast("list[tuple[int, tuple[int, int, int]]]", combined.getcolors(combined.width * combined.height))
     remaining = np.array([colour for _, colour in sorted(counts, reverse=True)], np.int16)
     chosen: list[int] = []
     while len(remaining) and len(chosen) < 3 * 256:

@@ -205,13 +205,7 @@ class Panel:
         box(self.picture, (left, y, right - left, 1), palette.EDGE)
 
     def _write(
-        self,
-        text: str,
-        x: float,
-        y: float,
-        size: float,
-        colour: Colour = palette.INK,
-        anchor: Anchor = "left",
+        self, text: str, x: float, y: float, size: float, colour: Colour = palette.INK, anchor: Anchor = "left"
     ) -> None:
         write(self.picture, text, x, y, size * self.u, colour, anchor)
 

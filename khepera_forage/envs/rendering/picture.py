@@ -224,9 +224,7 @@ def _draw_header(picture: pygame.Surface, view: View) -> None:
         box(picture, (GAP, 48, (right - GAP) * clamped(view.step / view.limit), 3), palette.WALL)
 
 
-def _draw_names(
-    picture: pygame.Surface, layout: PictureLayout, robots: Sequence[tuple[RobotView, Colour]]
-) -> None:
+def _draw_names(picture: pygame.Surface, layout: PictureLayout, robots: Sequence[tuple[RobotView, Colour]]) -> None:
     """Each robot's name below its marker."""
     picture.set_clip(layout.arena)
     for robot, colour in robots:

@@ -28,9 +28,7 @@ PROTOCOL = Protocol(
         "Q": Command((), (COUNTER,) * 2, "read the step counters"),
         "S": Command((), (), "stop, and switch all lights off"),
         "V": Command(
-            (),
-            (Text(r"Version [ -+\--~]+", "a version"),),
-            "version; a line with that of the hardware follows",
+            (), (Text(r"Version [ -+\--~]+", "a version"),), "version; a line with that of the hardware follows"
         ),
     },
     # As in the firmware of the e-puck1.

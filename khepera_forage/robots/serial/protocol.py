@@ -130,9 +130,7 @@ class Protocol:
         name, *fields = text.split(",")
         if name == "T":
             if len(fields) < 2 or fields[0] != "1":
-                raise ArgumentError(
-                    f"{text!r} addresses an absent turret; allowed: T,1 and a gripper message"
-                )
+                raise ArgumentError(f"{text!r} addresses an absent turret; allowed: T,1 and a gripper message")
             name, fields = f"T,1,{fields[1]}", fields[2:]
         values = _decoded(name, fields, self._command(name).arguments)
         return Request(name, tuple(value for value in values if isinstance(value, int)))
@@ -230,9 +228,7 @@ def _decoded(name: str, fields: Sequence[str], allowed: Sequence[Range | Text]) 
     for text, wanted in zip(fields, allowed, strict=True):
         if isinstance(wanted, Text) and re.fullmatch(wanted.pattern, text):
             values.append(text)
-        elif (
-            isinstance(wanted, Range) and _DECIMAL.fullmatch(text) and wanted.low <= int(text) <= wanted.high
-        ):
+        elif isinstance(wanted, Range) and _DECIMAL.fullmatch(text) and wanted.low <= int(text) <= wanted.high:
             values.append(int(text))
         else:
             raise ArgumentError(f"{name} with {text[:MAX_LINE]!r}; allowed: {wanted}")
@@ -278,9 +274,7 @@ COMMANDS: dict[str, Command] = {
     "I": Command((CHANNEL,), (TEN_BITS,), "read an analogue input, 4 mV a bit"),
     "J": Command((Range(0, 127), ACCELERATION) * 2, (), "maximum speed and acceleration of position control"),
     # No source defines the codes of mode and error, hence wide ranges.
-    "K": Command(
-        (), (SWITCH, BYTE, COUNTER) * 2, "position control: target reached, mode, error; left, right"
-    ),
+    "K": Command((), (SWITCH, BYTE, COUNTER) * 2, "position control: target reached, mode, error; left, right"),
     "L": Command((SWITCH, Range(0, 2)), (), "switch an LED: off, on, toggle"),
     "N": Command((), (TEN_BITS,) * 8, "proximity, clockwise from the left"),
     "O": Command((), (TEN_BITS,) * 8, "ambient light, in the same order; low is bright"),

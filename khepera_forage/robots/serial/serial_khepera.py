@@ -1,14 +1,6 @@
 """The driver of a real Khepera with a gripper."""
 
-from khepera_forage.robots.khepera import (
-    ARM_DOWN,
-    ARM_RAISED,
-    JAW_CLOSED,
-    JAW_OPEN,
-    PRESENT,
-    Motors,
-    Senses,
-)
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, PRESENT, Motors, Senses
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.robots.serial.protocol import KHEPERA as PROTOCOL
 from khepera_forage.robots.serial.protocol import Request

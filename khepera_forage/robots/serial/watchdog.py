@@ -86,9 +86,7 @@ class Watchdog:
             try:
                 self._pipe.write(_SIGN_OF_LIFE)  # None if the pipe is full
             except OSError:
-                _LOG.error(
-                    "the watchdog of %s has ended: a kill -9 would no longer stop the robot", self._port
-                )
+                _LOG.error("the watchdog of %s has ended: a kill -9 would no longer stop the robot", self._port)
                 return
 
 

@@ -13,16 +13,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from khepera_forage.extras import require
-from khepera_forage.robots.khepera import (
-    ARM_DOWN,
-    CONTROL_PERIOD,
-    JAW_OPEN,
-    PRESENT,
-    PULSE,
-    RADIUS,
-    RobotLost,
-    Senses,
-)
+from khepera_forage.robots.khepera import ARM_DOWN, CONTROL_PERIOD, JAW_OPEN, PRESENT, PULSE, RADIUS, RobotLost, Senses
 from khepera_forage.robots.model import TOIO
 from khepera_forage.robots.real_robot import RealRobot
 

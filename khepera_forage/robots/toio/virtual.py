@@ -137,9 +137,7 @@ class VirtualCube(CubeInterface):
         """The answer to the last configuration request."""
         return bytearray(_VERSION)
 
-    async def write(
-        self, char_uuid: UUID, data: "bytes | bytearray | memoryview[int]", response: bool = False
-    ) -> None:
+    async def write(self, char_uuid: UUID, data: "bytes | bytearray | memoryview[int]", response: bool = False) -> None:
         """Execute a motor command; everything else is accepted and has no effect."""
         if not self.is_connect():
             raise ConnectionError("the cube is not connected")

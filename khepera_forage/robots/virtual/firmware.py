@@ -79,10 +79,7 @@ class Firmware:
     argument_error = PROTOCOL_ERROR_TEXT
 
     def __init__(
-        self,
-        robot: Robot,
-        lock: AbstractContextManager[object] | None = None,
-        period: float = CONTROL_PERIOD,
+        self, robot: Robot, lock: AbstractContextManager[object] | None = None, period: float = CONTROL_PERIOD
     ) -> None:
         self._robot = robot
         self._lock = threading.RLock() if lock is None else lock
@@ -221,16 +218,11 @@ class Firmware:
             left, right = self._measured_speeds
             left_error, right_error = int(self._command.left - left), int(self._command.right - right)
             return 0, _SPEED_MODE, left_error, 0, _SPEED_MODE, right_error
-        errors = [
-            wrap_counter(target - count)
-            for target, count in zip(self._targets, self._counters(), strict=True)
-        ]
+        errors = [wrap_counter(target - count) for target, count in zip(self._targets, self._counters(), strict=True)]
         left, right = self._speeds_to(self._targets, self._counters(), (1, 1))
         return int(left == 0), _POSITION_MODE, errors[0], int(right == 0), _POSITION_MODE, errors[1]
 
-    def _speeds_to(
-        self, targets: tuple[int, int], counts: tuple[int, int], limits: tuple[int, int]
-    ) -> tuple[int, int]:
+    def _speeds_to(self, targets: tuple[int, int], counts: tuple[int, int], limits: tuple[int, int]) -> tuple[int, int]:
         """The speeds at which wheels reach targets in one control period, as exactly as whole units allow."""
         left, right = (
             max(-limit, min(limit, round((target - count) / self._pulses_per_unit)))
@@ -272,9 +264,7 @@ class EPuckFirmware(Firmware):
             "E": lambda: self._speeds,
             "N": self._infra_reds,
             "O": lambda: (_E_PUCK_DARK,) * 8,
-            "P": lambda left, right: self._set_counters(
-                *(round(n * _PULSES_PER_STEP) for n in (left, right))
-            ),
+            "P": lambda left, right: self._set_counters(*(round(n * _PULSES_PER_STEP) for n in (left, right))),
             "Q": lambda: tuple(wrap_counter(round(n / _PULSES_PER_STEP), 16) for n in self._counters()),
             "S": lambda: self._set_steps(0, 0),
             "V": lambda: (_E_PUCK_VERSIONS[0],),

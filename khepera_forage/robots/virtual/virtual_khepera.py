@@ -16,13 +16,7 @@ from typing import Literal, Self, get_args
 
 import numpy as np
 
-from khepera_forage.robots.serial.protocol import (
-    LineSplitter,
-    Protocol,
-    ProtocolError,
-    Reply,
-    seconds_on_wire,
-)
+from khepera_forage.robots.serial.protocol import LineSplitter, Protocol, ProtocolError, Reply, seconds_on_wire
 from khepera_forage.robots.virtual.firmware import Firmware
 
 _CHUNK = 4096
@@ -70,9 +64,7 @@ class Faults:
             raise ValueError(f"rates of faults add up to {total:g}; allowed: at most 1")
         shortest, longest = self.lateness
         if not 0 <= shortest <= longest < float("inf"):
-            raise ValueError(
-                f"lateness is {self.lateness!r}; allowed: two times in seconds, the shorter first"
-            )
+            raise ValueError(f"lateness is {self.lateness!r}; allowed: two times in seconds, the shorter first")
 
     def draw(self, rng: np.random.Generator) -> Fault | None:
         """The fault of the next reply, or None."""

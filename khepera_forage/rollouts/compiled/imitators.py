@@ -8,14 +8,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.compilation import entry, overload, rule
 from khepera_forage.policies.distance import rounded_distance, scaled_distance
-from khepera_forage.policies.memories import (
-    BEHAVIOURS,
-    Memories,
-    clear,
-    nearest_votes,
-    plane_key,
-    search_plane,
-)
+from khepera_forage.policies.memories import BEHAVIOURS, Memories, clear, nearest_votes, plane_key, search_plane
 from khepera_forage.policies.policy import draw_label
 
 __all__ = ["clear", "confidence_levels", "draw_label", "nearest_votes"]
@@ -66,11 +59,7 @@ def confidence_levels(
 
 @entry
 def _count_votes(
-    memories: Memories,
-    vectors: NDArray[np.int64],
-    diagonal: int,
-    votes: NDArray[np.int64],
-    arithmetic: float,
+    memories: Memories, vectors: NDArray[np.int64], diagonal: int, votes: NDArray[np.int64], arithmetic: float
 ) -> None:
     for memory in range(votes.shape[0]):
         for k in range(vectors.shape[0]):

@@ -14,14 +14,7 @@ from khepera_forage.counter_rng import DRAW_POLICY, draw, keys_of, upper
 from khepera_forage.envs.arguments import ArenaPool, Arenas, FoodOdds, Settings, whole_number
 from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_record
 from khepera_forage.envs.compiled.batch import given_records
-from khepera_forage.envs.compiled.step import (
-    WorldRecords,
-    begin,
-    carry_out,
-    command_behaviour,
-    new_worlds,
-    world_of,
-)
+from khepera_forage.envs.compiled.step import WorldRecords, begin, carry_out, command_behaviour, new_worlds, world_of
 from khepera_forage.envs.layouts import no_room
 from khepera_forage.noise import Noise
 from khepera_forage.policies.memories import BEHAVIOURS, NO_MEMORIES, Memories, plane_key
@@ -193,9 +186,7 @@ class Recalls:
             rounds_by_state=counts["by_state"].copy(),
             wrong_by_state=counts["wrong_by_state"].copy(),
             orient_without_food=counts["orient_without_food"].copy(),
-            **{
-                name: recalls[name].copy() for name in Episodes._fields if name in (recalls.dtype.names or ())
-            },
+            **{name: recalls[name].copy() for name in Episodes._fields if name in (recalls.dtype.names or ())},
         )
 
 
@@ -304,9 +295,7 @@ def _decide(world: WorldRecords, diagonal: float, decisions: Any, memories: Memo
 
 
 @rule
-def _imitate(
-    vector: Any, diagonal: int, decisions: Any, memories: Memories, recall: Any, chance: float
-) -> int:
+def _imitate(vector: Any, diagonal: int, decisions: Any, memories: Memories, recall: Any, chance: float) -> int:
     """The behaviour of an imitator. A state vector that stays is not searched for again."""
     presence, food_type, arm = vector.object_presence, vector.food_type, vector.arms_height
     home, food = vector.robot_home_distance, vector.robot_food_distance
@@ -315,9 +304,7 @@ def _imitate(
     if recall.query != query:
         clear(votes)
         seen = presence, home, food_type, arm, food
-        _, recall.total = nearest_votes(
-            memories, recall.policy, seen, diagonal, votes, decisions.distance_arithmetic
-        )
+        _, recall.total = nearest_votes(memories, recall.policy, seen, diagonal, votes, decisions.distance_arithmetic)
         recall.query = query
     behaviour = int(draw_label(votes, recall.total, chance))
     recall.ties += 1 if recall.total > 1 else 0
@@ -354,9 +341,7 @@ def _checked_policies(given: ArrayLike, memories: int) -> NDArray[np.int64]:
     """
     policies = np.asarray(given)
     if policies.ndim != 1 or policies.dtype.kind not in "iu" or not len(policies):
-        raise ValueError(
-            f"memory_of_episode is {given!r}; allowed: one whole number an episode, one episode or more"
-        )
+        raise ValueError(f"memory_of_episode is {given!r}; allowed: one whole number an episode, one episode or more")
     for policy in (int(policies.min()), int(policies.max())):
         if not WITHOUT_ORIENTING <= policy < memories:
             raise ValueError(
@@ -367,16 +352,7 @@ def _checked_policies(given: ArrayLike, memories: int) -> NDArray[np.int64]:
     return policies.astype(np.int64)
 
 
-_NUMBERS = (
-    "correct",
-    "steps",
-    "score",
-    "delivered",
-    "poison_home",
-    "orient_without_food",
-    "ties",
-    "conflicts",
-)
+_NUMBERS = ("correct", "steps", "score", "delivered", "poison_home", "orient_without_food", "ties", "conflicts")
 _LISTS = ("food_delivered", "rounds_by_state", "wrong_by_state")
 
 

@@ -9,13 +9,7 @@ from numpy.typing import NDArray
 from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import keys_of, random_bits
 from khepera_forage.envs.arguments import FoodOdds, Settings, whole_number
-from khepera_forage.envs.compiled.pairs import (
-    Sides,
-    carry_out_pair,
-    paired_sides,
-    pairing_dtype,
-    put_on_marks,
-)
+from khepera_forage.envs.compiled.pairs import Sides, carry_out_pair, paired_sides, pairing_dtype, put_on_marks
 from khepera_forage.envs.compiled.step import WorldRecords, new_worlds
 from khepera_forage.envs.layouts import no_room_on_marks
 from khepera_forage.experience import Experience
@@ -118,9 +112,7 @@ class Trained(NamedTuple):
         rows = self.vectors_of(learner, episode).tolist()
         episodes = self.offsets.shape[1] - 1 if episode is None else 1
         heard = [row[HEARD] for row in rows]
-        return Experience(
-            [row[:HEARD] for row in rows], heard, self.arena, self.seed, episodes, self.decisions
-        )
+        return Experience([row[:HEARD] for row in rows], heard, self.arena, self.seed, episodes, self.decisions)
 
 
 def train_learners(
@@ -248,12 +240,7 @@ def _train(
         pairings: Two `Pairing` records; that of the learner counts.
         actions: Two behaviours.
     """
-    attempt, pairing, teacher, learner = (
-        attempts[0],
-        pairings[1],
-        worlds.foragers[0, 0],
-        worlds.foragers[1, 0],
-    )
+    attempt, pairing, teacher, learner = (attempts[0], pairings[1], worlds.foragers[0, 0], worlds.foragers[1, 0])
     for number in range(first, last):
         for k in range(records.shape[1]):
             room = put_on_marks(worlds, 0, sides, attempt, pairings, random_bits(keys[number], k))

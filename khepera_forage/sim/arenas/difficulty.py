@@ -154,6 +154,4 @@ def checked_difficulty(difficulty: object) -> Difficulty:
         return difficulty
     if isinstance(difficulty, str) and difficulty in DIFFICULTIES:
         return DIFFICULTIES[difficulty]
-    raise ValueError(
-        f"difficulty is {difficulty!r}; allowed: {', '.join(map(repr, DIFFICULTIES))}, or a Difficulty"
-    )
+    raise ValueError(f"difficulty is {difficulty!r}; allowed: {', '.join(map(repr, DIFFICULTIES))}, or a Difficulty")

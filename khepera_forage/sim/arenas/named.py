@@ -75,9 +75,7 @@ def step_limit(foods: int, longest_path: float) -> int:
 FAMILY: Mapping[str, FamilyArena] = {
     # Start at the foot, food in one arm, home in the other.
     "t_maze": FamilyArena(
-        walls=corners(
-            (570, 0), (830, 0), (830, 600), (1400, 600), (1400, 860), (0, 860), (0, 600), (570, 600)
-        ),
+        walls=corners((570, 0), (830, 0), (830, 600), (1400, 600), (1400, 860), (0, 860), (0, 600), (570, 600)),
         home=(1270, 730),
         start=(700, 110, 90),
         foods=((200, 730),),
@@ -98,12 +96,7 @@ FAMILY: Mapping[str, FamilyArena] = {
         start=(140, 600, 0),
         foods=((400, 600), (900, 250)),
         longest_path=1898,
-        obstacles=(
-            box(580, 0, 620, 120),
-            box(580, 360, 620, 800),
-            box(1180, 0, 1220, 440),
-            box(1180, 680, 1220, 800),
-        ),
+        obstacles=(box(580, 0, 620, 120), box(580, 360, 620, 800), box(1180, 0, 1220, 440), box(1180, 680, 1220, 800)),
     ),
     # One room with blocks of several shapes.
     "obstacles": FamilyArena(

@@ -103,9 +103,7 @@ class ProceduralArenas(Sequence[Arena]):
         checked_difficulty(self.difficulty)
         if self.split not in SPLITS:
             raise ValueError(f"split is {self.split!r}; allowed: {', '.join(map(repr, SPLITS))}")
-        last = _whole_number("start_level", self.start_level, 0) + _whole_number(
-            "num_levels", self.num_levels, 1
-        )
+        last = _whole_number("start_level", self.start_level, 0) + _whole_number("num_levels", self.num_levels, 1)
         if last > LEVELS:
             raise ValueError(
                 f"start_level {self.start_level} + num_levels {self.num_levels} is {last}; allowed: at most {LEVELS}"

@@ -90,12 +90,7 @@ class Cells(NamedTuple):
 
     def corners(self) -> Corners:
         """Counter-clockwise."""
-        return (
-            (self.left, self.bottom),
-            (self.right, self.bottom),
-            (self.right, self.top),
-            (self.left, self.top),
-        )
+        return ((self.left, self.bottom), (self.right, self.bottom), (self.right, self.top), (self.left, self.top))
 
     def is_apart(self, other: "Cells") -> bool:
         """Whether there is a passage between two boxes."""
@@ -194,16 +189,10 @@ def _partitions(draws: Draws, outline: Outline, count: int, budget: int) -> list
         if room < _SHORTEST_PIECE:
             raise NoRoomError(f"a door of {door} mm does not fit")
         # Two pieces instead of one, if the budget is enough for them and for the further partitions.
-        two_pieces = (
-            room >= 2 * _SHORTEST_PIECE and budget >= 4 * (len(pieces) + left + 1) and draws.whole(0, 1)
-        )
-        low = bottom + (
-            draws.whole(_SHORTEST_PIECE, room - _SHORTEST_PIECE) if two_pieces else draws.one_of((0, room))
-        )
+        two_pieces = room >= 2 * _SHORTEST_PIECE and budget >= 4 * (len(pieces) + left + 1) and draws.whole(0, 1)
+        low = bottom + (draws.whole(_SHORTEST_PIECE, room - _SHORTEST_PIECE) if two_pieces else draws.one_of((0, room)))
         half = _THICKNESS // 2
-        pieces += [
-            Cells(x - half, y1, x + half, y2) for y1, y2 in ((bottom, low), (low + door, top)) if y2 > y1
-        ]
+        pieces += [Cells(x - half, y1, x + half, y2) for y1, y2 in ((bottom, low), (low + door, top)) if y2 > y1]
     return pieces
 
 
@@ -243,8 +232,6 @@ def _block(draws: Draws, x: int, y: int) -> Corners:
         count, radius, turn = draws.whole(3, 6), draws.whole(40, 100), math.radians(draws.whole(0, 119))
         angles = [turn + 2 * math.pi * i / count for i in range(count)]
         return tuple((x + round(radius * math.cos(a)), y + round(radius * math.sin(a))) for a in angles)
-    long, short = (
-        (draws.whole(160, 360), 30) if kind == "bar" else (draws.whole(60, 180), draws.whole(60, 180))
-    )
+    long, short = (draws.whole(160, 360), 30) if kind == "bar" else (draws.whole(60, 180), draws.whole(60, 180))
     dx, dy = (long // 2, short // 2) if draws.whole(0, 1) else (short // 2, long // 2)
     return Cells(x - dx, y - dy, x + dx, y + dy).corners()

@@ -64,7 +64,5 @@ def thesis_arena(name: str, set_up: SetUp) -> Arena:
         home=Point(home, middle + set_up.home_aside),
         home_radius=set_up.home_radius,
         start=Pose(set_up.start_to_wall, middle + set_up.start_aside, 0.0),
-        foods=tuple(
-            Point(home - set_up.food_to_home, middle + set_up.food_aside + aside) for aside in foods_aside
-        ),
+        foods=tuple(Point(home - set_up.food_to_home, middle + set_up.food_aside + aside) for aside in foods_aside),
     )

@@ -21,14 +21,7 @@ import khepera_forage.sim.compiled.rules  # noqa: F401 (registers the rules)
 from khepera_forage.compilation import entry, rule
 from khepera_forage.geometry.plane import Wall, cosine_sine, from_wall, squared_from_wall
 from khepera_forage.records import array_of, dtype_of
-from khepera_forage.robots.khepera import (
-    ARM_ON_FLOOR,
-    FINGER_THICKNESS,
-    FINGER_TIP,
-    FOOD_RADIUS,
-    RADIUS,
-    half_gap,
-)
+from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_THICKNESS, FINGER_TIP, FOOD_RADIUS, RADIUS, half_gap
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.driving import (
     SUBSTEPS,
@@ -61,14 +54,7 @@ _FRICTION = 0.04
 
 
 @rule
-def move_in_contact(
-    robots: Any,
-    i: int,
-    foods: Any,
-    walls: Any,
-    corners: Any,
-    constants: Any,
-) -> None:
+def move_in_contact(robots: Any, i: int, foods: Any, walls: Any, corners: Any, constants: Any) -> None:
     """Move a robot that touches something for one round.
 
     Args:
@@ -92,9 +78,7 @@ def move_in_contact(
         turned = (robot.turn + share * (robot.last_turn - robot.turn)) * duration
         parts, part = 1, 0
         while part < parts:
-            held_back, leapt = _move_on(
-                robots, i, foods, walls, corners, driven / parts, turned / parts, allowed
-            )
+            held_back, leapt = _move_on(robots, i, foods, walls, corners, driven / parts, turned / parts, allowed)
             part += 1
             if leapt and parts == 1:
                 parts, part = _FINER, 0

@@ -186,8 +186,7 @@ class _RobotBody:
         space.add(body, self._wheels, pull, twist)
         palm, wide, self._end = JAW_ROOT - _THIN, half_gap(JAW_OPEN) + _THIN, tip_of(robot) - _THIN
         self._fingers = [
-            (side, pymunk.Segment(body, (JAW_ROOT, side * wide), (self._end, side * wide), _THIN))
-            for side in (1, -1)
+            (side, pymunk.Segment(body, (JAW_ROOT, side * wide), (self._end, side * wide), _THIN)) for side in (1, -1)
         ]
         self._gripper = [pymunk.Segment(body, (palm, -wide), (palm, wide), _THIN)]
         self._gripper += [finger for _, finger in self._fingers]
@@ -249,9 +248,7 @@ class PymunkWorld(Simulation):
         robots, foods, _, _, walls, corners = enclosure
         for i in range(len(robots)):
             begin_round(robots, i, foods, self.constants)
-        touching = [
-            i for i in range(len(robots)) if not glide(robots, i, foods, walls, corners, self.constants)
-        ]
+        touching = [i for i in range(len(robots)) if not glide(robots, i, foods, walls, corners, self.constants)]
         if touching:
             if number not in self._bodies:
                 self._bodies[number] = Bodies(enclosure)

@@ -84,9 +84,7 @@ def measured(
     replications = QUICK_REPLICATIONS if given.quick else REPLICATIONS
     # The key has the laboratory, too, which depends on the sets that are drawn.
     units = [
-        Job(
-            f"{k} {laboratory_text(laboratories[k])}", measure, (given.seed, k, laboratories[k], replications)
-        )
+        Job(f"{k} {laboratory_text(laboratories[k])}", measure, (given.seed, k, laboratories[k], replications))
         for k in sorted({*prior, *inferred})
     ]
     settings = {"replications": str(replications), "claims": "; ".join(claim.name for claim in CLAIMS)}

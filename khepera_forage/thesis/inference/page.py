@@ -31,13 +31,7 @@ from khepera_forage.thesis.inference.posterior import (
 )
 from khepera_forage.thesis.inference.prior import PRIOR, LabModel, PriorRange
 from khepera_forage.thesis.inference.simulate import Drawn, Sets, replicate
-from khepera_forage.thesis.inference.summary import (
-    ALL,
-    FITTED,
-    NAMES,
-    fitted_columns,
-    thesis_statistics,
-)
+from khepera_forage.thesis.inference.summary import ALL, FITTED, NAMES, fitted_columns, thesis_statistics
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -121,9 +115,7 @@ def tables_page(given: Arguments, sets: Sets, observed: Floats, name: str) -> Pa
 def posterior_parts(posterior: Posterior, sets: Sets, quick: bool = False) -> list[str | Table | Picture]:
     """Prior predictive check, calibration and posterior; a warning also goes to standard error, unless `quick`."""
     names = {d: [c.name for c in posterior.calibrations if c.determined is d] for d in Determined}
-    determined = "; ".join(
-        f"{kind}: {', '.join(f'`{name}`' for name in own) or 'none'}" for kind, own in names.items()
-    )
+    determined = "; ".join(f"{kind}: {', '.join(f'`{name}`' for name in own) or 'none'}" for kind, own in names.items())
     warning = posterior.check.warning
     if warning and not quick:
         print(f"khepera-forage: {warning}", file=sys.stderr)
@@ -192,9 +184,7 @@ def _prior_check(check: PriorCheck) -> Table:
                 "percentile": place,
                 "within 95 %": "" if np.isnan(place) else "yes" if 2.5 <= place <= 97.5 else "no",
             }
-            for k, interval, place in zip(
-                fitted_columns(), check.intervals, check.ranks.tolist(), strict=True
-            )
+            for k, interval, place in zip(fitted_columns(), check.intervals, check.ranks.tolist(), strict=True)
         ],
         {"simulated": 2},
     )
@@ -243,12 +233,8 @@ def _ranks(posterior: Posterior) -> "Figure":
     expected = posterior.held_out / CLASSES
     low, high = stats.binom.ppf([0.025, 0.975], posterior.held_out, 1 / CLASSES)
     for axis, found in zip(axes, posterior.calibrations, strict=True):
-        axis.hist(
-            found.ranks, CLASSES, range=(0.0, 1.0), color=OURS, alpha=0.8, label="sets in a class of ranks"
-        )
-        axis.axhspan(
-            low, high, color="0.85", zorder=0, lw=0, label="central 95 % if ranks are equally frequent"
-        )
+        axis.hist(found.ranks, CLASSES, range=(0.0, 1.0), color=OURS, alpha=0.8, label="sets in a class of ranks")
+        axis.axhspan(low, high, color="0.85", zorder=0, lw=0, label="central 95 % if ranks are equally frequent")
         axis.axhline(expected, color=GREY, linewidth=0.8, label="mean number of sets in a class")
         axis.set_title(found.name, fontsize=SMALL)
         axis.tick_params(labelsize=SMALL)
@@ -325,9 +311,7 @@ def _marginals(posterior: Posterior) -> "Figure":
         ends = (low, high) if low < high else (low - 0.5, low + 0.5)
         bins = (np.arange(count + 1) - 0.5 if count else np.linspace(*ends, 9)).tolist()
         axis.hist(values, bins, weights=even, color="0.8", label="admissible sets")
-        axis.hist(
-            values, bins, weights=posterior.weights, histtype="step", color=OURS, lw=1.5, label="posterior"
-        )
+        axis.hist(values, bins, weights=posterior.weights, histtype="step", color=OURS, lw=1.5, label="posterior")
         unit = FIELDS[parameter.name].unit if parameter.name in FIELDS else _NOISE_UNITS[parameter.name]
         axis.set_title(f"{parameter.name}\n({unit})" if unit else parameter.name, fontsize=SMALL)
         axis.tick_params(labelsize=SMALL)
@@ -359,9 +343,7 @@ def _cells(predictions: Sequence[Predictions]) -> Table:
         "the standard deviation between training files, `slope` the change from the fewest training episodes to the "
         "most. Medians of steps are those of recalls that left no food. `test`: never fitted.",
         rows,
-        {"thesis": 2}
-        | {one.name: 2 for one in predictions}
-        | {f"percentile ({one.name})": 0 for one in predictions},
+        {"thesis": 2} | {one.name: 2 for one in predictions} | {f"percentile ({one.name})": 0 for one in predictions},
     )
 
 
@@ -411,8 +393,7 @@ def _test_set(inferred: Predictions, statistics: NDArray[np.float32], weights: F
         "percentile of the thesis, and whether it lies in that interval. The last columns take sets one by one: "
         "the share whose own experiments include the thesis's value in their central 95 %.",
         rows,
-        {"thesis": 2, "posterior": 2}
-        | dict.fromkeys(("percentile", "posterior sets (%)", "admissible sets (%)"), 0),
+        {"thesis": 2, "posterior": 2} | dict.fromkeys(("percentile", "posterior sets (%)", "admissible sets (%)"), 0),
     )
 
 
@@ -479,11 +460,7 @@ def _questions(found: Sequence[Explained]) -> Table:
         f"is divided into {PARTS} classes of equal weight), and what 95 % of decisions without any influence stay "
         f"below, which is the upper end of chance. Needs {ENOUGH} sets of equal weight.",
         [
-            {
-                "decision or noise": one.name,
-                "explained (%)": 100 * one.share,
-                "by chance (%)": 100 * one.chance,
-            }
+            {"decision or noise": one.name, "explained (%)": 100 * one.share, "by chance (%)": 100 * one.chance}
             for one in found
         ],
     )

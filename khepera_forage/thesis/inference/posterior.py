@@ -83,9 +83,7 @@ def parameters_of(prior: Prior, laboratories: Sequence[LabModel]) -> list[Parame
     found = []
     for name, part in prior.parts.items():
         alternatives = () if isinstance(part, PriorRange) else tuple(part.of)
-        drawn = [
-            getattr(lab.decisions if name in prior.decisions else lab.noise, name) for lab in laboratories
-        ]
+        drawn = [getattr(lab.decisions if name in prior.decisions else lab.noise, name) for lab in laboratories]
         values = [alternatives.index(value) for value in drawn] if alternatives else drawn
         found.append(Parameter(name, alternatives, np.array(values, dtype=np.float64)))
     return found
@@ -130,9 +128,7 @@ def effective_number(weights: Floats) -> float:
     return float(weights.sum() ** 2 / (weights**2).sum())
 
 
-def forest_weights(
-    statistics: Floats, targets: Floats, queries: Floats, seed: int, trees: int = TREES
-) -> Floats:
+def forest_weights(statistics: Floats, targets: Floats, queries: Floats, seed: int, trees: int = TREES) -> Floats:
     """How much each simulated set counts for some experiments, shape (queries, sets); each row's sum is 1.
 
     Args:
@@ -204,9 +200,7 @@ class Coverage:
         return Determined.YES if self.error.high < MUCH else Determined.LITTLE
 
 
-def calibrate(
-    learned: Parameter, weights: Floats, true: Parameter, rng: Generator, guesses: Floats
-) -> Coverage:
+def calibrate(learned: Parameter, weights: Floats, true: Parameter, rng: Generator, guesses: Floats) -> Coverage:
     """Compare posteriors with true values.
 
     Args:
@@ -342,11 +336,7 @@ class Posterior:
 
 
 def infer(
-    parameters: Sequence[Parameter],
-    statistics: NDArray[np.float32],
-    observed: Floats,
-    seed: int,
-    trees: int = TREES,
+    parameters: Sequence[Parameter], statistics: NDArray[np.float32], observed: Floats, seed: int, trees: int = TREES
 ) -> Posterior:
     """Weight sets by their likeness to an experiment, and validate the weights on sets that were held out.
 

@@ -26,19 +26,8 @@ from khepera_forage.study import Arguments, Job, RowStore, in_processes
 from khepera_forage.thesis.compiled_replications import recalls_of
 from khepera_forage.thesis.design import FOODS, LIMITS, THESIS, files_needed
 from khepera_forage.thesis.inference.posterior import Parameter, parameters_of
-from khepera_forage.thesis.inference.prior import (
-    PRIOR,
-    LabModel,
-    laboratory_from_text,
-    laboratory_text,
-)
-from khepera_forage.thesis.inference.summary import (
-    ALL,
-    CellRecalls,
-    fitted_columns,
-    of_recalls,
-    with_slopes,
-)
+from khepera_forage.thesis.inference.prior import PRIOR, LabModel, laboratory_from_text, laboratory_text
+from khepera_forage.thesis.inference.summary import ALL, CellRecalls, fitted_columns, of_recalls, with_slopes
 
 FORAGES = 256
 """Of the teacher, in each arena."""

@@ -108,9 +108,7 @@ def printed_recalls(cell: Cell, lines: Sequence[PrintedRecall]) -> CellRecalls:
     """The printed lines of a cell, in the order of the table, as one experiment."""
     values = [(row.correct, row.total, row.delivered(cell.foods), row.points) for row in lines]
     shape = (1, len(cell.subsets), cell.recalls)
-    return CellRecalls(
-        *(np.array(column, dtype=np.float64).reshape(shape) for column in zip(*values, strict=True))
-    )
+    return CellRecalls(*(np.array(column, dtype=np.float64).reshape(shape) for column in zip(*values, strict=True)))
 
 
 def printed_lines(cell: Cell) -> tuple[PrintedRecall, ...]:
@@ -169,11 +167,7 @@ def tables_statistics(path: Path) -> Floats:
     cells = []
     for cell in THESIS:
         found = [
-            [
-                own
-                for own, at in zip(numbers, places, strict=True)
-                if at == (cell.arena, cell.episodes, subset.name)
-            ]
+            [own for own, at in zip(numbers, places, strict=True) if at == (cell.arena, cell.episodes, subset.name)]
             for subset in cell.subsets
         ]
         if cell.arena == "corridor" and {len(own) for own in found} != {cell.recalls}:

@@ -25,9 +25,7 @@ levels = st.integers(0, 2 * LEVELS)
 @everywhere
 @given(level=levels)
 @PROPERTY
-def test_level_has_room_for_robots_and_pairs_and_what_its_difficulty_says(
-    difficulty: str, level: int
-) -> None:
+def test_level_has_room_for_robots_and_pairs_and_what_its_difficulty_says(difficulty: str, level: int) -> None:
     arena, chosen = procedural_arena(level, difficulty), DIFFICULTIES[difficulty]
     check_room(arena)
     # No slits: a place with some room around it is beside the floor that robots use.
@@ -125,8 +123,7 @@ CROWDED = replace(DIFFICULTIES["easy"], name="crowded", foods=16)
 
 def test_difficulty_without_room_for_its_food_is_an_error() -> None:
     with pytest.raises(
-        ValueError,
-        match=r"difficulty 'crowded': no room for 16 food objects.* in level 3 after.*allowed: fewer",
+        ValueError, match=r"difficulty 'crowded': no room for 16 food objects.* in level 3 after.*allowed: fewer"
     ):
         procedural_arena(3, CROWDED)
     assert len(procedural_arena(3, replace(CROWDED, length=(2000, 2400), width=(1100, 1165))).foods) == 16
