@@ -69,6 +69,20 @@ def test_teacher_delivers_food_and_leaves_poison(robot: str, name: str, food_typ
         assert (senses.arm, senses.jaw) == (255, 200), "the arm counts as lowered, the jaw as open"
 
 
+@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("name", ["Corridor", "Rectangle"])
+def test_teacher_without_a_gripper_pushes_nearly_all_food_home(robot: str, name: str) -> None:
+    worlds: Any = gym.make_vec(f"khepera_forage/{name}-v1", num_envs=100, robot=robot, limit=1500)
+    _, infos = worlds.reset(seed=0)
+    delivered, over = np.zeros(100, np.int64), np.zeros(100, np.bool_)
+    for _ in range(1500):
+        _, _, terminated, truncated, infos = worlds.step(infos["correct_behaviour"])
+        ends = (terminated | truncated) & ~over
+        delivered[ends] = infos["delivered"][ends]
+        over |= ends
+    assert delivered.sum() >= 0.95 * 100 * worlds.get_attr("foods")[0]
+
+
 @on_both_backends
 @pytest.mark.parametrize(("robot", "food", "delivered"), [("toio", "PUSHABLE", 1), ("e-puck2", "POISONOUS", 0)])
 def test_learners_without_a_gripper_do_what_they_hear(robot: str, food: str, delivered: int, backend: str) -> None:
