@@ -69,7 +69,7 @@ def virtual_laboratory(
     ports = ["virtual"] * robots
     entries = _entries(original, placed, ports, decisions, type=robot, timeout=timeout)
     tags: dict[str, Any] = {} if model_of(robot).has_gripper else {"markers": "tags", "tag_size": TAG_SIZE}
-    camera, tracker = CameraSettings("rendered frames"), TrackerSettings(**tags)
+    camera, tracker = CameraSettings(source="rendered frames"), TrackerSettings(**tags)
     settings = LabSettings(original, entries, camera, timing.round_duration, tracker)
     return VirtualLaboratory(settings, arm_speed=timing.arm_speed, jaw_speed=timing.jaw_speed, **options)
 

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from khepera_forage.robots.khepera import PULSE
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.image_quality import is_well_exposed, why_unusable
 from khepera_forage.vision.tracker import Tracker
-from khepera_forage.vision.video import CameraLost, FrameSource, VideoSettings, VideoSource
+from khepera_forage.vision.video import CameraLost, FrameSource, VideoSource
 
 _HOLD_AFTER = 2
 """Periods from the beginning of a round until the wheels are stopped for want of a frame."""
@@ -103,6 +104,6 @@ def calibration_of(settings: LabSettings) -> Calibration | None:
 def open_video(settings: LabSettings, calibration: Calibration | None) -> VideoSource:
     """Open the camera of the settings, by default with the size of its calibration."""
     camera = settings.camera
-    size = camera.size or (None if calibration is None else calibration.size)
-    options = VideoSettings(size, camera.rate, camera.exposure, camera.focus)
-    return VideoSource(camera.source, settings=options)
+    if camera.size is None and calibration is not None:
+        camera = replace(camera, size=calibration.size)
+    return VideoSource(camera.source, settings=camera)

@@ -36,6 +36,7 @@ from khepera_forage.toml_table import (
     true_or_false,
 )
 from khepera_forage.vision.tracker_settings import MARKER_NUMBERS, TrackerSettings
+from khepera_forage.vision.video import VideoSettings
 
 ORIGIN = Point(0.0, 0.0)
 
@@ -67,16 +68,12 @@ class RobotSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class CameraSettings:
+class CameraSettings(VideoSettings):
     """The camera above all arenas: the keys of the table `[camera]`, see `sample.toml`."""
 
     source: int | str = 0
     calibration: Path | None = None
     oldest: float = 0.5
-    size: tuple[int, int] | None = None
-    rate: float | None = None
-    exposure: float | None = None
-    focus: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
