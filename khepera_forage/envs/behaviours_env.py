@@ -11,7 +11,7 @@ from khepera_forage.envs.recall import Observation, RecallEnv
 from khepera_forage.policies.features import state_vector_space
 from khepera_forage.policies.teacher import APPLICABLE
 from khepera_forage.task.episode import ForagerState
-from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, FoodType, behaviour_number
+from khepera_forage.task.states import BEHAVIOURS, NUM_BEHAVIOURS, FoodType, StateVector, behaviour_number
 
 _WHOLE = tuple(np.int64(number) for number in range(len(FoodType)))
 """The values of the discrete parts of an observation: looking one up is ten times as fast as making it."""
@@ -72,6 +72,8 @@ class BehavioursEnv(RecallEnv[int]):
     - v0: first version. The default of `decisions` is `Decisions.v0_1()`: those of version 0.1 of the package.
     """
 
+    _vector: StateVector
+
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.action_space = spaces.Discrete(NUM_BEHAVIOURS)  # type: ignore[assignment]
@@ -86,7 +88,8 @@ class BehavioursEnv(RecallEnv[int]):
         Raises:
             ResetNeeded: Before the first reset.
         """
-        vector = self.forager.vector
+        self._require_first_reset()
+        vector = self._vector
         masks: NDArray[np.bool_] = APPLICABLE[vector.object_presence, vector.food_type].copy()
         return masks
 
@@ -96,6 +99,7 @@ class BehavioursEnv(RecallEnv[int]):
         return (behaviour,)
 
     def _observation(self, forager: ForagerState) -> Observation:
+        self._vector = forager.vector
         presence, home, food_type, arm, food = forager.vector
         # One fresh array for all three numbers: making an array takes longer than a slice.
         numbers = np.array((home, arm, food))
