@@ -67,8 +67,10 @@ def test_pairs_without_noise_are_those_of_one_environment_round_by_round(given: 
         apart += infos["learner_0"]["separations"]
         outcomes.add(ends["teacher_0"])
     assert apart > 0
-    assert True in outcomes or "decisions" in given
-    assert False in outcomes or "patience" not in given
+    if "decisions" not in given:  # under others, three attempts may all fail
+        assert True in outcomes
+    if "patience" in given:
+        assert False in outcomes
 
 
 def test_first_complete_attempts_of_pairs_are_those_of_train_learners() -> None:
