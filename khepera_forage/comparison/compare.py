@@ -17,7 +17,7 @@ from khepera_forage.comparison.learning import (
     all_learners,
     check_form,
     learn_and_forage,
-    settings_of,
+    settings_text,
     unable,
 )
 from khepera_forage.comparison.page import page
@@ -100,7 +100,7 @@ def unavailable(backend: str, address: str | None) -> str:
 def known_learners() -> str:
     """All learners that are known here, one a line: name, title, what it learns from, and settings."""
     lines = [
-        (name, learner.title, learner.needs.value if learner.needs else "-", settings_of(learner))
+        (name, learner.title, learner.needs.value if learner.needs else "-", settings_text(learner))
         for name, learner in all_learners().items()
     ]
     widths = [max(len(line[i]) for line in lines) for i in range(3)]
@@ -190,7 +190,7 @@ def _rows(
         for number in replications
         for name, learner in learners.items()
     ]
-    settings = {f"learner {name}": settings_of(learner) for name, learner in learners.items()}
+    settings = {f"learner {name}": settings_text(learner) for name, learner in learners.items()}
     settings["arenas"] = " ".join(arenas)
     with workers(given.backend, given.jobs, given.address) as execute:
         rows = collect(given, units, {RecallBatch: "rows"}, execute, settings, others=True)
@@ -284,7 +284,7 @@ def _tuning_table(rows: Sequence[RecallBatch], learners: Mapping[str, Compared],
         [
             {
                 "learner": learners[curve.learner].title,
-                "settings": settings_of(learners[curve.learner]),
+                "settings": settings_text(learners[curve.learner]),
                 "food delivered (%)": curve.end.delivered,
                 "more (points)": gains.get(curve.learner, UNKNOWN),
                 "score (%)": curve.end.score,

@@ -287,7 +287,7 @@ def unable(learner: Compared, arenas: Sequence[str] = ARENAS) -> str:
     return ""
 
 
-def settings_of(learner: Compared) -> str:
+def settings_text(learner: Compared) -> str:
     """A learner's settings in one line. They stand on the page, and rows of other settings are refused."""
     match learner:
         case OfflineImitation():
@@ -296,7 +296,7 @@ def settings_of(learner: Compared) -> str:
             choice = "" if learner.sample else "; most probable behaviour"
             return f"{name}({_arguments(learner.settings)}){diagonal}{choice}"
         case InteractiveImitation():
-            return f"{settings_of(learner.learner)}; {_arguments(learner.settings)}"
+            return f"{settings_text(learner.learner)}; {_arguments(learner.settings)}"
         case ReinforcementLearner():
             apart = ("title", "algorithm", "settings")
             own = {f.name: getattr(learner, f.name) for f in fields(learner) if f.name not in apart}

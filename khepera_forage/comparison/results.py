@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from khepera_forage.comparison.learning import ALL_ARENAS, Compared, RecallBatch, settings_of
+from khepera_forage.comparison.learning import ALL_ARENAS, Compared, RecallBatch, settings_text
 from khepera_forage.estimates import UNKNOWN, Estimate, Measure, bootstrap_quantile, difference, mean, pick
 from khepera_forage.files import utf8
 from khepera_forage.policies.learners import Supervision
@@ -72,7 +72,7 @@ class ReadLearner(NamedTuple):
 
 def described(learners: Mapping[str, Compared]) -> dict[str, ReadLearner]:
     """Learners as tables, figures and results files have them."""
-    return {name: ReadLearner(one.title, one.needs, settings_of(one)) for name, one in learners.items()}
+    return {name: ReadLearner(one.title, one.needs, settings_text(one)) for name, one in learners.items()}
 
 
 class Curve(NamedTuple):

@@ -73,6 +73,7 @@ class BehavioursEnv(RecallEnv[int]):
     """
 
     _vector: StateVector
+    """Of the last observation; a compiled world would have to rebuild the robot's whole record for it."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)

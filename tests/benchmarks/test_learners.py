@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from khepera_forage.comparison.compare import CANDIDATES, candidates, differences, unavailable
-from khepera_forage.comparison.learning import RecallBatch, settings_of
+from khepera_forage.comparison.learning import RecallBatch, settings_text
 from khepera_forage.comparison.results import curves
 from khepera_forage.policies.learners import LEARNERS, Supervision
 from tests.benchmarks.conftest import QuickRun
@@ -160,7 +160,7 @@ def tuned(quick_run: QuickRun) -> Path:
 def test_tuning_compares_settings_over_other_seeds(tuned: Path) -> None:
     table = read(tuned / "tuning/table_tuning.csv")
     settings = [line["settings"] for line in table]
-    assert settings[0] == settings_of(LEARNERS["dagger_tree"])
+    assert settings[0] == settings_text(LEARNERS["dagger_tree"])
     assert len(set(settings)) == len(settings) == 5
     best = [line for line in table if line["best"]]
     assert len(best) == 1
@@ -204,7 +204,7 @@ def test_tuned_learners_have_as_many_settings_each() -> None:
     needing = {name for name, learner in LEARNERS.items() if learner.needs is not Supervision.STEPS}
     assert set(tried) == needing - {"imitator"}
     assert {len(changes) for changes in tried.values()} == {3}
-    assert len({settings_of(learner) for learner in candidates().values()}) == 5 * len(tried)
+    assert len({settings_text(learner) for learner in candidates().values()}) == 5 * len(tried)
 
 
 @pytest.mark.parametrize(

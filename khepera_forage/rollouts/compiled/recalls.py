@@ -140,7 +140,7 @@ class Recalls:
     ) -> None:
         settings = Settings.of(arena, noise, food_types, decisions)
         marker = settings.decisions.recall_marker
-        self._foods, self._settings = foods, settings_record(settings, foods, limit, marker, wheel_speed)
+        self._foods, self._record = foods, settings_record(settings, foods, limit, marker, wheel_speed)
         self._arenas = PreparedArenas(ArenaPool(arena, settings.decisions))
 
     def run(
@@ -171,7 +171,7 @@ class Recalls:
         share_out(
             _run_recalls,
             count,
-            *(arenas.blocks, places, self._settings, memories),
+            *(arenas.blocks, places, self._record, memories),
             *(keys, *given_records(None, None, foods), recalls, food_places, collected, free),
             scratch=lambda: (new_worlds(1, foods),),
             least=_LEAST,
