@@ -44,7 +44,6 @@ html_show_copyright = False
 
 # Headings down to the fourth level can be linked to, as in the repository.
 myst_heading_anchors = 4
-myst_enable_extensions = ["colon_fence"]
 nb_execution_mode = "force"
 nb_execution_timeout = 300  # seconds a cell, on a busy machine
 nb_execution_raise_on_error = True
@@ -72,6 +71,4 @@ nitpick_ignore_regex = [
     ("py:.*", r"(?!khepera_forage).*"),
     # Type variables have no documentation.
     ("py:.*", r"khepera_forage\..*\.(_\w+|T|RowT|ActionT)"),
-    # Classes beside kernels, in modules that the reference leaves out.
-    ("py:class", r"khepera_forage\..*\.(Bodies|OneWorld|TaskParameters|Worlds)"),
 ]
