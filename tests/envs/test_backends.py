@@ -10,7 +10,9 @@ import pytest
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage import Decisions, Noise
-from khepera_forage.task.states import Behaviour
+from khepera_forage.envs.paired_corridors_v1 import raw_env
+from khepera_forage.rollouts.training import attempt
+from khepera_forage.task.states import Behaviour, StateVector
 from tests.sim.worlds import FIELD
 
 NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
@@ -83,6 +85,29 @@ def test_environment_is_the_same_bit_for_bit_until_something_is_touched(name: st
                 action = np.array((-turn, turn, *rng.choice((-1.0, 1.0), 2)))
             shown, others = (env.step(action) for env in (pymunk, compiled))
     assert steps < 200 or tracked == near == {True, False}
+
+
+@needs_numba
+def test_forages_and_trainings_of_the_thesis_are_the_same_on_both_backends() -> None:
+    """Food is gripped, carried and released alike, at the end of a round in which the robot still drove, too."""
+    for seed in range(4):
+        steps = [_forage(gym.make(_id("Corridor"), backend=backend), seed) for backend in ("pymunk", "compiled")]
+        np.testing.assert_equal(steps[0], steps[1])
+        experience: list[list[tuple[StateVector, Behaviour]]] = [[], []]
+        results = [
+            attempt(raw_env(backend=backend), seed, lambda *row, own=own: own.append(row))
+            for backend, own in zip(("pymunk", "compiled"), experience, strict=True)
+        ]
+        assert results[0] == results[1]
+        assert experience[0] == experience[1]
+
+
+def _forage(env: Any, seed: int) -> list[Any]:
+    shown = [env.reset(seed=seed)]
+    while len(shown) == 1 or not (shown[-1][2] or shown[-1][3]):
+        shown.append(env.step(shown[-1][-1]["correct_behaviour"]))
+    assert shown[-1][-1]["delivered"] == 1
+    return shown
 
 
 def _public(thing: Any) -> set[str]:

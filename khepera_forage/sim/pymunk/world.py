@@ -23,6 +23,7 @@ from khepera_forage.sim.driving import (
     glide,
     grip_place,
     is_near_wall,
+    lateness,
     move_jaw,
     moves_jaw,
     push_out,
@@ -114,7 +115,8 @@ class Bodies:
             steps = max(steps, int(steps_of(travel, is_near_wall(robots[i], walls, travel, True))))
         dt = constants.timing.round_duration / steps
         for i, robot in enumerate(robots):
-            self._robots[i].put(robot, i in moving)
+            late = i in moving and lateness(robots, i, foods, walls, constants) > 0.0
+            self._robots[i].put(robot, i in moving, late)
         for food, (body, _) in zip(foods, self._foods, strict=True):
             body.position, body.velocity, body.angular_velocity = (food.x, food.y), (0, 0), 0
         self._shape()
@@ -195,9 +197,11 @@ class _RobotBody:
         for shape in (*self._gripper, self._held):
             add(shape, NOTHING)
 
-    def put(self, robot: Any, moves: bool) -> None:
-        """Stand where the record says, with the speed of the round before, or brake."""
-        forward, turn = (robot.last_forward, robot.last_turn) if moves else (0.0, 0.0)
+    def put(self, robot: Any, moves: bool, late: bool) -> None:
+        """Stand where the record says, with the speed of this round, or still with that of the last one, or brake."""
+        forward, turn = (robot.forward, robot.turn) if moves else (0.0, 0.0)
+        if late:
+            forward, turn = robot.last_forward, robot.last_turn
         self.body.position, self.body.angle = (robot.x, robot.y), robot.heading
         self.body.velocity = self._wheels.velocity = forward * robot.cos, forward * robot.sin
         self.body.angular_velocity = turn
