@@ -168,7 +168,7 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
     """Measure which point of the floor each pixel shows, and save that as a calibration file."""
     require("khepera-forage camera calibrate", "camera")
     from khepera_forage.vision.calibration import fit_calibration
-    from khepera_forage.vision.tags import FLOOR_SIZE, find_floor_tags, fit_to_tags
+    from khepera_forage.vision.tags import find_floor_tags, fit_to_tags
     from khepera_forage.vision.tracker import Tracker
 
     name = next(name for name in ("points", "places", "tags") if getattr(arguments, name))
@@ -192,7 +192,7 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
                 picture = _clicked_points(source, floor)
         if source is not None and tags:
             found = find_floor_tags(source.newest()[0], sorted(tags))
-            fit = fit_to_tags(found, tags, FLOOR_SIZE, arguments.camera, size)
+            fit = fit_to_tags(found, tags, arguments.camera, size)
             seen = fit.calibration.tags
             picture, floor = list(seen.values()), [tags[tag] for tag in seen]
         else:
@@ -277,6 +277,7 @@ def ids(text: str) -> tuple[int, ...]:
     option("--calibration", "calibration file, from `calibrate`", given_path, "FILE"),
     option("--markers", "what robots carry (holes)", choices=tuple(_IN_USE), default="holes"),
     option("--numbers", "markers or tags in use, such as 1-4 (all of the kind; tags: 1-4)", ids, "NUMBERS"),
+    option("--tag-size", "side of a robot's tag (80; 40 for an e-puck2)", float, "MM", default=TrackerSettings().tag_size),
     option("--food-tags", "tags on food (none)", ids, "IDS", default=()),
     option("--frames", f"stop after N frames (no limit; {_FILM_FRAMES} with --out)", whole_number(1), "N"),
     option(
@@ -297,24 +298,36 @@ def preview_command(arguments: argparse.Namespace) -> None:
 
     calibration = Calibration.load(arguments.calibration) if arguments.calibration else None
     numbers = arguments.numbers or _IN_USE[arguments.markers]
-    settings = TrackerSettings(markers=arguments.markers, numbers=numbers, food_tags=arguments.food_tags)
+    settings = TrackerSettings(
+        markers=arguments.markers, numbers=numbers, food_tags=arguments.food_tags, tag_size=arguments.tag_size
+    )
     size = None if calibration is None else calibration.size
     with closing(open_source(arguments, path is None, size)) as source:
-        pictures = _pictures(source, Tracker(settings, calibration), frames)
+        is_film = Path(arguments.source).is_file()
+        pictures = _pictures(source, Tracker(settings, calibration), frames, is_film)
         if path is None:
             _show(pictures)
         else:
             _save(pictures, path, arguments.source == VIRTUAL)
 
 
-def _pictures(source: "FrameSource", tracker: "Tracker", frames: int | None) -> Iterator[NDArray[np.uint8]]:
-    """Frames with the tracker's regions; prints the regions and the picture's quality once a second."""
+def _pictures(
+    source: "FrameSource", tracker: "Tracker", frames: int | None, is_film: bool
+) -> Iterator[NDArray[np.uint8]]:
+    """Frames with the tracker's regions, until a film ends; prints regions and the picture's quality once a second."""
     from khepera_forage.vision.image_quality import measure_quality
     from khepera_forage.vision.overlay import draw_scene
+    from khepera_forage.vision.video import CameraLost
 
     last, seen, since_print, printed = None, 0, 0, time.monotonic()
     while frames is None or seen < frames:
-        frame, age = source.newest()
+        try:
+            frame, age = source.newest()
+        except CameraLost as end:
+            if not (is_film and seen):
+                raise
+            print(end)
+            return
         if frame is last:
             time.sleep(_POLL_INTERVAL)
             continue

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from khepera_forage.cli.main import main
-from khepera_forage.cli.options import Group, command, option
+from khepera_forage.cli.options import Group, command, option, refuse_ignored
 from khepera_forage.envs.laboratories import TAG_SIZE, load_settings
 from khepera_forage.extras import require
 from khepera_forage.lab.settings_file import LabSettings, RobotSettings
@@ -37,10 +37,16 @@ def new_command(arguments: argparse.Namespace) -> int:
     out = arguments.out
     if out.exists():
         raise FileExistsError(f"{out} is there already; allowed: another --out")
+    if not out.absolute().parent.is_dir():
+        raise FileNotFoundError(f"--out is {out}; allowed: a file in a folder that exists")
     kind = arguments.robot or _answer(f"Kind of robots ({', '.join(MODELS)}): ")
     if kind not in MODELS:
         raise ValueError(f"robot {kind!r}; allowed: {', '.join(MODELS)}")
     is_mat = kind == TOIO.name
+    if is_mat:
+        refuse_ignored(arguments, ["--camera", "--calibration"], "for robots under a camera, not for toio cubes")
+    else:
+        refuse_ignored(arguments, ["--food-cube"], "with --robot toio")
     ports = arguments.port or _answer(
         f"{_found(is_mat)}\n{'Names' if is_mat else 'Ports'}, the teacher first, separated by spaces: "
     )
@@ -144,7 +150,7 @@ def _answer(question: str, default: str | None = None) -> str:
     """What the user types; the default for nothing."""
     try:
         answer = input(question).strip()
-    except EOFError:
+    except (EOFError, RuntimeError):  # no input, or none any more
         answer = ""
     if not answer and default is None:
         raise ValueError(f"{question.splitlines()[-1].rstrip(': ')}: no answer; allowed: an answer, or the option")
@@ -186,7 +192,7 @@ def _check_robot(entry: RobotSettings, period: float = CONTROL_PERIOD) -> str:
             if not robot.on_mat:
                 raise OSError(f"{entry.port} does not see the mat: put it on the mat")
             return f"{entry.type} at {entry.port}, on the mat at x {robot.pose.x:.0f} mm, y {robot.pose.y:.0f} mm"
-        return f"{entry.type} at {entry.port}; a round takes at most {1000 * robot.longest_exchange:.0f} ms"
+        return f"{entry.type} at {entry.port}, in time for rounds of {1000 * period:.0f} ms"
 
 
 def _check_camera(settings: LabSettings) -> str:

@@ -57,7 +57,7 @@ def ask_person(request: OperatorRequest) -> None:
     print("\n".join(lines), file=sys.stderr)
     try:
         answer = input("Press Enter when it is done, or q to give up: ")
-    except EOFError:
+    except (EOFError, RuntimeError):  # no input, or none any more
         raise OperatorGaveUp("the command line has no input") from None
     if answer.strip().lower() in ("q", "quit"):
         raise OperatorGaveUp("the operator gave up")

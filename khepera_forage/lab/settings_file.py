@@ -239,6 +239,10 @@ def _check(settings: LabSettings) -> None:
         return
     if len(kinds) > 1:
         raise ValueError(f"robots are of types {', '.join(sorted(kinds))}; allowed: toio cubes alone, or other robots")
+    cubes = [*(robot.port for robot in settings.robots), *settings.food_cubes]
+    for cube in settings.food_cubes:
+        if cubes.count(cube) > 1:
+            raise ValueError(f"food_cubes has {cube!r}, which is given twice; allowed: a cube of its own for each food")
     width, height = MAT_SIZE
     for i, arena in enumerate(arenas):
         x1, y1, x2, y2 = arena.bounds

@@ -31,7 +31,7 @@ CELLS = 6
 _SIDES = (60.0, 30.0, 15.0)
 """Sides in pixels of floor tags that are searched before the picture is calibrated."""
 FLOOR_SIZE = 100.0
-"""Side in mm of a tag on the floor."""
+"""Side in mm of a tag on the floor, as printed; the search for tags that have moved allows half of it."""
 _LEAST_PIXELS = 13.0
 """Side in pixels of the smallest tag that is read."""
 _CABLE, _BLUR = 6.0, 2.5
@@ -222,18 +222,18 @@ def find_floor_tags(grey: Frame, ids: Sequence[int]) -> dict[int, Corners]:
 def fit_to_tags(
     tags: Mapping[int, Corners],
     places: Mapping[int, Point],
-    side: float,
     camera: tuple[float, float, float] | None = None,
     size: Size = DEFAULT_SIZE,
 ) -> CalibrationFit:
     """Fit a calibration to tags that lie on the floor, turned as you like; it remembers the tags' pixels.
 
-    Residuals are those of the tags' middles, and held-out errors those of a fit to the middles alone.
+    The tags are of one size, which the calibration measures: a print may be scaled, and the unit of the places may be
+    that of another robot's plan. Residuals are those of the tags' middles, and held-out errors those of a fit to the
+    middles alone.
 
     Args:
         tags: Corners in the picture, by id.
         places: Middle on the floor in mm, by id; tags without a place are ignored.
-        side: Of a tag in mm.
         camera: As for `fit_calibration`.
         size: Width and height of the picture.
 
@@ -248,11 +248,14 @@ def fit_to_tags(
     floor = [places[tag] for tag in seen]
     by_middles = fit_calibration(middles, floor, camera, size)
     first = by_middles.calibration
+    on_floor = {tag: [first.to_region(u, v) for u, v in tags[tag].tolist()] for tag in seen}
+    diagonals = [math.dist(places[i], places[i + 2]) for places in on_floor.values() for i in (0, 1)]
+    side = MM_PER_PIXEL * float(np.mean(diagonals)) / math.sqrt(2)
     points, corners = list[Point](), list[Point]()
     for tag in seen:
         # With the turn of a tag known, its corners are points, too.
         pixels = [(u, v) for u, v in tags[tag].tolist()]
-        (ax, ay), (bx, by), (cx, cy), (dx, dy) = (first.to_region(u, v) for u, v in pixels)
+        (ax, ay), (bx, by), (cx, cy), (dx, dy) = on_floor[tag]
         turn = math.atan2(by - ay + cy - dy, bx - ax + cx - dx)
         cos, sin = math.cos(turn) * side / 2, math.sin(turn) * side / 2
         x, y = places[tag]

@@ -63,9 +63,14 @@ def test_preview_saves_pictures_and_films_that_it_can_read(capsys: pytest.Captur
     assert Path("film.gif").read_bytes().startswith(b"GIF")
     assert preview("--out", "film.avi", "--frames", "5") == 0
     assert "film.avi: 5 pictures" in capsys.readouterr().out
-    # A film is also a source; the tracker ignores the regions drawn on it.
-    assert main(["camera", "preview", "--source", "film.avi", "--frames", "2"]) == 0
-    assert "marker (" in capsys.readouterr().out
+    # A film is also a source, up to its end; the tracker ignores the regions drawn on it.
+    for frames, shown in (("2", "marker ("), ("50", "the video has ended")):
+        assert main(["camera", "preview", "--source", "film.avi", "--frames", frames, "--out", "last.png"]) == 0
+        printed = capsys.readouterr().out
+        assert shown in printed
+        assert "last.png: 1 picture" in printed
+    assert preview("--markers", "tags", "--tag-size", "40") == 2
+    assert "tags of 40 mm are 8 pixels wide in the picture" in capsys.readouterr().err
 
 
 def test_preview_names_the_setting_to_change(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

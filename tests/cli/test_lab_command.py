@@ -92,8 +92,17 @@ def test_errors_of_users_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixt
     assert main(["lab", "check", str(file)]) == 2
     (unknown,) = capsys.readouterr().err.splitlines()
     assert "robots[0].prt is unknown (did you mean port?)" in unknown
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sys.stdin", io.StringIO())
-        assert main(["lab", "new", "--out", str(tmp_path / "new.toml")]) == 2
-    (unanswered,) = capsys.readouterr().err.splitlines()
-    assert "Kind of robots (khepera, e-puck2, toio): no answer; allowed: an answer, or the option" in unanswered
+    new = ["lab", "new", "--out", str(tmp_path / "new.toml")]
+    for stdin in (io.StringIO(), None):  # at its end, and closed
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("sys.stdin", stdin)
+            assert main(new) == 2
+        (unanswered,) = capsys.readouterr().err.splitlines()
+        assert "Kind of robots (khepera, e-puck2, toio): no answer; allowed: an answer, or the option" in unanswered
+    for options, message in (
+        (["--robot", "toio", "--camera", "0"], "--camera has no effect here; allowed: for robots under a camera"),
+        (["--robot", "khepera", "--food-cube", "a"], "--food-cube has no effect here; allowed: with --robot toio"),
+        (["--out", str(tmp_path / "none" / "lab.toml")], "lab.toml; allowed: a file in a folder that exists"),
+    ):
+        assert main([*new, *options]) == 2
+        assert message in capsys.readouterr().err

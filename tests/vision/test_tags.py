@@ -159,19 +159,21 @@ def floor_places(height: float) -> dict[int, Pose]:
     }
 
 
-def floor_scene(width: int, height: int, shift: tuple[float, float] = (20.0, 10.0), turn: float = 0.03) -> Scene:
+def floor_scene(
+    width: int, height: int, shift: tuple[float, float] = (20.0, 10.0), turn: float = 0.03, side: float = 100.0
+) -> Scene:
     scene = Scene(width, height, shift=shift, turn=turn)
     for tag, pose in floor_places(3200 * height / width).items():
-        scene.put(tag_sheet(tag, 100.0), pose)
+        scene.put(tag_sheet(tag, side), pose)
     return scene
 
 
-@pytest.mark.parametrize(("width", "height"), [(640, 480), (1280, 720)])
-def test_floor_tags_calibrate_to_a_millimetre(width: int, height: int) -> None:
-    scene = floor_scene(width, height)
+@pytest.mark.parametrize(("width", "height", "side"), [(640, 480, 100.0), (1280, 720, 100.0), (1280, 720, 78.7)])
+def test_floor_tags_of_any_size_calibrate_to_a_millimetre(width: int, height: int, side: float) -> None:
+    scene = floor_scene(width, height, side=side)
     middles = {tag: pose[:2] for tag, pose in floor_places(3200 * height / width).items()}
     frame = scene.frame()
-    fit = fit_to_tags(find_floor_tags(frame, sorted(middles)), middles, 100.0, None, (width, height))
+    fit = fit_to_tags(find_floor_tags(frame, sorted(middles)), middles, None, (width, height))
     assert len(fit.calibration.tags) == 12
     inverse = np.linalg.inv(scene.matrix)
     for u in range(0, width + 1, width // 8):
@@ -187,7 +189,7 @@ def test_camera_that_was_knocked_is_noticed_at_the_next_frame(
 ) -> None:
     middles = {tag: pose[:2] for tag, pose in floor_places(2400.0).items()}
     frame = floor_scene(640, 480).frame()
-    calibration = fit_to_tags(find_floor_tags(frame, sorted(middles)), middles, 100.0).calibration
+    calibration = fit_to_tags(find_floor_tags(frame, sorted(middles)), middles).calibration
     calibration.save(tmp_path / "tags.toml")
     tracker = Tracker(calibration=Calibration.load(tmp_path / "tags.toml"))
     for _ in range(3):
@@ -204,4 +206,4 @@ def test_camera_that_was_knocked_is_noticed_at_the_next_frame(
 def test_too_few_floor_tags_are_refused() -> None:
     message = "0 of 4 floor tags are seen, without 1, 2, 3, 4; allowed: at least four"
     with pytest.raises(ValueError, match=message):
-        fit_to_tags({}, {tag: (100.0 * tag, 0.0) for tag in (1, 2, 3, 4)}, 100.0)
+        fit_to_tags({}, {tag: (100.0 * tag, 0.0) for tag in (1, 2, 3, 4)})

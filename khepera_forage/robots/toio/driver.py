@@ -143,7 +143,7 @@ class ToioRobot(RealRobot):
         except RobotLost:
             raise
         except Exception as error:
-            raise RobotLost(self.port, "", 0, f"it cannot be connected: {_reason(error)}") from error
+            raise RobotLost(self.port, "", 0, f"it cannot be connected, or this computer has no Bluetooth: {_reason(error)}") from error
         self._stop_wheels()
         self._wait_for_position(_MAX_SILENCE)
 
