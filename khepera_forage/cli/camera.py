@@ -277,7 +277,7 @@ def ids(text: str) -> tuple[int, ...]:
     option("--calibration", "calibration file, from `calibrate`", given_path, "FILE"),
     option("--markers", "what robots carry (holes)", choices=tuple(_IN_USE), default="holes"),
     option("--numbers", "markers or tags in use, such as 1-4 (all of the kind; tags: 1-4)", ids, "NUMBERS"),
-    option("--tag-size", "side of a robot's tag (80; 40 for an e-puck2)", float, "MM", default=TrackerSettings().tag_size),
+    option("--tag-size", "side of a robot's tag (80)", float, "MM", default=TrackerSettings().tag_size),
     option("--food-tags", "tags on food (none)", ids, "IDS", default=()),
     option("--frames", f"stop after N frames (no limit; {_FILM_FRAMES} with --out)", whole_number(1), "N"),
     option(

@@ -130,7 +130,8 @@ def lab_text(
         lines += ["", "[camera]", f"source = {camera if camera.isdigit() else toml(camera)}"]
         lines += [f"calibration = {toml(calibration)}"] if calibration else []
         if not MODELS[kind].has_gripper:  # its tag is small
-            lines += ["size = [1920, 1080]", "", "[tracker]", 'markers = "tags"', f"tag_size = {TAG_SIZE:g}"]
+            lines += [] if calibration else ["size = [1920, 1080]"]  # a calibration has a size of its own
+            lines += ["", "[tracker]", 'markers = "tags"', f"tag_size = {TAG_SIZE:g}"]
     return "\n".join(lines) + "\n"
 
 

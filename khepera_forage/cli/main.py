@@ -52,6 +52,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         # Python writes what is left in its buffer when it ends.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return CLOSED_PIPE
+    except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
+        return 130
 
 
 def _open_streams() -> None:
@@ -87,9 +90,6 @@ def _run(argv: Sequence[str] | None) -> int:
             print(flush=True)  # raises it again if it is the output that nobody reads, and not a robot's port
         print(f"khepera-forage {arguments.command}: {error}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print("stopped", file=sys.stderr)
-        return 130
     return status or 0
 
 

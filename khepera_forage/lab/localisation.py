@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from khepera_forage.lab.operator import RobotMark, holes_text
+from khepera_forage.lab.operator import RobotMark
 from khepera_forage.lab.settings_file import Tolerance
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
@@ -154,15 +154,14 @@ def placement_errors(
     for mark in robots:
         markers = [r for r in scene.regions if r.holes and r.found and _is_in(arenas[mark.number], r)]
         errors += [
-            f"a marker with {holes_text(r.holes)} is in the arena of robot {mark.name}, whose marker has {mark.holes}"
+            f"marker {r.holes} is in the arena of robot {mark.name}, whose marker is {mark.holes}"
             for r in markers
             if r.holes != mark.holes
         ]
         own = [r for r in markers if r.holes == mark.holes]
         if len(own) != 1:
-            count = f"{len(own)} markers with {holes_text(mark.holes)} are"
-            seen = count if own else f"no marker with {holes_text(mark.holes)} is"
-            errors.append(f"robot {mark.name}: {seen} seen in its arena")
+            seen = f"seen {len(own)} times" if own else "not seen"
+            errors.append(f"robot {mark.name}: marker {mark.holes} is {seen} in its arena")
             continue
         x, y, heading = pose_of(own[0])
         distance = math.dist((x, y), mark.pose[:2])

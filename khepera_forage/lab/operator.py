@@ -9,7 +9,7 @@ from khepera_forage.sim.arena import Point, Pose
 
 
 class RobotMark(NamedTuple):
-    """The place where a robot should stand: number in its world, name in the lab file, holes of its marker, pose."""
+    """The place where a robot should stand: number in its world, name in the lab file, number of its marker, pose."""
 
     number: int
     name: str
@@ -49,7 +49,7 @@ def ask_person(request: OperatorRequest) -> None:
     for mark in request.robots:
         degrees = round(math.degrees(mark.pose.heading)) % 360
         lines.append(
-            f"  robot {mark.name} ({holes_text(mark.holes)}) at x {mark.pose.x:.0f} mm, y {mark.pose.y:.0f} mm, "
+            f"  robot {mark.name} (marker {mark.holes}) at x {mark.pose.x:.0f} mm, y {mark.pose.y:.0f} mm, "
             f"heading {degrees} degrees"
         )
     if request.foods is not None:
@@ -61,8 +61,3 @@ def ask_person(request: OperatorRequest) -> None:
         raise OperatorGaveUp("the command line has no input") from None
     if answer.strip().lower() in ("q", "quit"):
         raise OperatorGaveUp("the operator gave up")
-
-
-def holes_text(count: int) -> str:
-    """A number of holes in words."""
-    return "1 hole" if count == 1 else f"{count} holes"

@@ -161,8 +161,7 @@ def _marker(number: int, grid: bool, x: float, y: float) -> Iterator[Element]:
     for side in (-1, 1):
         yield _line(front + 12, y, front + 8, y + side * 3)
     yield _text(y + 9, "front", front + 7)
-    name = f"marker {number}" if grid else "1 hole" if number == 1 else f"{number} holes"
-    yield _text(y + MARKER_WIDTH / 2 + MARKER_FRAME + 6, name, x, 4.2)
+    yield _text(y + MARKER_WIDTH / 2 + MARKER_FRAME + 6, f"marker {number}", x, 4.2)
 
 
 def svg(page: Page) -> str:

@@ -68,6 +68,7 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
     assert places == [(600, 600), (1250, 600), (1250, 830), (600, 830)], "the corners of the corridor"
     settings = load_settings("lab.toml")
     assert settings.camera.calibration is not None
+    assert settings.camera.size is None, "frames have the size of the calibration"
     assert settings.tracker.markers == "tags", "a larger marker would hide the food that an e-puck2 pushes"
 
 

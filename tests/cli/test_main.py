@@ -152,3 +152,14 @@ def test_training_of_another_seed_or_other_decisions_is_not_continued_and_nothin
         assert train(tmp_path, "--episodes", "3", "--continue", *decision) == 2
         assert message in capsys.readouterr().err
     assert {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")} == before
+
+
+def test_interrupt_ends_in_one_line_even_while_modules_are_imported(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(name: str) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("khepera_forage.cli.main.import_module", interrupted)
+    assert main(["robot", "probe"]) == 130
+    assert capsys.readouterr().err == "stopped\n"

@@ -18,7 +18,7 @@ MARK = RobotMark(0, "teacher", 1, Pose(90.4, 115.0, -math.pi / 2))
             OperatorRequest("start of an episode", (MARK,), (Point(370.0, 115.2),)),
             [
                 "start of an episode:",
-                "  robot teacher (1 hole) at x 90 mm, y 115 mm, heading 270 degrees",
+                "  robot teacher (marker 1) at x 90 mm, y 115 mm, heading 270 degrees",
                 "  food at x 370 mm, y 115 mm",
             ],
         ),

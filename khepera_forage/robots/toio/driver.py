@@ -143,7 +143,8 @@ class ToioRobot(RealRobot):
         except RobotLost:
             raise
         except Exception as error:
-            raise RobotLost(self.port, "", 0, f"it cannot be connected, or this computer has no Bluetooth: {_reason(error)}") from error
+            reason = f"it cannot be connected, or this computer has no Bluetooth: {_reason(error)}"
+            raise RobotLost(self.port, "", 0, reason) from error
         self._stop_wheels()
         self._wait_for_position(_MAX_SILENCE)
 
