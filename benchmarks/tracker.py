@@ -389,7 +389,10 @@ def frame_figure(seed: int) -> "Figure":
     for axes, title in zip((left, right), titles, strict=True):
         axes.set_title(title, fontsize=10)
         axes.set_axis_off()
-    names = {"robot's marker: number of the region, holes; arrow: heading": MARKER, "food: number of the region": FOOD}
+    names = {
+        "robot's marker: number of the region, and of the marker; arrow: heading": MARKER,
+        "food: number of the region": FOOD,
+    }
     for name, (red, green, blue) in names.items():
         right.plot([], [], color=(red / 255, green / 255, blue / 255), lw=2, label=name)
     legend(figure, right, columns=2)

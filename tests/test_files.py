@@ -9,14 +9,13 @@ from typing import Any
 import pytest
 
 from khepera_forage.cli.main import main
-from khepera_forage.envs.arguments import set_up_of
+from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.experience import Experience, ExperienceWriter
 from khepera_forage.files import replacing
-from khepera_forage.lab.settings_file import load, sample
+from khepera_forage.lab.settings_file import sample
 from khepera_forage.rollouts.row_files import RowWriter, read_rows, write_rows
 from khepera_forage.sim.arena_file import read_arena, write_arena
 from khepera_forage.sim.arenas.procedural import procedural_arena
-from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.states import Behaviour, StateVector
 from tests.limited_disk import largest_file
 
@@ -103,10 +102,9 @@ def test_files_of_other_tools_are_read(encoding: str, tmp_path: Path) -> None:
     arena = procedural_arena(0)
     write_arena(arena, tmp_path / "arena.toml")
     assert read_arena(rewritten(tmp_path / "arena.toml")) == arena
-    set_up = set_up_of(DEFAULT_DECISIONS)
     (tmp_path / "lab.toml").write_text(sample(), encoding="utf-8")
-    before = load(tmp_path / "lab.toml", set_up, 0.1)
-    assert load(rewritten(tmp_path / "lab.toml"), set_up, 0.1) == before
+    before = load_settings(tmp_path / "lab.toml")
+    assert load_settings(rewritten(tmp_path / "lab.toml")) == before
     with ExperienceWriter(tmp_path / "g1.csv", "corridor", overwrite=True) as writer:
         writer.append(VECTOR, Behaviour.SEARCH_FOR_FOOD)
     experience = Experience.load(tmp_path / "g1.csv")

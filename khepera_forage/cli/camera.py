@@ -19,7 +19,7 @@ from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.vision.calibration import DEFAULT_SIZE
 from khepera_forage.vision.marker_sheets import marker_pages, save_pages, tag_pages
-from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
+from khepera_forage.vision.scene import Scene, kind_text, place_text
 from khepera_forage.vision.tracker_settings import TrackerSettings
 
 if TYPE_CHECKING:
@@ -98,17 +98,15 @@ def _surface(picture: NDArray[np.uint8]) -> "pygame.Surface":
     return pygame.surfarray.make_surface(picture.swapaxes(0, 1))
 
 
-def described(scene: Scene, markers: str = "holes") -> str:
+def described(scene: Scene) -> str:
     """One line of text: the kind, position in mm and orientation of each region."""
     if not scene.regions:
         return "nothing seen"
     words = []
     for region in scene.regions:
-        marker = f"{region.holes}-hole marker" if markers == "holes" else f"marker {region.holes}"
-        what = marker if region.holes else "food"
-        where = f"({region.x * MM_PER_PIXEL:.0f}, {region.y * MM_PER_PIXEL:.0f}) mm"
         facing = f" {region.orientation} deg" if region.holes else ""
-        words.append(f"{what} {where}{facing}{'' if region.found else ' lost'}")
+        lost = "" if region.found else " lost"
+        words.append(f"{kind_text(region)} {place_text(region.x, region.y)}{facing}{lost}")
     return ", ".join(words)
 
 
@@ -337,7 +335,7 @@ def _pictures(
         now = time.monotonic()
         if now - printed >= 1 or seen == frames:
             rate = since_print / max(now - printed, 1e-9)
-            print(f"{described(scene, tracker.settings.markers)}; {rate:.0f} frames/s, {1000 * age:.0f} ms old")
+            print(f"{described(scene)}; {rate:.0f} frames/s, {1000 * age:.0f} ms old")
             quality = measure_quality(tracker.reduced(frame))
             print(f"picture: {quality.described(tracker.settings)}")
             for text in (quality.warnings(tracker.settings) | tracker.warnings).values():

@@ -90,9 +90,9 @@ def _save_picture(settings: LabSettings, file: Path) -> str:
     require("a camera", "camera")
     import cv2
 
-    from khepera_forage.lab.devices import open_video
+    from khepera_forage.lab.devices import calibration_of, open_video
 
-    with closing(open_video(settings, None)) as source:
+    with closing(open_video(settings, calibration_of(settings))) as source:
         frame, _ = source.newest()
     if not cv2.imwrite(str(file), frame):
         raise OSError(f"{file} cannot be written")

@@ -6,7 +6,7 @@ from typing import Any
 
 from khepera_forage.envs.arguments import set_up_of, timing_of
 from khepera_forage.extras import require
-from khepera_forage.lab.settings_file import CameraSettings, LabSettings, RobotSettings, load
+from khepera_forage.lab.settings_file import CameraSettings, LabSettings, RobotSettings, parse
 from khepera_forage.lab.virtual_laboratory import VirtualCubeLaboratory, VirtualLaboratory
 from khepera_forage.robots.model import KHEPERA, TOIO, model_of
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
@@ -16,6 +16,7 @@ from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.layout_checks import cable_anchor
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.toml_table import naming, text_of
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -36,7 +37,9 @@ def load_settings(path: Path | str, decisions: Decisions = DEFAULT_DECISIONS) ->
         ValueError: The file is not TOML, or a key is missing, unknown, or has a value that is not allowed.
         OSError: The file cannot be read.
     """
-    return load(path, set_up_of(decisions), decisions.round_duration)
+    path = Path(path)
+    with naming(path):
+        return parse(text_of(path), set_up_of(decisions), decisions.round_duration, path.parent)
 
 
 def virtual_laboratory(

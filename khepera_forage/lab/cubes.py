@@ -109,7 +109,7 @@ class CubeOperator:
         speed = _FAST if distance > _CLOSE else _SLOW
         if distance <= _EXACT or abs(turn) > math.radians(20 if distance > _CLOSE else 12):
             # Wheels do not turn slower than the slowest speed: turn for a shorter time.
-            rate = 2 * _SLOW * SPEED_UNIT / (cube.model.wheel_base / cube.model.scale)
+            rate = 2 * _SLOW * SPEED_UNIT / cube.model.plan_base
             milliseconds = max(10, min(1000 * _STEP, 1000 * abs(turn) / rate))
             side = math.copysign(_SLOW, turn)
             cube.turn_for(-side, side, 10 * round(milliseconds / 10))

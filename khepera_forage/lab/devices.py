@@ -5,14 +5,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.robots.khepera import PULSE
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.image_quality import is_well_exposed, why_unusable
 from khepera_forage.vision.tracker import Tracker
-from khepera_forage.vision.video import CameraLost, FrameSource, VideoSource
+from khepera_forage.vision.video import CameraLost, Frame, FrameSource, VideoSource
 
 _HOLD_AFTER = 2
 """Periods from the beginning of a round until the wheels are stopped for want of a frame."""
@@ -20,8 +19,6 @@ _POLL = 0.002
 """Seconds from one look at the source to the next."""
 _LEAST_TRAVEL = 5.0
 """mm, one pixel: robots that have travelled farther cannot leave the picture as it was."""
-
-Frame = NDArray[np.uint8]
 
 
 class FreshFrames:

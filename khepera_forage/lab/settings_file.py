@@ -32,7 +32,6 @@ from khepera_forage.toml_table import (
     refusal,
     table,
     text,
-    text_of,
     true_or_false,
 )
 from khepera_forage.vision.tracker_settings import MARKER_NUMBERS, TrackerSettings
@@ -118,21 +117,15 @@ class LabSettings:
         return replace(self, robots=self.robots[-1:])
 
 
-def load(path: Path | str, set_up: SetUp, period: float) -> LabSettings:
-    """Read a file; see `envs.laboratories.load_settings`.
+def parse(toml: str, set_up: SetUp, period: float, folder: Path = Path()) -> LabSettings:
+    """Parse the text of a file; `envs.laboratories.load_settings` reads one.
 
     Args:
-        path: The file.
-        set_up: Where start, food and home are in an arena that the file only names.
-        period: Duration of a round in seconds, if the file does not set it.
+        toml: The text.
+        set_up: Where start, food and home are in an arena that the text only names.
+        period: Duration of a round in seconds, if the text does not set it.
+        folder: That of a calibration file with a relative path.
     """
-    path = Path(path)
-    with naming(path):
-        return parse(text_of(path), set_up, period, path.parent)
-
-
-def parse(toml: str, set_up: SetUp, period: float, folder: Path = Path()) -> LabSettings:
-    """Parse the text of a file, as `load`; `folder` is that of a calibration file with a relative path."""
     given = table("", content_of(toml), _KEYS)
     given["arena"] = _arena(given.get("arena", {}), set_up)
     tracker = given.setdefault("tracker", TrackerSettings())

@@ -22,8 +22,7 @@ from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.layout_checks import cable_anchor, check_layout
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout, Timing
-from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.rendering import SIZE as FRAMES
+from khepera_forage.vision.calibration import DEFAULT_SIZE, Calibration
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
@@ -101,7 +100,7 @@ class VirtualLaboratory(Laboratory):
             for robot, body in zip(settings.robots, self.simulation.robots, strict=True)
         ]
         has_tags, gripper = settings.tracker.markers == "tags", model.has_gripper
-        size = _TAG_FRAMES if has_tags else FRAMES
+        size = _TAG_FRAMES if has_tags else DEFAULT_SIZE
         self.frame_source = FrameRenderer(
             self.simulation.truth,
             appearance,

@@ -25,6 +25,8 @@ class RobotModel:
         pulse: Millimetres of real wheel travel for one count; 0 for a robot without counters.
         infra_reds: Direction of each sensor in degrees, counter-clockwise from straight ahead, in the robot's order;
             none for a robot that has no such sensors.
+        sensors: Place (mm forward and left on the plan) and direction (cosine, sine) of each infra-red, in Khepera's
+            order; of a robot that has none, those of a Khepera, for readings that follow from the map.
         reach: Millimetres on the plan from the robot's centre to that of food that is before it, at most; for a robot
             without a gripper.
         has_gripper: Whether it can pick up food. Without one, the arm counts as lowered, and the jaw as open; and the
@@ -39,6 +41,7 @@ class RobotModel:
     unit: float
     pulse: float
     infra_reds: tuple[float, ...]
+    sensors: tuple[tuple[float, float, float, float], ...]
     reach: float
     has_gripper: bool
 
@@ -46,17 +49,6 @@ class RobotModel:
     def plan_base(self) -> float:
         """Distance of the wheels on the plan, in mm. The radius there is a Khepera's for every robot."""
         return self.wheel_base / self.scale
-
-    @property
-    def sensors(self) -> tuple[tuple[float, float, float, float], ...]:
-        """Place (mm forward and left on the plan) and direction (cosine, sine) of each infra-red, in Khepera's order.
-
-        Without any, readings follow from the map as if it had a Khepera's.
-        """
-        if self.name != E_PUCK.name:
-            return SENSORS
-        angles = [math.radians(self.infra_reds[i]) for i in KHEPERA_ORDER]
-        return tuple((RADIUS * math.cos(a), RADIUS * math.sin(a), math.cos(a), math.sin(a)) for a in angles)
 
 
 KHEPERA = RobotModel(
@@ -68,11 +60,13 @@ KHEPERA = RobotModel(
     unit=1.0,
     pulse=PULSE,
     infra_reds=(90.0, 45.0, 10.0, -10.0, -45.0, -90.0, 180.0, 180.0),
+    sensors=SENSORS,
     reach=0.0,
     has_gripper=True,
 )
 KHEPERA_ORDER = (5, 6, 7, 0, 1, 2, 3, 4)
 """An e-puck's sensors in the order of `Senses.proximity`: left 90, 49, 17, right 17, 49, 90, back right, back left."""
+_E_PUCK_INFRA_REDS = (-17.0, -49.0, -90.0, -150.0, 150.0, 90.0, 49.0, 17.0)
 _STEP = 128.8 / 1000
 _E_PUCK_SCALE = 35.0 / RADIUS
 E_PUCK = RobotModel(
@@ -83,7 +77,11 @@ E_PUCK = RobotModel(
     max_speed=int(1100 * _STEP / (SPEED_UNIT * _E_PUCK_SCALE)),
     unit=SPEED_UNIT * _E_PUCK_SCALE / _STEP,
     pulse=_STEP,
-    infra_reds=(-17.0, -49.0, -90.0, -150.0, 150.0, 90.0, 49.0, 17.0),
+    infra_reds=_E_PUCK_INFRA_REDS,
+    sensors=tuple(
+        (RADIUS * math.cos(a), RADIUS * math.sin(a), math.cos(a), math.sin(a))
+        for a in (math.radians(_E_PUCK_INFRA_REDS[i]) for i in KHEPERA_ORDER)
+    ),
     reach=BARRIER + FOOD_RADIUS,
     has_gripper=False,
 )
@@ -100,6 +98,7 @@ TOIO = RobotModel(
     unit=SPEED_UNIT * _TOIO_SCALE / _TOIO_SPEED,
     pulse=0.0,
     infra_reds=(),
+    sensors=SENSORS,
     reach=BARRIER + FOOD_RADIUS,
     has_gripper=False,
 )

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.extras import require
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
+from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene, kind_text
 from khepera_forage.vision.tracker_settings import TrackerSettings
 from khepera_forage.vision.video import Frame, as_grey
 
@@ -84,7 +84,7 @@ def draw_scene(
             cv2.polylines(picture, [points], closed, colour, thickness, cv2.LINE_AA, _FRACTIONAL_BITS)
         outline, *_ = drawn
         # The caption of a marker is above its outline, that of food below, so that neighbours stay apart.
-        text, gap = caption(region, settings.markers), 3 * enlargement
+        text, gap = caption(region), 3 * enlargement
         (_, letters), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, thickness)
         bottom = outline[:, 1].min() - gap if marker else outline[:, 1].max() + gap + letters
         place = (round(outline[:, 0].min()), round(bottom))
@@ -92,15 +92,6 @@ def draw_scene(
     return picture
 
 
-def caption(region: Region, markers: str = "holes") -> str:
-    """What is written beside a region: its label, its kind, and whether it is lost.
-
-    Args:
-        region: The region.
-        markers: The kind of markers, as in `TrackerSettings`.
-    """
-    kind = f"{region.holes} hole{'s' * (region.holes > 1)}"
-    if markers != "holes":
-        kind = f"{'tag' if markers == 'tags' else 'marker'} {region.holes}"
-    kind = kind if region.holes else "food"
-    return f"{region.label}: {kind}{'' if region.found else ', lost'}"
+def caption(region: Region) -> str:
+    """What is written beside a region: its label, its kind, and whether it is lost."""
+    return f"{region.label}: {kind_text(region)}{'' if region.found else ', lost'}"

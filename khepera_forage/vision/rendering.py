@@ -22,8 +22,9 @@ from khepera_forage.robots.khepera import (
     RADIUS,
     half_gap,
 )
+from khepera_forage.vision.calibration import DEFAULT_SIZE
 from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
-from khepera_forage.vision.shapes import HOLE_SIDE, MARKER_FRAME, MARKER_HOLES, PICTURE_HEIGHT, PICTURE_WIDTH
+from khepera_forage.vision.shapes import HOLE_SIDE, MARKER_FRAME, MARKER_HOLES
 from khepera_forage.vision.tags import CELLS, white_cells
 from khepera_forage.vision.video import Frame
 
@@ -52,8 +53,6 @@ _TAG_MARGIN = 0.5
 """Width of the white margin around a tag, in cells."""
 _POINTS = 24
 """Points on the polyline that approximates a cable."""
-
-SIZE = (int(PICTURE_WIDTH), int(PICTURE_HEIGHT))
 
 Floats = NDArray[np.float64]
 Wall = tuple[float, float, float, float]
@@ -205,7 +204,7 @@ class FrameRenderer:
         *,
         walls: Sequence[Wall] = (),
         period: float = CONTROL_PERIOD,
-        size: tuple[int, int] = SIZE,
+        size: tuple[int, int] = DEFAULT_SIZE,
         tag_size: float | None = None,
         gripper: bool = True,
     ) -> None:
@@ -220,7 +219,7 @@ class FrameRenderer:
         self._floor: Frame | None = None
         self._sway: SlowNoise | None = None
         self.cables: list[Floats] = []
-        self._size, self._mm = size, SIZE[0] * MM_PER_PIXEL / size[0]
+        self._size, self._mm = size, DEFAULT_SIZE[0] * MM_PER_PIXEL / size[0]
         self._tag_size, self._gripper = tag_size, gripper
 
     def reset(self, rng: np.random.Generator) -> None:
@@ -325,7 +324,9 @@ class Light:
     shifted and mirrored part of it.
     """
 
-    def __init__(self, appearance: CameraAppearance, rng: np.random.Generator, size: tuple[int, int] = SIZE) -> None:
+    def __init__(
+        self, appearance: CameraAppearance, rng: np.random.Generator, size: tuple[int, int] = DEFAULT_SIZE
+    ) -> None:
         drift, self._rng = rng.spawn(2)
         self._appearance = appearance
         self._drift = SlowNoise(drift, 3, _DRIFT_PERIOD)
@@ -404,7 +405,7 @@ def _draw_floor(
     appearance: CameraAppearance, walls: Sequence[Wall], rng: np.random.Generator, size: tuple[int, int]
 ) -> Frame:
     """The empty floor with its walls, under full light."""
-    shape, scale = (size[1], size[0]), size[0] / SIZE[0]
+    shape, scale = (size[1], size[0]), size[0] / DEFAULT_SIZE[0]
     blotches = cv2.GaussianBlur(rng.standard_normal(shape, dtype=np.float32), (0, 0), _BLOTCH_SIZE * scale)
     grain = cv2.GaussianBlur(rng.standard_normal(shape, dtype=np.float32), (0, 0), 0.8)
     texture = appearance.texture * (0.85 * blotches / blotches.std() + 0.5 * grain / grain.std())

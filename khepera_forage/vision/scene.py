@@ -69,6 +69,11 @@ class Camera(Protocol):
         ...
 
 
+def kind_text(region: Region) -> str:
+    """What a region is, for messages: food, or the marker with a number."""
+    return f"marker {region.holes}" if region.holes else "food"
+
+
 def place_text(x: float, y: float) -> str:
     """A place in pixels as text in mm, for warnings."""
     return f"({x * MM_PER_PIXEL:.0f}, {y * MM_PER_PIXEL:.0f}) mm"

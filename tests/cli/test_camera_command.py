@@ -43,7 +43,7 @@ def test_preview_prints_the_true_places_of_regions(capsys: pytest.CaptureFixture
     truth = camera.world.truth()
     camera.close()
     for x, y, heading, holes in truth.markers:
-        (seen,) = re.findall(rf"{holes}-hole marker \((\d+), (\d+)\) mm (\d+) deg,", printed)
+        (seen,) = re.findall(rf"marker {holes} \((\d+), (\d+)\) mm (\d+) deg,", printed)
         assert math.hypot(int(seen[0]) - x, int(seen[1]) - y) < 5
         assert math.cos(math.radians(int(seen[2])) - heading) > math.cos(math.radians(4))
     foods = [(int(x), int(y)) for x, y in re.findall(r"food \((\d+), (\d+)\) mm", printed)]
@@ -64,7 +64,7 @@ def test_preview_saves_pictures_and_films_that_it_can_read(capsys: pytest.Captur
     assert preview("--out", "film.avi", "--frames", "5") == 0
     assert "film.avi: 5 pictures" in capsys.readouterr().out
     # A film is also a source, up to its end; the tracker ignores the regions drawn on it.
-    for frames, shown in (("2", "marker ("), ("50", "the video has ended")):
+    for frames, shown in (("2", "marker 2 ("), ("50", "the video has ended")):
         assert main(["camera", "preview", "--source", "film.avi", "--frames", frames, "--out", "last.png"]) == 0
         printed = capsys.readouterr().out
         assert shown in printed
@@ -144,7 +144,7 @@ def test_residuals_show_a_wrong_point(capsys: pytest.CaptureFixture[str]) -> Non
 def test_calibrate_check_prints_the_regions(capsys: pytest.CaptureFixture[str]) -> None:
     points = ["--points", *CORNERS, "--check", "--source", "virtual"]
     assert main(["camera", "calibrate", *points]) == 0
-    assert re.search(r"seen now: .*2-hole marker", capsys.readouterr().out)
+    assert re.search(r"seen now: .*marker 2 ", capsys.readouterr().out)
 
 
 def test_calibrate_from_clicks_in_a_window(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -111,13 +111,11 @@ def test_lost_cube_stops_all_and_takes_a_person(lab: VirtualCubeLaboratory) -> N
             ('type = "toio"\nport = "virtual:l', 'type = "cube"\nport = "virtual:l'),
             "robots[1].type is 'cube'; allowed: k",
         ),
+        (('type = "toio"', ""), "food_cubes is given; allowed: for robots of type toio"),
+        (('"virtual:food2"]', '"virtual:food1"]'), "food_cubes has 'virtual:food1', which is given twice; allowed: a"),
+        (('"virtual:food2"]', '"virtual:learner"]'), "food_cubes has 'virtual:learner', which is given twice"),
     ],
 )
 def test_errors_in_the_file_name_the_key(change: tuple[str, str], message: str) -> None:
     with pytest.raises(ValueError, match=re.escape(message)):
-        parse(FILE.replace(*change), SET_UP, 0.1)
-
-
-def test_food_cubes_need_toio_robots() -> None:
-    with pytest.raises(ValueError, match="food_cubes is given; allowed: for robots of type toio"):
-        parse('food_cubes = ["a"]\n[camera]\nsource = 0\n[[robots]]\nport = "/dev/a"\n', SET_UP, 0.1)
+        parse(FILE.replace(*change) + "[camera]\nsource = 0\n", SET_UP, 0.1)

@@ -35,7 +35,9 @@ def test_reset_repeats_the_request_until_the_check_succeeds() -> None:
             assert math.dist(pose[:2], start[:2]) < 3
 
 
-def test_repeated_errors_end_with_the_operator_giving_up() -> None:
+def test_repeated_errors_end_with_the_operator_giving_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("khepera_forage.lab.laboratory.CHECK_ROUNDS", 3)
+
     def always(request: OperatorRequest) -> OperatorRequest:
         return moved(request, 0, dx=40)
 

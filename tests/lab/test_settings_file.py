@@ -189,12 +189,6 @@ def test_calibration_path_is_relative_to_the_file(tmp_path: Path) -> None:
         load_settings(tmp_path / "none.toml", V0_1)
 
 
-@pytest.mark.parametrize("cubes", ['["t", "a"]', '["a", "a"]'])
-def test_food_cube_is_no_other_cube(cubes: str) -> None:
-    with pytest.raises(ValueError, match="which is given twice; allowed: a cube of its own for each food"):
-        parsed(f'food_cubes = {cubes}\n[[robots]]\ntype = "toio"\nport = "t"\n')
-
-
 def test_example_in_the_documentation_is_valid() -> None:
     documentation = (Path(__file__).parents[2] / "docs" / "laboratory.md").read_text(encoding="utf-8")
     (shown,) = re.findall(r"```toml\n(.*?)```", documentation, flags=re.DOTALL)

@@ -64,7 +64,7 @@ def response(distance: float) -> float:
 @given(st.floats(0.1, 200), st.floats(0.1, 200))
 @PROPERTY
 def test_response_never_decreases_with_nearness(a: float, b: float) -> None:
-    assert response(min(a, b)) >= response(max(a, b))
+    assert response(min(a, b)) >= response(max(a, b)) - 1e-9, "but for rounding"
 
 
 @pytest.mark.parametrize(("distance", "white_paper"), [(20, 450), (30, 275), (40, 190), (50, 150)])

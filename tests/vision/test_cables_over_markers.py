@@ -100,8 +100,8 @@ def test_marker_under_a_cable_is_found_as_exactly_as_without(width: float, grey:
 @pytest.mark.parametrize("angle", [0.0, 2.0, 5.0, 80.0, 90.0])
 def test_cable_along_a_side_does_not_move_the_marker(angle: float, width: float, grey: float, clear: Errors) -> None:
     """It may cover a fraction of a pixel of the white, beside the black frame."""
-    distances, _ = errors(width, grey, 200, angle)
-    assert len(distances) >= 0.98 * 200
+    distances, _ = errors(width, grey, 100, angle)
+    assert len(distances) >= 0.98 * 100
     assert np.quantile(distances, 0.95) <= 2 * np.quantile(clear[0], 0.95)
 
 
@@ -111,7 +111,7 @@ def test_cable_along_a_side_does_not_move_the_marker(angle: float, width: float,
 )
 def test_cable_near_a_short_side_does_not_move_the_marker(nearest: float, furthest: float, angle: float) -> None:
     """Its inner edge looks like the marker's border; a marker further ahead would have its holes elsewhere."""
-    places = np.arange(nearest, furthest, 0.2)
+    places = np.arange(nearest, furthest, 0.4)
     distances = [distance for place in places for distance in errors(12.0, GREY, 10, angle, place)[0]]
     assert len(distances) >= 0.98 * 10 * len(places)
     assert np.count_nonzero(np.array(distances) < 0.5) >= 0.97 * 10 * len(places)

@@ -108,20 +108,14 @@ def test_overlay_follows_the_calibration() -> None:
     picture = draw_scene(frame, tracker.update(frame), turned)
     rows, columns = np.nonzero((picture != frame[:, :, None]).any(axis=2))
     assert abs(float(np.median(columns)) - (640 - 100)) < 15
-    assert abs(float(np.median(rows)) - 100) < 15
+    assert abs(float(np.median(rows)) - 100) < 25, "the caption is above it"
 
 
-@pytest.mark.parametrize(
-    ("holes", "markers", "expected"),
-    [
-        *((1, "holes", "7: 1 hole, lost"), (2, "holes", "7: 2 holes, lost"), (0, "tags", "7: food, lost")),
-        *((9, "grid", "7: marker 9, lost"), (9, "tags", "7: tag 9, lost")),
-    ],
-)
-def test_captions_name_the_kind_of_region(holes: int, markers: str, expected: str) -> None:
-    region = Region(7, 10.0, 10.0, holes, 0, False, False, 0.0, 0.0, 0.0, 0.0, 0.0)
-    assert caption(region, markers) == expected
-    assert caption(region._replace(found=True), markers) == expected.removesuffix(", lost")
+@pytest.mark.parametrize(("holes", "expected"), [(9, "7: marker 9"), (0, "7: food")])
+def test_captions_name_the_kind_of_region(holes: int, expected: str) -> None:
+    region = Region(7, 10.0, 10.0, holes, 0, True, False, 0.0, 0.0, 0.0, 0.0, 0.0)
+    assert caption(region) == expected
+    assert caption(region._replace(found=False)) == f"{expected}, lost"
 
 
 def test_overlay_refuses_other_frames() -> None:

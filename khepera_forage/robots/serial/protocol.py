@@ -101,9 +101,9 @@ class Protocol:
         motion: Commands that set the wheels in motion.
         counters: The command that reads the counters, and their bits.
         lamps: Arguments of command L that switch all lamps.
+        hint: What to check if no such robot replies.
         remark: Beginning of a line of text that follows a reply, and has no meaning.
         end: End of a request.
-        hint: What to check if no such robot replies.
     """
 
     commands: Mapping[str, Command]
@@ -116,9 +116,9 @@ class Protocol:
     motion: tuple[str, ...]
     counters: tuple[str, int]
     lamps: tuple[int, ...]
+    hint: str
     remark: str = "\n"
     end: bytes = b"\n"
-    hint: str = ""
 
     def encode_request(self, request: Request) -> bytes:
         """Encode a request; raises `ProtocolError` for an unknown command, or values that it does not allow."""
@@ -317,4 +317,5 @@ KHEPERA = Protocol(
     motion=("C", "D", "P"),
     counters=("H", 32),
     lamps=(0, 1),
+    hint="is this the port of a Khepera, switched on, with its mode switch at this baud rate?",
 )

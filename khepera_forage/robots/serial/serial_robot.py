@@ -130,8 +130,7 @@ class SerialRobot(RealRobot):
         try:
             self._line.measure(STOP)
         except RobotLost as lost:
-            if self.protocol.hint:
-                lost.args = (f"{lost}; {self.protocol.hint}",)
+            lost.args = (f"{lost}; {self.protocol.hint}",)
             raise
         self.stop_confirmed = True
         if self._period is not None:

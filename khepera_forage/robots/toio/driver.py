@@ -176,7 +176,7 @@ class ToioRobot(RealRobot):
                 turn = math.remainder(pose.heading - last.heading, math.tau)
                 middle = last.heading + turn / 2
                 forward = (pose.x - last.x) * math.cos(middle) + (pose.y - last.y) * math.sin(middle)
-                side = turn * self.model.wheel_base / self.model.scale / 2
+                side = turn * self.model.plan_base / 2
                 self._travel = self._travel[0] + forward - side, self._travel[1] + forward + side
             self.pose, self.on_mat = pose, True
         elif payload[0] == _POSITION_MISSED:

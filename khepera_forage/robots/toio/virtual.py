@@ -20,7 +20,6 @@ from khepera_forage.robots.toio.driver import FASTEST_UNIT, MAT_SIZE, SLOWEST_UN
 
 RADIUS = TOIO.radius / TOIO.scale
 """Of a cube on the plan, in mm."""
-_BASE = TOIO.wheel_base / TOIO.scale
 _SPEED = SPEED_UNIT / TOIO.unit
 """mm/s on the plan for one unit of the motor speed."""
 _STEP = 0.01
@@ -108,7 +107,7 @@ class VirtualCube(CubeInterface):
             self._units = 0, 0
         left, right = (unit * _SPEED * seconds for unit in self._units)
         x, y, heading = self.pose
-        turn, forward = (right - left) / _BASE, (left + right) / 2
+        turn, forward = (right - left) / TOIO.plan_base, (left + right) / 2
         middle = heading + turn / 2
         self.pose = CubePose(x + forward * math.cos(middle), y + forward * math.sin(middle), heading + turn)
 
