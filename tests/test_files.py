@@ -17,6 +17,7 @@ from khepera_forage.rollouts.row_files import RowWriter, read_rows, write_rows
 from khepera_forage.sim.arena_file import read_arena, write_arena
 from khepera_forage.sim.arenas.procedural import procedural_arena
 from khepera_forage.task.states import Behaviour, StateVector
+from khepera_forage.vision.calibration import Calibration
 from tests.limited_disk import largest_file
 
 FULL = Path("/dev/full")
@@ -105,6 +106,8 @@ def test_files_of_other_tools_are_read(encoding: str, tmp_path: Path) -> None:
     (tmp_path / "lab.toml").write_text(sample(), encoding="utf-8")
     before = load_settings(tmp_path / "lab.toml")
     assert load_settings(rewritten(tmp_path / "lab.toml")) == before
+    Calibration.identity().save(tmp_path / "calibration.toml")
+    assert Calibration.load(rewritten(tmp_path / "calibration.toml")) == Calibration.identity()
     with ExperienceWriter(tmp_path / "g1.csv", "corridor", overwrite=True) as writer:
         writer.append(VECTOR, Behaviour.SEARCH_FOR_FOOD)
     experience = Experience.load(tmp_path / "g1.csv")

@@ -7,7 +7,6 @@ of 5 mm on the floor, x to the right and y up.
 
 import json
 import math
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -18,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.toml_table import Reader, anything, content_of, list_of, naming, numbers, table, text_of
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
@@ -35,7 +35,6 @@ _LEAST_SLOPE = 0.05
 distortion."""
 _STEP = 0.01
 """Pixels over which the Jacobian is measured."""
-_KEYS = ("picture", "floor", "camera", "lens", "size", "tags")
 LENS_POINTS = (8, 14)
 """Points from which k1 of the lens is fitted, and from which k2 is fitted, too."""
 _GAIN = 0.9
@@ -238,19 +237,19 @@ class Calibration:
 
     def save(self, path: str | Path) -> None:
         """Write the points, and what else is known, to a TOML file."""
-        table: dict[str, object] = {"size": self.size, "picture": self.picture, "floor": self.floor}
+        values: dict[str, object] = {"size": self.size, "picture": self.picture, "floor": self.floor}
         lines = ["# picture: four points in pixels from the upper left corner; floor: the same points in mm."]
         if self.camera is not None:
-            table["camera"] = self.camera
+            values["camera"] = self.camera
         if self.lens is not None:
-            table["lens"] = (self.lens.k1, self.lens.k2)
+            values["lens"] = (self.lens.k1, self.lens.k2)
             lines.append(
                 f"# lens: k1 and k2 of OpenCV's radial distortion for a focal length of {self.lens.unit:.0f} pixels."
             )
         if self.tags:
-            table["tags"] = [(tag, *pixel) for tag, pixel in sorted(self.tags.items())]
+            values["tags"] = [(tag, *pixel) for tag, pixel in sorted(self.tags.items())]
             lines.append("# tags: id of each floor tag, and the pixel of its middle.")
-        lines += [f"{key} = {json.dumps(value)}" for key, value in table.items()]
+        lines += [f"{key} = {json.dumps(value)}" for key, value in values.items()]
         Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
     @classmethod
@@ -259,34 +258,10 @@ class Calibration:
 
         Raises:
             OSError: The file cannot be read.
-            ValueError: The file is not TOML, a key is missing or unknown, or `Calibration` refuses a value; the message
-                names the file.
+            ValueError: The file is not TOML, a key is missing or unknown, or a value is not allowed.
         """
-        try:
-            table = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-            unknown = sorted(table.keys() - set(_KEYS))
-            if unknown:
-                raise ValueError(f"calibration key {unknown[0]!r} is unknown; allowed: {', '.join(_KEYS)}")
-            for key in ("picture", "floor"):
-                if key not in table:
-                    raise ValueError(f"calibration has no {key!r}; allowed: four points each for picture and floor")
-            lens, tags = None, table.get("tags", [])
-            if "lens" in table:
-                k1, k2 = _checked_numbers("lens", table["lens"], 2, "(k1, k2)")
-                lens = Lens(k1, k2)
-            if not isinstance(tags, list):
-                raise ValueError(f"calibration tags is {tags!r}; allowed: a list of [id, u, v]")
-            width, height = _checked_numbers("size", table.get("size", DEFAULT_SIZE), 2, "(width, height)")
-            return cls(
-                table["picture"],
-                table["floor"],
-                table.get("camera"),
-                lens,
-                (int(width), int(height)),
-                {int(tag): (u, v) for tag, u, v in (_checked_numbers("tag", tag, 3, "(id, u, v)") for tag in tags)},
-            )
-        except ValueError as error:  # includes TOMLDecodeError
-            raise ValueError(f"{path}: {error}") from error
+        with naming(path):
+            return cls(**table("calibration", content_of(text_of(Path(path))), _KEYS, ("picture", "floor")))
 
     def _parallax(self, height: float) -> tuple[float, float, float]:
         """The point below the camera (region coordinates), and the ratio of true to apparent distance from it."""
@@ -477,3 +452,14 @@ def _held_out(picture: Sequence[Point], floor: Sequence[Point], coefficients: in
                 raise
             errors.append(math.nan)
     return tuple(errors)
+
+
+_KEYS: dict[str, Reader] = {
+    "picture": anything,  # `Calibration` checks the first three
+    "floor": anything,
+    "camera": anything,
+    "lens": lambda key, value: Lens(*numbers("[k1, k2]")(key, value)),
+    "size": lambda key, value: tuple(map(int, numbers("[width, height]")(key, value))),
+    "tags": lambda key, value: {int(tag): (u, v) for tag, u, v in list_of(numbers("[id, u, v]"), 0)(key, value)},
+}
+"""Of a calibration file."""
