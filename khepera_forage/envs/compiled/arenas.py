@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.compilation import rule
 from khepera_forage.envs.arguments import ArenaPool, Settings, food_odds, timing_of, whole_number
-from khepera_forage.envs.layouts import arena_map_of, floor_of
+from khepera_forage.envs.layouts import arena_map_of, floor_of, no_room
 from khepera_forage.geometry.paths import CELLS, Corner, PathTables, Spot
 from khepera_forage.records import array_of, dtype_of
 from khepera_forage.sim.arena import MOST_FOODS, Arena
@@ -254,6 +254,11 @@ class PreparedArenas:
     def arena(self, place: int) -> Arena:
         """The arena whose block is at this place."""
         return self._pool[self._numbers[place]]
+
+    def no_room(self, places: NDArray[np.int64], foods: int) -> ValueError:
+        """The error of arenas at these places in one of which no random layout was found."""
+        names = sorted({self.arena(place).name for place in places.tolist()})
+        return no_room(", ".join(names[:3]) + (", ..." if len(names) > 3 else ""), foods)
 
     def places(self, numbers: NDArray[Any]) -> NDArray[np.int64]:
         """Places of the arenas with these numbers in the pool. New arenas are prepared.

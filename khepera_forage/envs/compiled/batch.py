@@ -19,11 +19,9 @@ from khepera_forage.envs.compiled.step import (
     command_action,
     command_behaviour,
     new_worlds,
-    place_dtype,
-    start_dtype,
     world_of,
 )
-from khepera_forage.envs.layouts import arena_map_of, given_places, no_room
+from khepera_forage.envs.layouts import arena_map_of, given_places
 from khepera_forage.envs.recalls import Forager
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.sim.arena import Arena, Point
@@ -67,7 +65,7 @@ class CompiledBatch:
         self._arenas = PreparedArenas(pool)
         self._places = np.zeros(self.num_worlds, np.int64)
         self.worlds = new_worlds(self.num_worlds, foods)
-        self._random, self._free = given_records(None, None, foods), np.ones(1, np.bool_)
+        self._free = np.ones(1, np.bool_)
 
     @property
     def bytes_per_world(self) -> int:
@@ -108,12 +106,16 @@ class CompiledBatch:
             ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
         """
         places = self._next_arenas(worlds)
-        given = self._random
-        if options:
-            for place in np.unique(places).tolist():
-                given = given_records(*given_places(self._arenas.arena(place), self.foods, options), self.foods)
         some, count = WorldRecords(*(part[worlds] for part in self.worlds)), len(worlds)
-        self._run(some, places, np.zeros((count, 1)), np.ones(count, np.bool_), given)
+        start, food_places = None, None
+        for place in np.unique(places).tolist() if options else ():
+            start, food_places = given_places(self._arenas.arena(place), self.foods, options or {})
+        if start is not None:
+            some.starts[:] = tuple(start)
+        for k, food in enumerate(food_places or ()):
+            some.places[:, k] = tuple(food)
+        given = start is not None, food_places is not None
+        self._run(some, places, np.zeros((count, 1)), np.ones(count, np.bool_), *given)
         for part, begun in zip(self.worlds, some, strict=True):
             part[worlds] = begun
         self._places[worlds] = places
@@ -138,21 +140,28 @@ class CompiledBatch:
         new = waits.nonzero()[0]
         if len(new):
             self._places[new] = self._next_arenas(new)
-        self._run(self.worlds, self._places, given, waits, self._random)
+        self._run(self.worlds, self._places, given, waits)
 
     def stepper(self, actions: NDArray[np.float64]) -> Callable[[], None]:
         """A function that steps all worlds by what the array `actions` holds when it is called; no world may wait."""
         waiting = np.zeros(self.num_worlds, np.bool_)
-        given = self._arguments(self.worlds, self._places, actions, waiting, self._random)
+        given = self._arguments(self.worlds, self._places, actions, waiting)
         return partial(_step_worlds, 0, self.num_worlds, *given)
 
-    def _run(self, worlds: WorldRecords, places: NDArray[np.int64], *given: Any) -> None:
-        """One round or the start of an episode in some worlds, see `_arguments`."""
+    def _run(
+        self,
+        worlds: WorldRecords,
+        places: NDArray[np.int64],
+        actions: NDArray[np.float64],
+        waiting: NDArray[np.bool_],
+        *given: bool,
+    ) -> None:
+        """One round or the start of an episode in some worlds; arguments as for `_step_worlds`."""
         self._free[0] = True
-        share_out(_step_worlds, len(places), *self._arguments(worlds, places, *given), least=_LEAST)
+        arguments = self._arguments(worlds, places, actions, waiting, *given)
+        share_out(_step_worlds, len(places), *arguments, least=_LEAST)
         if not self._free[0]:
-            names = sorted({self._arenas.arena(place).name for place in places[given[1]].tolist()})
-            raise no_room(", ".join(names[:3]) + (", ..." if len(names) > 3 else ""), self.foods)
+            raise self._arenas.no_room(places[waiting], self.foods)
 
     def _arguments(
         self,
@@ -160,31 +169,18 @@ class CompiledBatch:
         places: NDArray[np.int64],
         actions: NDArray[np.float64],
         waiting: NDArray[np.bool_],
-        given: tuple[NDArray[Any], NDArray[Any]],
+        start_given: bool = False,
+        places_given: bool = False,
     ) -> tuple[Any, ...]:
         """Those of `_step_worlds` after the first two."""
         blocks, settings = self._arenas.blocks, self._record
-        return *worlds, blocks, places, settings, actions, waiting, *given, self._free
+        return *worlds, blocks, places, settings, actions, waiting, start_given, places_given, self._free
 
     def _next_arenas(self, worlds: NDArray[np.int64]) -> NDArray[np.int64]:
         """Places of the arenas of the next episodes of some worlds."""
         self._places = self._arenas.forget(self._places)
         keys, numbers = self.worlds.robots["key"][worlds, 0], self.worlds.foragers["number"][worlds, 0]
         return self._arenas.of_episodes(keys, numbers)
-
-
-def given_records(start: Any, places: Any, foods: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Given start and food places as compiled worlds take them; not a number where they are random.
-
-    Args:
-        start: A `Pose`, or None.
-        places: One `Point` a food object, or None.
-        foods: Number of food objects.
-    """
-    starts = np.full(1, np.nan, start_dtype) if start is None else np.array([tuple(start)], start_dtype)
-    if places is None:
-        return starts, np.full(foods, np.nan, place_dtype)
-    return starts, np.array([tuple(place) for place in places], place_dtype)
 
 
 @entry
@@ -206,8 +202,8 @@ def _step_worlds(
     settings: Any,
     actions: Any,
     waiting: Any,
-    given_start: Any,
-    given_food_places: Any,
+    start_given: bool,
+    places_given: bool,
     free: Any,
 ) -> None:
     """One round in the worlds from `first` to `last`: an action, or the start of an episode where they wait for one.
@@ -221,7 +217,7 @@ def _step_worlds(
         world = world_of(worlds, i)
         if places[i] != place:
             place, arena = places[i], arena_at(blocks, places[i])
-        if waiting[i] and not begin(world, arena, settings[0], given_start[0], given_food_places):
+        if waiting[i] and not begin(world, arena, settings[0], start_given, places_given):
             free[0] = False
         if actions.shape[1] == 1:
             command_behaviour(world, arena, settings[0], int(actions[i, 0]))

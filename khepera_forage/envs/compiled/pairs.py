@@ -18,14 +18,15 @@ from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import keys_of, random_bits
 from khepera_forage.envs.arguments import FoodOdds, Settings, checked_arena, whole_number
 from khepera_forage.envs.compiled.arenas import arena_at, arena_block, ground_of, map_of, settings_record
-from khepera_forage.envs.compiled.batch import given_records
 from khepera_forage.envs.compiled.step import (
     WorldRecords,
     carry_out,
     drive,
     motors_of,
     new_worlds,
+    place_dtype,
     stand_ready,
+    start_dtype,
     world_of,
 )
 from khepera_forage.envs.layouts import arena_map_of, arenas_with_marks, no_room_on_marks
@@ -86,7 +87,6 @@ def paired_sides(
     blocks = [arena_block(side, anchor) for side in arenas]
     # The teacher has the marker of one hole.
     records = [settings_record(settings, foods, max_cycles, holes=min(i + 1, 2)) for i in range(robots)]
-    marks = [given_records(side.start, side.foods, foods) for side in arenas]
     attempt = np.zeros(1, dtype_of(AttemptState))
     attempt["limit"] = max_cycles
     attempt["patience"] = decisions.patience if patience is None else whole_number("patience", patience, 1)
@@ -95,8 +95,8 @@ def paired_sides(
         np.concatenate(blocks),
         np.cumsum([0, *map(len, blocks[:-1])]),
         np.concatenate(records),
-        np.concatenate([mark for mark, _ in marks]),
-        np.stack([food_marks for _, food_marks in marks]),
+        np.array([tuple(side.start) for side in arenas], start_dtype),
+        np.array([[tuple(food) for food in side.foods] for side in arenas], place_dtype),
     )
     return arenas, sides, attempt
 

@@ -101,35 +101,29 @@ def world_of(worlds: WorldRecords, i: int) -> WorldRecords:
 
 
 @rule
-def begin(world: WorldRecords, arena: ArenaRecords, settings: Any, given_start: Any, given_places: Any) -> bool:
+def begin(world: WorldRecords, arena: ArenaRecords, settings: Any, start_given: bool, places_given: bool) -> bool:
     """Begin an episode; its first frame is taken in the coming round.
 
     Args:
         world: The world.
         arena: Its arena.
         settings: A `settings_dtype` record.
-        given_start: `Start` record: where the robot starts; not a number for a random start.
-        given_places: `Place` records: where food lies; not a number for random places.
+        start_given: Whether the robot starts where `starts` says, and not at a random place.
+        places_given: Whether food lies where `places` says, and not at random places.
 
     Returns:
         Whether there was room.
     """
-    forager, key, start, places = world.foragers[0], world.robots[0].key, world.starts[0], world.places
-    has_start, has_places = not math.isnan(given_start.x), not math.isnan(given_places[0].x)
-    if has_start:
-        start.x, start.y, start.heading = given_start.x, given_start.y, given_start.heading
-    if has_places:
-        for k in range(len(places)):
-            places[k].x, places[k].y = given_places[k].x, given_places[k].y
+    forager, key = world.foragers[0], world.robots[0].key
     free = draw_layout(
-        start,
-        places,
+        world.starts[0],
+        world.places,
         layout_key(key, forager.number),
         ground_of(arena),
         map_of(arena),
         settings.decisions,
-        has_start,
-        has_places,
+        start_given,
+        places_given,
     )
     stand_ready(world, settings)
     draw_food_types(world.objects, food_type_key(key, forager.number), settings.odds)

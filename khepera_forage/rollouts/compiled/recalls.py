@@ -13,9 +13,7 @@ from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import DRAW_POLICY, draw, keys_of, upper
 from khepera_forage.envs.arguments import ArenaPool, Arenas, FoodOdds, Settings, whole_number
 from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_record
-from khepera_forage.envs.compiled.batch import given_records
 from khepera_forage.envs.compiled.step import WorldRecords, begin, carry_out, command_behaviour, new_worlds, world_of
-from khepera_forage.envs.layouts import no_room
 from khepera_forage.noise import Noise
 from khepera_forage.policies.memories import BEHAVIOURS, NO_MEMORIES, Memories, plane_key
 from khepera_forage.records import dtype_of
@@ -172,13 +170,12 @@ class Recalls:
             _run_recalls,
             count,
             *(arenas.blocks, places, self._record, memories),
-            *(keys, *given_records(None, None, foods), recalls, food_places, collected, free),
+            *(keys, recalls, food_places, collected, free),
             scratch=lambda: (new_worlds(1, foods),),
             least=_LEAST,
         )
         if not free[0]:
-            names = {arenas.arena(place).name for place in np.unique(places).tolist()}
-            raise no_room(names.pop() if len(names) == 1 else "an arena", foods)
+            raise arenas.no_room(places, foods)
         counts = recalls["counts"]
         return Episodes(
             foods=food_places,
@@ -236,8 +233,6 @@ def _run_recalls(
     settings: Any,
     memories: Memories,
     keys: Any,
-    given_start: Any,
-    given_food_places: Any,
     recalls: Any,
     food_places: Any,
     collected: Any,
@@ -251,7 +246,7 @@ def _run_recalls(
         arena = arena_at(blocks, places[number])
         world.robots[0].key, world.robots[0].round = keys[number], 0
         world.foragers[0].number = 0
-        if not begin(world, arena, settings[0], given_start[0], given_food_places):
+        if not begin(world, arena, settings[0], False, False):
             free[0] = False
         recall, start = recalls[number], world.starts[0]
         recall.start[0], recall.start[1], recall.start[2] = start.x, start.y, start.heading

@@ -167,7 +167,7 @@ def train_learners(
     rows = np.empty((at_once, limit, HEARD + 1), np.int16)
     rewards = np.empty((at_once, limit), np.float32)
     records = np.empty((at_once, most), attempt_dtype)
-    vectors, gains, lines, tried = [], [], [], []
+    parts: list[tuple[NDArray[Any], ...]] = []
     for first in range(0, keys.size, at_once):
         some = keys[first : first + at_once]
         made, free = np.zeros(some.size, np.int64), np.ones(some.size, np.bool_)
@@ -190,21 +190,12 @@ def train_learners(
         if not last["complete"].all():
             raise IncompleteTrainingError(f"none of {most} attempts at a training episode was complete")
         heard = np.arange(limit) < last["vectors"][:, None]
-        vectors.append(rows[: some.size][heard])
-        gains.append(rewards[: some.size][heard])
-        lines.append(done)
-        tried.append(made)
-    return _trained(
-        np.concatenate(vectors),
-        np.concatenate(gains),
-        np.concatenate(lines),
-        np.concatenate(tried),
-        n,
-        limit,
-        arenas[0].name,
-        seed,
-        decisions,
-    )
+        parts.append((rows[: some.size][heard], rewards[: some.size][heard], done, made))
+    vectors, gains, done, tried = map(np.concatenate, zip(*parts, strict=True))
+    ends = np.cumsum(done["vectors"][done["complete"]]).reshape(n, episodes)
+    offsets = np.column_stack((np.concatenate(([0], ends[:-1, -1])), ends))
+    made_attempts = _attempts_of(done, tried, episodes, limit)
+    return Trained(vectors, offsets, made_attempts, arenas[0].name, seed, decisions, gains)
 
 
 @entry
@@ -264,61 +255,34 @@ def _train(
                 break
 
 
+def _attempts_of(done: NDArray[Any], tried: NDArray[np.int64], episodes: int, limit: int) -> Attempts:
+    """What the kernel has written down of the attempts.
+
+    Args:
+        done: `attempt_dtype`, one record an attempt, in the order of learners and episodes.
+        tried: How many attempts there were at each episode.
+        episodes: Of each learner.
+        limit: Rounds after which an attempt was out of time.
+    """
+    number = np.repeat(np.arange(tried.size), tried)
+    complete, rounds = done["complete"], done["rounds"].astype(np.int64)
+    return Attempts(
+        number // episodes,
+        number % episodes,
+        np.arange(number.size) - np.repeat(np.cumsum(tried) - tried, tried) + 1,
+        complete,
+        rounds,
+        done["vectors"].astype(np.int64),
+        done["separations"].astype(np.int64),
+        np.where(complete, "", np.where(rounds < limit, "separated", "out of time")),
+    )
+
+
 @rule
 def _record_vector(vector: Any, behaviour: int, row: Any) -> None:
     """Record the learner's own state vector with the behaviour heard."""
     row[0], row[1], row[2] = vector.object_presence, vector.robot_home_distance, vector.food_type
     row[3], row[4], row[HEARD] = vector.arms_height, vector.robot_food_distance, behaviour
-
-
-def _trained(
-    vectors: NDArray[np.int16],
-    rewards: NDArray[np.float32],
-    attempts: NDArray[Any],
-    tried: NDArray[np.int64],
-    n: int,
-    limit: int,
-    arena: str,
-    seed: int,
-    decisions: Decisions,
-) -> Trained:
-    """What the kernel has written down, learner by learner.
-
-    Args:
-        vectors: Of all complete episodes, one after the other.
-        rewards: One a vector.
-        attempts: `attempt_dtype`, one record an attempt.
-        tried: How many attempts there were at each episode.
-        n: Learners.
-        limit: Rounds after which an attempt was out of time.
-        arena: Its name.
-        seed: Of all.
-        decisions: Of the training.
-    """
-    episodes = tried.size // n
-    number = np.repeat(np.arange(tried.size), tried)
-    attempt = np.arange(number.size) - np.repeat(np.cumsum(tried) - tried, tried) + 1
-    rounds, complete = attempts["rounds"].astype(np.int64), attempts["complete"]
-    ends = np.cumsum(attempts["vectors"][complete]).reshape(n, episodes)
-    starts = np.concatenate(([0], ends[:-1, -1]))
-    return Trained(
-        vectors,
-        np.column_stack((starts, ends)),
-        Attempts(
-            number // episodes,
-            number % episodes,
-            attempt,
-            complete,
-            rounds,
-            attempts["vectors"].astype(np.int64),
-            attempts["separations"].astype(np.int64),
-            np.where(complete, "", np.where(rounds < limit, "separated", "out of time")),
-        ),
-        arena,
-        seed,
-        decisions,
-        rewards,
-    )
 
 
 def _within(name: str, value: int, count: int) -> int:
