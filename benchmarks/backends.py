@@ -50,7 +50,7 @@ from khepera_forage.study import Count, Page, Picture, Rows, WorkUnit, collect, 
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.thesis.design import THESIS as DESIGN
-from khepera_forage.thesis.replication import JobCounts, compiled_jobs, replicate
+from khepera_forage.thesis.replication import JobCounts, jobs, replicate
 from khepera_forage.thesis.tables import in_cell
 
 COUNTS = (
@@ -178,7 +178,7 @@ class PymunkReplication(NamedTuple):
     def run(self) -> Sequence[RecallRow]:
         """Train, and return the recalls."""
         cells = QUICK_DESIGN if self.quick else DESIGN
-        return Rows(replicate(self.seed, self.number, cells=cells)).of(RecallRow)
+        return Rows(replicate(self.seed, self.number, 1, cells=cells)).of(RecallRow)
 
 
 def _trained(seed: int, imitator: int) -> Vectors:
@@ -352,8 +352,8 @@ def recall_parts(
 
 def design_table(pymunk: Sequence[RecallRow], seed: int, experiments: int) -> Table:
     """The thesis's experiments on both backends."""
-    jobs = compiled_jobs(seed, JobCounts(DESIGN_FACTOR * experiments), DEFAULT_DECISIONS)
-    compiled = Rows(row for job in jobs for row in job.run()).of(RecallRow)
+    made = jobs(seed, JobCounts(DESIGN_FACTOR * experiments), DEFAULT_DECISIONS, COMPILED)
+    compiled = Rows(row for job in made for row in job.run()).of(RecallRow)
     measures = {"score (%)": "score", "food": "delivered", "steps": "steps", "vectors": "experience_size"}
     lines: list[tuple[Value, ...]] = []
     for cell in DESIGN:

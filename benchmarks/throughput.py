@@ -144,12 +144,12 @@ def procedural_recalls(arenas: int, seed: int) -> float:
 
 def design(replications: int, seed: int) -> float:
     """Seconds of replications of the thesis's design: training and recalls as rows, without the report."""
-    from khepera_forage.thesis.compiled_replications import GROUP_SIZE, replicate_together
+    from khepera_forage.thesis.compiled_replications import GROUP_SIZE, replicate
 
-    replicate_together(seed, 0, 1)  # compiles, or loads the kernels
+    replicate(seed, 0, 1)  # compiles, or loads the kernels
     start = perf_counter()
     for first in range(0, replications, GROUP_SIZE):
-        replicate_together(seed, first, min(GROUP_SIZE, replications - first))
+        replicate(seed, first, min(GROUP_SIZE, replications - first))
     return perf_counter() - start
 
 

@@ -36,7 +36,7 @@ GROUP_SIZE = 100
 """Replications that run together: enough to use all lanes of the kernels."""
 
 
-def replicate_together(
+def replicate(
     seed: int,
     first: int,
     count: int,
@@ -45,16 +45,10 @@ def replicate_together(
     decisions: Decisions = DEFAULT_DECISIONS,
     laboratory: Noise = LABORATORY_NOISE,
 ) -> list[Row]:
-    """Replications `first` to `first + count - 1`, each as by `replication.replicate`.
+    """Replications `first` to `first + count - 1`; arguments as for `replication.replicate`.
 
-    Args:
-        seed: Of the whole reproduction.
-        first: A multiple of `GROUP_SIZE`, so that a replication does not depend on the total number.
-        count: At most `GROUP_SIZE`.
-        noise: Name of the noise condition.
-        cells: The tables of appendix A to repeat; without any, only ten training files.
-        decisions: Of training and recall.
-        laboratory: The laboratory's noise, from which the noise condition is derived.
+    `first` is a multiple of `GROUP_SIZE`, and `count` at most that, so that a replication does not depend on the total
+    number.
     """
     sources = noise_conditions(laboratory)[noise]
     seeds = [replication_seeds(seed, number, noise).spawn(2) for number in range(first, first + count)]
@@ -102,16 +96,17 @@ def replicate_together(
 
 def baselines(
     seed: int,
-    blocks: int,
+    first: int,
+    count: int,
     learner: str,
     arena: str,
     forages: int,
     decisions: Decisions = DEFAULT_DECISIONS,
     laboratory: Noise = LABORATORY_NOISE,
 ) -> list[Row]:
-    """Blocks of forages of the teacher, or of a random policy; each block counts as a replication."""
-    place, limit = checked_arena(arena, decisions), baseline_limit(learner, arena)
-    seeds = np.concatenate([baseline_seeds(seed, i, learner, arena, forages) for i in range(blocks)])
+    """Blocks of forages as by `replication.baselines`."""
+    place, limit, blocks = checked_arena(arena, decisions), baseline_limit(learner, arena), range(first, first + count)
+    seeds = np.concatenate([baseline_seeds(seed, i, learner, arena, forages) for i in blocks])
     played = run_recalls(
         place,
         None,
@@ -123,8 +118,8 @@ def baselines(
         decisions=decisions,
     )
     own = {
-        "replication": np.repeat(range(blocks), forages).tolist(),
-        "recall": list(range(forages)) * blocks,
+        "replication": np.repeat(blocks, forages).tolist(),
+        "recall": list(range(forages)) * count,
         "seed": seeds.tolist(),
     }
     about = {"learner": learner, "episodes": 0, "file_id": "-", "experience_size": 0}

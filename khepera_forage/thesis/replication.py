@@ -1,6 +1,6 @@
 """The jobs of a reproduction, for either backend, and replications of the thesis's design on pymunk (5.4)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from typing import Any, NamedTuple
 
@@ -59,16 +59,31 @@ def baseline_limit(learner: str, arena: str) -> int:
 
 def replicate(
     seed: int,
-    number: int,
+    first: int,
+    count: int,
     noise: str = LABORATORY,
     cells: Sequence[Cell] = THESIS,
     decisions: Decisions = DEFAULT_DECISIONS,
+    laboratory: Noise = LABORATORY_NOISE,
 ) -> list[Row]:
-    """Train new files, and recall with them; without cells only ten training files.
+    """Replications `first` to `first + count - 1`: each trains new files, and recalls with them.
 
-    The seed is that of the whole reproduction.
+    Args:
+        seed: Of the whole reproduction.
+        first: Number of the first replication.
+        count: How many.
+        noise: Name of the noise condition.
+        cells: The tables of appendix A to repeat; without any, only ten training files.
+        decisions: Of training and recall.
+        laboratory: The laboratory's noise, from which the noise condition is derived.
     """
-    sources = noise_conditions()[noise]
+    sources = noise_conditions(laboratory)[noise]
+    return [row for i in range(first, first + count) for row in _replication(seed, i, noise, sources, cells, decisions)]
+
+
+def _replication(
+    seed: int, number: int, noise: str, sources: Noise, cells: Sequence[Cell], decisions: Decisions
+) -> list[Row]:
     training, recalling = replication_seeds(seed, number, noise).spawn(2)
     files: list[Experience] = []
     trainings: list[Row] = []
@@ -96,14 +111,24 @@ def replicate(
     return [*recalls, *trainings, *orient]
 
 
-def baseline(
-    seed: int, block: int, learner: str, arena: str, forages: int, decisions: Decisions = DEFAULT_DECISIONS
+def baselines(
+    seed: int,
+    first: int,
+    count: int,
+    learner: str,
+    arena: str,
+    forages: int,
+    decisions: Decisions = DEFAULT_DECISIONS,
+    laboratory: Noise = LABORATORY_NOISE,
 ) -> list[Row]:
-    """A block of forages of the teacher, or of a random policy, which counts as a replication."""
-    with closing(recall_env(arena, limit=baseline_limit(learner, arena), decisions=decisions)) as env:
+    """Blocks of forages of the teacher, or of a random policy; each block counts as a replication."""
+    with closing(recall_env(arena, laboratory, baseline_limit(learner, arena), decisions=decisions)) as env:
         policy: Policy = Teacher.of(env) if learner == TEACHER else UniformPolicy()
-        seeds = baseline_seeds(seed, block, learner, arena, forages).tolist()
-        return [recall(env, policy, own, learner=learner, replication=block, number=i) for i, own in enumerate(seeds)]
+        return [
+            recall(env, policy, own, learner=learner, replication=block, number=i)
+            for block in range(first, first + count)
+            for i, own in enumerate(baseline_seeds(seed, block, learner, arena, forages).tolist())
+        ]
 
 
 class JobCounts(NamedTuple):
@@ -146,52 +171,34 @@ def comparison_counts(replications: int) -> JobCounts:
     return JobCounts(min(replications, max(MIN_REPLICATIONS, replications // 5)))
 
 
-def pymunk_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Job]:
-    """All jobs for pymunk, those that take longest first."""
-
-    def several(numbers: range, noise: str, cells: tuple[Cell, ...]) -> list[Job]:
-        return [Job(f"{noise} {i}", replicate, (seed, i, noise, cells, decisions)) for i in numbers]
-
-    jobs = several(range(counts.replications), LABORATORY, THESIS)
-    for noise in counts.noise_conditions:
-        jobs += several(range(counts.noise_replications), noise, counts.noise_cells)
-    # The claim on tracking losses (5.3.1) compares the same number of trainings with and without losses.
-    if NO_LOSSES in counts.noise_conditions:
-        jobs += several(range(counts.noise_replications, counts.replications), NO_LOSSES, ())
-    return jobs + [
-        Job(f"{learner} {arena} {i}", baseline, (seed, i, learner, arena, forages, decisions))
-        for learner, arena, forages in counts.baselines
-        for i in range(counts.baseline_blocks)
-    ]
-
-
-def compiled_jobs(
-    seed: int, counts: JobCounts, decisions: Decisions, laboratory: Noise = LABORATORY_NOISE
+def jobs(
+    seed: int, counts: JobCounts, decisions: Decisions, backend: str, laboratory: Noise = LABORATORY_NOISE
 ) -> list[Job]:
-    """All jobs for the compiled backend; the other noise conditions are derived from the laboratory's noise.
+    """All jobs of a reproduction, those that take longest first; other noise conditions are derived from `laboratory`.
 
     Raises:
-        ImportError: numba is not installed.
+        ImportError: The backend is "compiled", and numba is not installed.
     """
-    from khepera_forage.thesis.compiled_replications import GROUP_SIZE, baselines, replicate_together
+    if backend == PYMUNK:
+        size, replicating, foraging = 1, replicate, baselines
+    else:
+        from khepera_forage.thesis import compiled_replications as compiled
 
-    def groups(count: int, noise: str, cells: tuple[Cell, ...]) -> list[Job]:
-        jobs = []
-        for first in range(0, count, GROUP_SIZE):
-            own = min(GROUP_SIZE, count - first)
-            arguments = seed, first, own, noise, cells, decisions, laboratory
-            jobs.append(Job(f"{noise} {first} to {first + own - 1}", replicate_together, arguments))
-        return jobs
+        size, replicating, foraging = compiled.GROUP_SIZE, compiled.replicate, compiled.baselines
+    made: list[Job] = []
 
-    jobs = groups(counts.replications, LABORATORY, THESIS)
+    def add(name: str, function: Callable[..., list[Row]], first: int, end: int, *about: Any) -> None:
+        for start in range(first, end, size):
+            count = min(size, end - start)
+            key = f"{name} {start} to {start + count - 1}"
+            made.append(Job(key, function, (seed, start, count, *about, decisions, laboratory)))
+
+    add(LABORATORY, replicating, 0, counts.replications, LABORATORY, THESIS)
     for noise in counts.noise_conditions:
-        jobs += groups(counts.noise_replications, noise, counts.noise_cells)
-    blocks = counts.baseline_blocks
-    return jobs + [
-        Job(
-            f"{learner} {arena} {blocks} times {forages}",
-            baselines,
-            (seed, blocks, learner, arena, forages, decisions, laboratory),
-        )
-        for learner, arena, forages in counts.baselines
-    ]
+        add(noise, replicating, 0, counts.noise_replications, noise, counts.noise_cells)
+    # The claim on tracking losses (5.3.1) compares the same number of trainings with and without losses.
+    if backend == PYMUNK and NO_LOSSES in counts.noise_conditions:
+        add(NO_LOSSES, replicating, counts.noise_replications, counts.replications, NO_LOSSES, ())
+    for learner, arena, forages in counts.baselines:
+        add(f"{learner} {arena}", foraging, 0, counts.baseline_blocks, learner, arena, forages)
+    return made

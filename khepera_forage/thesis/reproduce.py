@@ -31,7 +31,7 @@ from khepera_forage.thesis import figures, tables
 from khepera_forage.thesis.claims import Evidence, claims, gather
 from khepera_forage.thesis.design import LABORATORY
 from khepera_forage.thesis.orient_analysis import OrientRow, orient_table
-from khepera_forage.thesis.replication import JobCounts, comparison_counts, compiled_jobs, job_counts, pymunk_jobs
+from khepera_forage.thesis.replication import JobCounts, comparison_counts, job_counts, jobs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -123,8 +123,7 @@ def reproduce(
 
 def _rows(given: Arguments, counts: JobCounts, decisions: Decisions, backend: str, tables: Tables, file: str) -> Rows:
     """The rows of all jobs in their order; those of a run that was killed are taken from the folder."""
-    make_jobs = pymunk_jobs if backend == PYMUNK else compiled_jobs
-    units = make_jobs(int(given.settings["seed"]), counts, decisions)
+    units = jobs(int(given.settings["seed"]), counts, decisions, backend)
     settings = {"decisions": decisions_text(decisions), "version": __version__}
     # Compiled jobs use all cores themselves.
     execute = in_processes(given.jobs) if backend == PYMUNK else partial(map, done)

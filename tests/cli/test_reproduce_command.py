@@ -13,7 +13,7 @@ from tests.thesis.synthetic import one_row_jobs
 
 @pytest.fixture(autouse=True)
 def one_job(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reproduction, "compiled_jobs", one_row_jobs)
+    monkeypatch.setattr(reproduction, "jobs", one_row_jobs)
 
 
 def printed(out: Path, capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
@@ -53,7 +53,7 @@ def test_reproduction_that_was_killed_continues(
 
     resumed: list[bool] = []
     second = Job("two", interrupted, ())
-    monkeypatch.setattr(reproduction, "compiled_jobs", lambda *given: [*one_row_jobs(*given), second])
+    monkeypatch.setattr(reproduction, "jobs", lambda *given: [*one_row_jobs(*given), second])
     with pytest.raises(KeyboardInterrupt):
         reproduction.reproduce(0, 1, tmp_path, backend="compiled", comparison=False)
     assert not (tmp_path / "thesis.md").exists()

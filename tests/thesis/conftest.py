@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from khepera_forage import study
+from khepera_forage.envs.backends import COMPILED
 from khepera_forage.estimates import pick
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.study import Rows
@@ -11,7 +12,7 @@ from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.claims import Evidence, gather
 from khepera_forage.thesis.design import LABORATORY, noise_conditions
-from khepera_forage.thesis.replication import JobCounts, compiled_jobs
+from khepera_forage.thesis.replication import JobCounts, jobs
 from khepera_forage.thesis.tables import CellResult, cell_results
 from tests.thesis import synthetic
 
@@ -27,7 +28,7 @@ def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def one_job(monkeypatch: pytest.MonkeyPatch, no_pictures: None) -> None:
     """Let a reproduction on compiled worlds have one job of one row of each kind."""
-    monkeypatch.setattr(reproduction, "compiled_jobs", synthetic.one_row_jobs)
+    monkeypatch.setattr(reproduction, "jobs", synthetic.one_row_jobs)
 
 
 @pytest.fixture(scope="session")
@@ -35,7 +36,7 @@ def rows() -> Rows:
     pytest.importorskip("numba")
     conditions = tuple(name for name in noise_conditions() if name != LABORATORY)
     counts = JobCounts(REPLICATIONS, REPLICATIONS, conditions, REPLICATIONS, 10)
-    return Rows(row for job in compiled_jobs(3, counts, DEFAULT_DECISIONS) for row in job.run())
+    return Rows(row for job in jobs(3, counts, DEFAULT_DECISIONS, COMPILED) for row in job.run())
 
 
 @pytest.fixture(scope="session")

@@ -11,8 +11,8 @@ from khepera_forage.thesis.orient_analysis import OrientRow
 from khepera_forage.thesis.replication import JobCounts, Row
 
 
-def one_row_jobs(seed: int, counts: JobCounts, decisions: Decisions) -> list[Job]:
-    """In place of `compiled_jobs`: a job that leaves one row of each kind."""
+def one_row_jobs(seed: int, counts: JobCounts, decisions: Decisions, backend: str) -> list[Job]:
+    """In place of `jobs`: a job that leaves one row of each kind."""
     return [Job("one", one_row, (decisions_text(decisions),))]
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from khepera_forage import Decisions, Noise
+from khepera_forage.envs.backends import COMPILED
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.study import Rows
@@ -15,7 +16,7 @@ from khepera_forage.thesis.claims import Claim, claims, gather
 from khepera_forage.thesis.design import LABORATORY, NO_LOSSES
 from khepera_forage.thesis.inference.claims import RESAMPLES, LaboratoryClaims, claim_table, claims_of, measure
 from khepera_forage.thesis.inference.prior import LabModel
-from khepera_forage.thesis.replication import JobCounts, compiled_jobs
+from khepera_forage.thesis.replication import JobCounts, jobs
 
 pytest.importorskip("numba")
 
@@ -39,8 +40,8 @@ def test_another_seed_or_laboratory_gives_other_claims(measured: list[Claim]) ->
 
 
 def test_default_laboratory_has_the_claims_of_the_ordinary_reproduction(measured: list[Claim]) -> None:
-    jobs = compiled_jobs(3, JobCounts(REPLICATIONS, REPLICATIONS, (NO_LOSSES,), 20, 25), DEFAULT_DECISIONS)
-    rows = Rows(row for job in jobs for row in job.run())
+    counts = JobCounts(REPLICATIONS, REPLICATIONS, (NO_LOSSES,), 20, 25)
+    rows = Rows(row for job in jobs(3, counts, DEFAULT_DECISIONS, COMPILED) for row in job.run())
     recalls = [row for row in rows.of(RecallRow) if row.noise == LABORATORY]
     evidence = gather(recalls, rows.of(TrainingRow), np.random.default_rng(3), RESAMPLES)
     assert measured == claims(evidence)

@@ -1,44 +1,37 @@
 """Replications, baselines and the jobs of a reproduction, on both backends and under any decisions."""
 
 from dataclasses import replace
+from importlib import import_module
+from typing import Any
 
 import pytest
 
-from khepera_forage.envs.backends import BACKENDS, PYMUNK
+from khepera_forage import Noise
+from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.study import Rows
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
+from khepera_forage.thesis import replication
 from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, THESIS, Cell, Subset
 from khepera_forage.thesis.orient_analysis import OrientRow
-from khepera_forage.thesis.replication import (
-    JobCounts,
-    Row,
-    baseline,
-    comparison_counts,
-    compiled_jobs,
-    job_counts,
-    pymunk_jobs,
-    replicate,
-)
+from khepera_forage.thesis.replication import JobCounts, Row, comparison_counts, job_counts, jobs
 
 V0_1 = Decisions.v0_1()
 OTHER = replace(V0_1, next_to_food=22, food_to_home=200)
 SMALL = (Cell("corridor", 2, (Subset((1,)), Subset((1, 2))), 2, foods=1, limit=500),)
 
 
-def two_replications(backend: str, seed: int, decisions: Decisions, noise: str, cells: tuple[Cell, ...]) -> Rows:
-    if backend == PYMUNK:
-        return Rows(row for i in range(2) for row in replicate(seed, i, noise, cells, decisions))
-    pytest.importorskip("numba")
-    from khepera_forage.thesis.compiled_replications import replicate_together
-
-    return Rows(replicate_together(seed, 0, 2, noise, cells, decisions))
+def of_backend(backend: str) -> Any:
+    """The module with the replications on a backend."""
+    if backend == COMPILED:
+        pytest.importorskip("numba")
+    return import_module("khepera_forage.thesis." + ("replication" if backend == PYMUNK else "compiled_replications"))
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("decisions", [DEFAULT_DECISIONS, V0_1, OTHER], ids=["default", "v0.1", "other"])
 def test_replication_leaves_all_rows_of_its_cells(backend: str, decisions: Decisions) -> None:
-    rows = two_replications(backend, 5, decisions, LABORATORY, SMALL)
+    rows = Rows(of_backend(backend).replicate(5, 0, 2, LABORATORY, SMALL, decisions))
     recalls, trainings, orient = rows.of(RecallRow), rows.of(TrainingRow), rows.of(OrientRow)
     assert [row.file_id for row in recalls] == ["g1", "g1", "g12", "g12"] * 2
     everything: list[Row] = [*recalls, *trainings, *orient]
@@ -53,16 +46,15 @@ def test_replication_leaves_all_rows_of_its_cells(backend: str, decisions: Decis
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_replication_depends_only_on_seed_and_number(backend: str) -> None:
-    def run(seed: int) -> list[RecallRow]:
-        return two_replications(backend, seed, V0_1, LABORATORY, SMALL).of(RecallRow)
-
-    assert run(5) == run(5)
-    assert run(5)[:4] != run(6)[:4]
-    assert [row.score for row in run(5)[:4]] != [row.score for row in run(5)[4:]]
+    made = of_backend(backend)
+    one, again, other = (Rows(made.replicate(seed, 0, 2, cells=SMALL)).of(RecallRow) for seed in (5, 5, 6))
+    assert one == again
+    assert one[:4] != other[:4]
+    assert [row.score for row in one[:4]] != [row.score for row in one[4:]]
 
 
 def test_replication_without_cells_trains_all_files() -> None:
-    rows = Rows(replicate(0, 0, NO_LOSSES, cells=()))
+    rows = Rows(replication.replicate(0, 0, 1, NO_LOSSES, cells=()))
     assert not rows.of(RecallRow)
     assert {row.noise for row in rows.of(TrainingRow)} == {"no losses"}
     assert {row.file for row in rows.of(TrainingRow)} == set(range(1, 11))
@@ -71,15 +63,7 @@ def test_replication_without_cells_trains_all_files() -> None:
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(("learner", "limit"), [(TEACHER, 1500), (RANDOM, 500)])
 def test_baseline_of_the_teacher_has_three_times_the_limit(backend: str, learner: str, limit: int) -> None:
-    made: list[Row] = []
-    if backend == PYMUNK:
-        made = [row for block in range(2) for row in baseline(0, block, learner, "corridor", 3, OTHER)]
-    else:
-        pytest.importorskip("numba")
-        from khepera_forage.thesis.compiled_replications import baselines
-
-        made = baselines(0, 2, learner, "corridor", 3, OTHER)
-    rows = Rows(made).of(RecallRow)
+    rows = Rows(of_backend(backend).baselines(0, 0, 2, learner, "corridor", 3, OTHER)).of(RecallRow)
     assert {(row.limit, row.decisions) for row in rows} == {(limit, decisions_text(OTHER))}
     assert [row.replication for row in rows] == [0, 0, 0, 1, 1, 1]
     if learner == TEACHER:
@@ -87,22 +71,26 @@ def test_baseline_of_the_teacher_has_three_times_the_limit(backend: str, learner
 
 
 def test_jobs_contain_the_whole_design() -> None:
-    jobs = pymunk_jobs(0, job_counts(6, PYMUNK), DEFAULT_DECISIONS)
-    replications = [job.arguments for job in jobs if job.function is replicate]
-    assert [cells for _, _, noise, cells, _ in replications if noise == "laboratory"] == [THESIS] * 6
-    conditions = {noise for _, _, noise, _, _ in replications}
+    made = jobs(0, job_counts(6, PYMUNK), DEFAULT_DECISIONS, PYMUNK)
+    replications = [job.arguments[1:5] for job in made if job.function is replication.replicate]
+    assert [cells for _, _, noise, cells in replications if noise == "laboratory"] == [THESIS] * 6
+    conditions = {noise for _, _, noise, _ in replications}
     assert {"none", "only wheels", "only camera jitter", "no losses"} <= conditions
-    assert sum(job.function is baseline and job.arguments[2] == TEACHER for job in jobs) == 40
-    assert len({job.key for job in jobs}) == len(jobs)
+    assert [(first, count) for first, count, noise, _ in replications if noise == "no losses"] == [
+        (number, 1) for number in range(6)
+    ]
+    assert sum(job.function is replication.baselines and job.arguments[3] == TEACHER for job in made) == 40
+    assert len({job.key for job in made}) == len(made)
 
 
 def test_compiled_jobs_are_groups_of_replications() -> None:
     pytest.importorskip("numba")
-    jobs = compiled_jobs(3, JobCounts(250), V0_1)
-    assert [job.arguments[1:3] for job in jobs] == [(0, 100), (100, 100), (200, 50)]
+    made = jobs(3, JobCounts(250), V0_1, COMPILED)
+    assert [job.arguments[1:3] for job in made] == [(0, 100), (100, 100), (200, 50)]
 
 
 @pytest.mark.parametrize(("replications", "expected"), [(1, 1), (2, 2), (24, 5), (1000, 200)])
 def test_comparison_has_a_share_of_the_replications(replications: int, expected: int) -> None:
-    jobs = pymunk_jobs(0, comparison_counts(replications), V0_1)
-    assert [job.arguments for job in jobs] == [(0, i, LABORATORY, THESIS, V0_1) for i in range(expected)]
+    made = jobs(0, comparison_counts(replications), V0_1, PYMUNK)
+    about = LABORATORY, THESIS, V0_1, Noise.laboratory()
+    assert [job.arguments for job in made] == [(0, i, 1, *about) for i in range(expected)]

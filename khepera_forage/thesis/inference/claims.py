@@ -14,7 +14,7 @@ from khepera_forage.task.decisions import decisions_text
 from khepera_forage.thesis.claims import Claim, Verdict, claims, gather
 from khepera_forage.thesis.design import NO_LOSSES
 from khepera_forage.thesis.inference.prior import LabModel, laboratory_text
-from khepera_forage.thesis.replication import compiled_jobs, job_counts
+from khepera_forage.thesis.replication import job_counts, jobs
 
 RESAMPLES = 500
 """For each interval."""
@@ -56,7 +56,8 @@ def claims_of(laboratory: LabModel, seed: int, replications: int) -> list[Claim]
     counts = job_counts(replications, COMPILED)._replace(
         noise_replications=replications, noise_conditions=(NO_LOSSES,), noise_cells=()
     )
-    rows = Rows(row for job in compiled_jobs(seed, counts, *laboratory) for row in job.run())
+    made = jobs(seed, counts, laboratory.decisions, COMPILED, laboratory.noise)
+    rows = Rows(row for job in made for row in job.run())
     rng = np.random.default_rng(seed)
     return claims(gather(rows.of(RecallRow), rows.of(TrainingRow), rng, RESAMPLES))
 
