@@ -157,7 +157,7 @@ def test_attempts_are_valid_training_rows() -> None:
 def test_training_takes_as_long_as_on_pymunk() -> None:
     """Some tens of trainings here; thousands in docs/compiled.md."""
     env = TrainingEnv(noise=ROUGH, food_types=MIXED)
-    single = [train(env, seed)[1] for seed in np.random.SeedSequence(1).spawn(60)]
+    single = [train(env, seed)[1] for seed in np.random.SeedSequence(1).spawn(30)]
     compiled = train_learners(4000, seed=2, noise=ROUGH, food_types=MIXED).attempts
     for name in ("rounds", "vectors", "separations"):
         ours = getattr(compiled, name)[compiled.complete]

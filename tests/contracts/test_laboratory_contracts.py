@@ -24,9 +24,10 @@ pytest.importorskip("serial")
 pytest.importorskip("cv2")
 
 
-@pytest.fixture(params=["none", "laboratory"])
+@pytest.fixture
 def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
-    quiet = request.param == "none"
+    """A laboratory with noise, or without where a class says so."""
+    quiet = getattr(request, "param", "laboratory") == "none"
     noise = Noise.none() if quiet else replace(Noise.laboratory(), placement_error=1, placement_heading_error=0.5)
     look = CameraAppearance.none() if quiet else CameraAppearance.laboratory()
     with virtual_laboratory(RECTANGLE, 1, V0_1, noise=noise, appearance=look) as world:
@@ -40,6 +41,7 @@ class TestSerialKhepera(RobotContract):
         assert type(stage.robot) is SerialKhepera
 
 
+@pytest.mark.parametrize("stage", ["none", "laboratory"], indirect=True)
 class TestTrackedCamera(CameraContract):
     def test_camera_is_the_real_tracker(self, stage: Stage) -> None:
         assert type(stage.camera) is TrackedCamera

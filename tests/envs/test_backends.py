@@ -46,8 +46,9 @@ def test_without_numba_compiled_worlds_are_refused(name: str, monkeypatch: pytes
 
 
 @needs_numba
-@pytest.mark.parametrize("arena", ["its own", "field"])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    ("name", "arena"), [*((name, "its own") for name in NAMES), ("Corridor", "field"), ("CorridorWheels", "field")]
+)
 def test_environment_is_the_same_bit_for_bit_until_something_is_touched(name: str, arena: str) -> None:
     """The same public names, types and values, at the start of episodes and under all noise.
 

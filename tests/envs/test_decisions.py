@@ -51,7 +51,6 @@ FORMS: dict[str, tuple[Callable[..., Any], str, dict[str, Any]]] = {
     "pymunk": (gym.make, "Corridor", {"backend": "pymunk"}),
     "compiled": (gym.make, "RectangleWheels", {"backend": "compiled"}),
     "sync": (gym.make_vec, "Corridor", {"num_envs": 2, "vectorization_mode": "sync"}),
-    "async": (gym.make_vec, "Corridor", {"num_envs": 2, "vectorization_mode": "async"}),
     "vector": (gym.make_vec, "CorridorWheels", {"num_envs": 2}),
 }
 

@@ -14,11 +14,11 @@ pytest.importorskip("numba")
 
 IDS = [f"khepera_forage/{name}-v1" for name in ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")]
 EVERY = sorted(name for name in gym.registry if name.startswith("khepera_forage/") and name.endswith("v1"))
-on_both_backends = pytest.mark.parametrize("backend", ["pymunk", "compiled"])
 
 
-@on_both_backends
-@pytest.mark.parametrize("env_id", EVERY)
+@pytest.mark.parametrize(
+    ("env_id", "backend"), [*((env_id, "pymunk") for env_id in EVERY), *((env_id, "compiled") for env_id in IDS)]
+)
 def test_check_env_passes(env_id: str, backend: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     env: Any = gym.make(env_id, render_mode="rgb_array", backend=backend).unwrapped

@@ -57,11 +57,12 @@ def test_environment_has_the_arena_and_its_settings(arena: str, kind: str) -> No
 
 
 @everywhere
-def test_paired_environment_passes_the_api_tests(arena: str) -> None:
+def test_paired_environment_is_in_its_arena_and_passes_the_api_tests(arena: str) -> None:
     name = f"khepera_forage/Paired{environment_name(arena)}-v1"
     aec: Any = pettingzoo.make("aec", name, max_cycles=30)
-    api_test(aec, num_cycles=100)
-    parallel_api_test(pettingzoo.make("parallel", name, max_cycles=30), num_cycles=60)
+    if arena in ("t_maze", "mixed_foods"):  # the others differ in their arena alone
+        api_test(aec, num_cycles=100)
+        parallel_api_test(pettingzoo.make("parallel", name, max_cycles=30), num_cycles=60)
     assert aec.metadata["name"] == f"paired_{arena}_v1"
     assert [each.bounds != aec.unwrapped.arenas[0].bounds for each in aec.unwrapped.arenas] == [False, True]
     assert aec.unwrapped.arenas[0] == family_arena(arena)

@@ -25,7 +25,7 @@ FORMS: dict[str, Callable[[], Any]] = {
     "vector": partial(gym.make_vec, "khepera_forage/Rectangle-v1", num_envs=3, food_types=MIXED),
     "pairs": partial(paired_corridors_v1.vector_env, 3, food_types=MIXED),
 }
-for backend, name in product(("pymunk", "compiled"), ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")):
+for backend, name in product(("pymunk", "compiled"), ("Rectangle", "CorridorWheels")):
     FORMS[f"{name} {backend}"] = partial(gym.make, f"khepera_forage/{name}-v1", backend=backend)
     FORMS[f"paired {backend}"] = partial(paired_corridors_v1.parallel_env, backend=backend, food_types=MIXED)
 

@@ -180,7 +180,7 @@ def test_losses_are_as_frequent_and_as_long_as_stated(anchor: tuple[float, float
     rates = {"loss_rate_food": 0.01, "loss_rate_one_hole": 0.02, "loss_rate_two_holes": 0.04}
     noise = replace(NONE, **rates, loss_rounds=2.0, cable_loss_factor=4.0)
     stage = Stage(((1500.0, 500.0, 0.0, 1), (800.0, 510.0, 0.0, 2)), ((1100.0, 490.0),))
-    scenes = list(film(camera_over(stage, noise, anchor), 15_000))
+    scenes = list(film(camera_over(stage, noise, anchor), 8_000))
     for holes, rate in zip((0, 1, 2), rates.values(), strict=True):
         rate *= 1 if holes == 1 else factor
         lost = np.array([not only(s, holes).found for s in scenes])
