@@ -253,10 +253,9 @@ def share_out(
     count: int,
     *arguments: Any,
     scratch: Callable[[], tuple[Any, ...]] = tuple,
-    threads: int | None = None,
     least: int = 64,
 ) -> None:
-    """Call `function(first, last, *arguments, *scratch())` for equal ranges that cover 0 to count, in several threads.
+    """Call `function(first, last, *arguments, *scratch())` for equal ranges that cover 0 to count, in numba's threads.
 
     The caller's thread takes part, and does everything where no thread can start, as at the end of the program.
 
@@ -265,14 +264,12 @@ def share_out(
         count: Number of worlds, or of what else is shared out.
         *arguments: The other arguments, the same for all ranges.
         scratch: Makes further arguments for one range alone, such as a world to run its episodes in.
-        threads: Number of threads, at most `numba.get_num_threads()`, which is the default.
         least: The smallest range that is worth a thread: to wake one takes 25 µs.
     """
     if count < 2 * least:
         function(0, count, *arguments, *scratch())
         return
-    most = min(threads or numba.get_num_threads(), numba.get_num_threads())
-    parts = max(1, min(most, count // least))
+    parts = max(1, min(numba.get_num_threads(), count // least))
     ranges = deque(itertools.pairwise(count * part // parts for part in range(parts + 1)))
 
     def work() -> None:

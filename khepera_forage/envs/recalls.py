@@ -142,7 +142,7 @@ class ForagingWorld:
         self._number = -1
         if world is None:
             self._pool: ArenaPool | None = ArenaPool(settings.arena, settings.decisions)
-            self._enter(0, self._pool[0])
+            self._enter(self._pool, 0)
             self.diagonal = self._pool.diagonal
         else:
             self._pool, self.world = None, world
@@ -152,9 +152,7 @@ class ForagingWorld:
     @property
     def backend(self) -> str:
         """What simulates the bodies: "pymunk", "compiled", or "laboratory" for real or virtual robots."""
-        if self._pool is not None:
-            return self._backend
-        return PYMUNK if isinstance(self.world, PymunkWorld) else "laboratory"
+        return getattr(self.world, "backend", "laboratory")
 
     @property
     def arena(self) -> Arena:
@@ -173,9 +171,9 @@ class ForagingWorld:
     def enter(self, key: int, episode: int) -> None:
         """Let an episode take place in its arena, in a world of its own if the arena is another one."""
         if self._pool is not None:
-            self._enter(self._pool.number(key, episode), self.arena_of(key, episode))
+            self._enter(self._pool, self._pool.number(key, episode))
 
-    def _enter(self, number: int, arena: Arena) -> None:
+    def _enter(self, pool: ArenaPool, number: int) -> None:
         if number == self._number:
             return
         kind: type[Simulation] = PymunkWorld
@@ -184,7 +182,7 @@ class ForagingWorld:
 
             kind = CompiledWorld
         count, (_, noise, _, decisions, model) = len(self._markers), self._settings
-        arenas = copies(arena, count) if count > 1 else (arena,)
+        arenas = copies(pool[number], count) if count > 1 else (pool[number],)
         self.world = kind(arenas, self._markers, noise, timing=timing_of(decisions), model=model)
         self.arenas, self._number = arenas, number
 

@@ -77,7 +77,6 @@ def reinforce(
     seed: int,
     make_env: MakeEnv | None = None,
     envs: int | None = None,
-    watch: Callable[[int], object] | None = None,
     arena: str = "corridor",
     backend: str = COMPILED,
 ) -> list[TrainedPolicy]:
@@ -93,7 +92,6 @@ def reinforce(
         seed: Of the algorithm and of the environments.
         make_env: Makes the environments, all in one. By default those of `arena` on `backend`.
         envs: How many; by default as many as the learner's settings say if compiled, 8 otherwise.
-        watch: Called with the steps so far.
         arena: One of `ARENAS`.
         backend: `compiled`, or `pymunk`, which needs no numba and takes longer.
 
@@ -135,8 +133,6 @@ def reinforce(
             return True
 
         def _on_rollout_start(self) -> None:
-            if watch is not None:
-                watch(self.steps)
             self.keep(wanted[:-1])
 
         def keep(self, reached: Sequence[int]) -> None:

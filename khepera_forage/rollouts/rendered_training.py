@@ -14,8 +14,8 @@ from khepera_forage.sim.arena import Arena, copies
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.layout_checks import cable_anchor
 from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
-from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
+from khepera_forage.vision.rendering import FrameRenderer
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
@@ -28,11 +28,8 @@ class RenderedTraining:
 
     Args:
         seed: The same seed gives the same frames.
-        look: Appearance of the frames.
-        noise: Of the simulation.
         paced: Deliver at most one frame in the duration of a round, as a real camera would.
         anchor: Place in mm, seen from above, from which the cables hang; None for the middle of the arenas.
-        decisions: Of the training; the defaults if left out.
 
     Attributes:
         world: The simulated world; `world.truth()` has the true poses of the newest frame.
@@ -40,24 +37,16 @@ class RenderedTraining:
         attempts: Number of attempts so far; each begins with robots and food on their marks.
     """
 
-    def __init__(
-        self,
-        seed: int,
-        look: CameraAppearance | None = None,
-        noise: Noise | str | None = "laboratory",
-        paced: bool = False,
-        anchor: tuple[float, float] | None = None,
-        decisions: Decisions = DEFAULT_DECISIONS,
-    ) -> None:
-        corridor = _in_the_middle(checked_arena(CORRIDOR, decisions), 2)
-        self.world = PymunkWorld(copies(corridor, 2), (1, 2), noise, timing=timing_of(decisions))
+    def __init__(self, seed: int, paced: bool = False, anchor: tuple[float, float] | None = None) -> None:
+        corridor = _in_the_middle(checked_arena(CORRIDOR, DEFAULT_DECISIONS), 2)
+        timing = timing_of(DEFAULT_DECISIONS)
+        self.world = PymunkWorld(copies(corridor, 2), (1, 2), Noise.laboratory(), timing=timing)
         self.anchor = cable_anchor(self.world.arenas) if anchor is None else anchor
         self.attempts = 0
-        self._env = TrainingEnv(noise=noise, world=self.world, decisions=decisions)
+        self._env = TrainingEnv(world=self.world)
         walls = [wall for arena in self.world.arenas for wall in arena.segments]
-        self._renderer = FrameRenderer(
-            self.world.truth, look, self.anchor, walls=walls, period=self.world.round_duration
-        )
+        period = self.world.round_duration
+        self._renderer = FrameRenderer(self.world.truth, anchor=self.anchor, walls=walls, period=period)
         self._paced = paced
         self._due = 0.0
         self._rounds = self._train(np.random.default_rng(seed))

@@ -56,9 +56,9 @@ _FAR = 30.0
 def put_down(robot: Any, constants: Any) -> None:
     """Put a robot down at its pose for an episode: at rest, its gripper raised and open, and not seen yet."""
     bits = draw(robot, DRAW_BIAS)
-    mean, bias = constants.wheel_speed - 1.0, constants.noise.wheel_bias
-    robot.bias_left = mean + robot.left_wheel_error + bias * normal(draw(robot, DRAW_BIAS + 2), bits)
-    robot.bias_right = mean + bias * normal(draw(robot, DRAW_BIAS + 1), bits >> 32)
+    bias = constants.noise.wheel_bias
+    robot.bias_left = robot.left_wheel_error + bias * normal(draw(robot, DRAW_BIAS + 2), bits)
+    robot.bias_right = bias * normal(draw(robot, DRAW_BIAS + 1), bits >> 32)
     robot.cos, robot.sin = cosine_sine(robot.heading)
     robot.arm = robot.arm_target = float(ARM_RAISED)
     robot.jaw = robot.jaw_target = float(JAW_OPEN)

@@ -138,7 +138,6 @@ class Constants:
     Attributes:
         noise: Sizes and rates.
         timing: Duration of a round, and speeds of arm and jaw.
-        wheel_speed: Share of the commanded speed that wheels reach.
         has_gripper: As in `RobotModel`; so are the others.
         wheel_base: On the plan, mm.
         max_speed: Likewise.
@@ -148,7 +147,6 @@ class Constants:
 
     noise: Noise
     timing: Timing
-    wheel_speed: float
     has_gripper: bool
     wheel_base: float
     max_speed: float
@@ -176,12 +174,11 @@ class Enclosure(NamedTuple):
     corners: Any
 
 
-def constants_of(noise: Noise, timing: Timing, wheel_speed: float = 1.0, model: RobotModel = KHEPERA) -> Constants:
+def constants_of(noise: Noise, timing: Timing, model: RobotModel) -> Constants:
     """The `Constants` of worlds with robots of a kind."""
     return Constants(
         noise,
         timing,
-        wheel_speed,
         model.has_gripper,
         model.plan_base,
         model.max_speed,

@@ -81,6 +81,9 @@ class SimulatedKhepera:
 class Simulation(ABC):
     """Kheperas, food and an overhead camera above one or more enclosures.
 
+    Attributes:
+        backend: What moves robots that touch something, "pymunk" or "compiled".
+
     Args:
         arenas: The enclosures, in one frame of millimetres. The gap between them must be wider than a marker reaches.
         markers: Number of holes of each robot's marker, 1 or 2; one robot each.
@@ -93,6 +96,8 @@ class Simulation(ABC):
         ValueError: No arena, no robot, a marker with another number of holes, arenas that the camera does not see, or
             not one `RobotParameters` per robot.
     """
+
+    backend: str
 
     def __init__(
         self,
@@ -117,7 +122,7 @@ class Simulation(ABC):
         self.round_duration = timing.round_duration
         self.robots: tuple[SimulatedKhepera, ...] = ()
         self.camera = SimulatedCamera()
-        self.constants = constants_of(self.noise, timing, model=model)
+        self.constants = constants_of(self.noise, timing, model)
         self._anchor = cable_anchor(arenas)
         self._enclosures: tuple[Enclosure, ...] = ()
 

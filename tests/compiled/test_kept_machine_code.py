@@ -231,18 +231,16 @@ def test_long_compilation_is_announced(package: Package) -> None:
     assert package.run(code) == (COMPILED, "khepera_forage: compiling kernels, once for this version: about 20 s ...\n")
 
 
-@pytest.mark.parametrize(
-    ("count", "threads", "parts"), [(1000, 1, 1), (1000, 2, 2), (127, 2, 1), (0, 2, 1), (10**6, 99, 2)]
-)
+@pytest.mark.parametrize(("count", "threads", "parts"), [(1000, 1, 1), (1000, 2, 2), (127, 2, 1), (0, 2, 1)])
 def test_ranges_are_equal_cover_everything_and_raise_their_errors(
     monkeypatch: pytest.MonkeyPatch, count: int, threads: int, parts: int
 ) -> None:
     """Also in a forked process, which has none of the threads."""
-    monkeypatch.setattr(numba, "get_num_threads", lambda: 2)
+    monkeypatch.setattr(numba, "get_num_threads", lambda: threads)
 
     def check() -> None:
         ranges: list[tuple[int, int]] = []
-        share_out(lambda first, last: ranges.append((first, last)), count, threads=threads)
+        share_out(lambda first, last: ranges.append((first, last)), count)
         ranges.sort()
         assert len(ranges) == parts
         assert (ranges[0][0], ranges[-1][1]) == (0, count)
@@ -250,7 +248,7 @@ def test_ranges_are_equal_cover_everything_and_raise_their_errors(
         assert len({last - first for first, last in ranges}) == 1
         for bad, _ in ranges:
             with pytest.raises(ZeroDivisionError):
-                share_out(lambda first, last, bad=bad: 1 // (first - bad), count, threads=threads)
+                share_out(lambda first, last, bad=bad: 1 // (first - bad), count)
 
     check()
     context = get_context("fork")

@@ -109,6 +109,7 @@ def test_episodes_are_those_of_the_task_in_python(
     With other decisions, around walls and past poison, with each alternative of every decision.
     """
     compiled, python = _pair(kind, name, noise=LOSSES, food_types=MIXED, **kwargs)
+    assert compiled.backend == python.backend == "compiled"
     rng = np.random.default_rng(0)
     delivered = wrong = 0
     for seed in range(2 if "decisions" in kwargs else 3):

@@ -5,7 +5,6 @@ blocks of all arenas of a batch follow one another, and each world has the place
 batch share is one record, which is read at run time: other decisions or another noise compile nothing.
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -167,19 +166,19 @@ def ground_of(arena: ArenaRecords) -> Floor:
     )
 
 
-def arena_block(arena: Arena, anchor: tuple[float, float] | None = None) -> NDArray[np.uint8]:
+def arena_block(arena: Arena, anchor: tuple[float, float]) -> NDArray[np.uint8]:
     """The bytes of an arena.
 
     Args:
         arena: The arena.
-        anchor: Where the robots' cables hang from, mm; by default above the middle of the arena.
+        anchor: Where the robots' cables hang from, mm.
     """
     map_, floor = arena_map_of(arena), floor_of(arena)
     paths = map_.paths
     numbers = np.zeros(1, arena_dtype)
     numbers["walls"], numbers["corners"] = len(floor.walls), len(paths.corners)
     numbers["waypoints"] = len(paths.waypoints)
-    numbers["anchor_x"], numbers["anchor_y"] = cable_anchor([arena]) if anchor is None else anchor
+    numbers["anchor_x"], numbers["anchor_y"] = anchor
     for prefix, known in (("map", map_), ("floor", floor), ("paths", paths)):
         for name in known._fields:
             if f"{prefix}_{name}" in (arena_dtype.names or ()):
@@ -203,7 +202,7 @@ def _records(rows: Any, kind: np.dtype[Any]) -> NDArray[Any]:
     return np.array(list(map(tuple, rows)), kind)
 
 
-def settings_record(settings: Settings, foods: int, limit: int, holes: int, wheel_speed: float = 1.0) -> NDArray[Any]:
+def settings_record(settings: Settings, foods: int, limit: int, holes: int) -> NDArray[Any]:
     """The settings of worlds, as an array of one record.
 
     Args:
@@ -211,14 +210,13 @@ def settings_record(settings: Settings, foods: int, limit: int, holes: int, whee
         foods: Food objects in each world, 1 to 16.
         limit: Steps after which an episode ends.
         holes: Of the robot's marker.
-        wheel_speed: Share of the commanded speed that wheels reach.
 
     Raises:
         ValueError: An argument out of range.
     """
     whole_number("foods", foods, 1, MOST_FOODS)
     record, (_, noise, food_types, decisions, model) = np.zeros(1, settings_dtype), settings
-    record["constants"] = array_of(constants_of(noise, timing_of(decisions), wheel_speed, model))
+    record["constants"] = array_of(constants_of(noise, timing_of(decisions), model))
     record["decisions"] = np.array([tuple(decisions.values(model.has_gripper))], decisions_dtype)  # type: ignore[arg-type]
     record["odds"] = food_odds(food_types, model.has_gripper)
     record["limit"], record["holes"] = whole_number("limit", limit, 1), holes
@@ -230,7 +228,6 @@ class PreparedArenas:
 
     Args:
         pool: All arenas.
-        prepare: Makes the block of an arena.
 
     Attributes:
         blocks: The bytes of all arenas prepared so far, one after the other.
@@ -239,8 +236,8 @@ class PreparedArenas:
     _MOST_BYTES = 1 << 27
     """Bytes of blocks above which arenas that no world is in are forgotten."""
 
-    def __init__(self, pool: ArenaPool, prepare: Callable[[Arena], NDArray[np.uint8]] = arena_block) -> None:
-        self._pool, self._prepare = pool, prepare
+    def __init__(self, pool: ArenaPool) -> None:
+        self._pool = pool
         self._place_of: dict[int, int] = {}
         self._numbers: dict[int, int] = {}
         self._memory, self._used = np.zeros(1 << 16, np.uint8), 0
@@ -270,7 +267,7 @@ class PreparedArenas:
         for number in sorted(set(listed).difference(self._place_of)):
             arena = self._pool[number]
             check_seen([arena])
-            block = self._prepare(arena)
+            block = arena_block(arena, cable_anchor([arena]))
             end = self._used + len(block)
             if end > len(self._memory):
                 self._memory = np.concatenate([self._memory, np.zeros(end, np.uint8)])

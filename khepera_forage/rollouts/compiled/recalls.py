@@ -118,7 +118,6 @@ class Recalls:
         limit: Steps after which a recall ends.
         noise: The laboratory's troubles by default.
         food_types: One type, or odds by type.
-        wheel_speed: Share of the commanded speed that wheels reach: what a slower robot would do.
         decisions: Ours by default.
 
     Raises:
@@ -133,12 +132,11 @@ class Recalls:
         limit: int = 500,
         noise: Noise | str | None = "laboratory",
         food_types: FoodOdds = None,
-        wheel_speed: float = 1.0,
         decisions: Decisions | None = None,
     ) -> None:
         settings = Settings.of(arena, noise, food_types, decisions)
         marker = settings.decisions.recall_marker
-        self._foods, self._record = foods, settings_record(settings, foods, limit, marker, wheel_speed)
+        self._foods, self._record = foods, settings_record(settings, foods, limit, marker)
         self._arenas = PreparedArenas(ArenaPool(arena, settings.decisions))
 
     def run(

@@ -372,6 +372,8 @@ corner_dtype = np.dtype([("x", "f8"), ("y", "f8")])
 class CompiledWorld(Simulation):
     """A `Simulation` in compiled functions, in which `move_in_contact` moves the robots that touch something."""
 
+    backend = "compiled"
+
     def _empty(self, arena: Arena, robots: int, foods: int) -> Enclosure:
         return Enclosure(
             np.zeros(robots, robot_dtype),

@@ -231,6 +231,8 @@ class _RobotBody:
 class PymunkWorld(Simulation):
     """A `Simulation` in which pymunk moves the robots that touch something."""
 
+    backend = "pymunk"
+
     def _empty(self, arena: Arena, robots: int, foods: int) -> Enclosure:
         return Enclosure(
             [RobotState() for _ in range(robots)],
