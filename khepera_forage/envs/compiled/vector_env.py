@@ -124,7 +124,8 @@ class RecallVectorEnv(VectorEnv):
             ResetNeeded: A mask before the first reset.
         """
         options = dict(options or {})
-        worlds = np.flatnonzero(self._mask(options.pop("reset_mask", None)))
+        mask = self._mask(options.pop("reset_mask", None))
+        worlds = np.flatnonzero(mask)
         if isinstance(seed, list):
             if len(seed) != self.num_envs:
                 raise ValueError(f"{len(seed)} seeds for {self.num_envs} worlds; allowed: one each")
@@ -144,7 +145,7 @@ class RecallVectorEnv(VectorEnv):
         self._seeded = True
         self.batch.restart(worlds, options)
         self._over[worlds] = False
-        return self._observation(), self._infos(_marked(worlds, self))
+        return self._observation(), self._infos(mask)
 
     def step(
         self, actions: ArrayLike
@@ -168,21 +169,18 @@ class RecallVectorEnv(VectorEnv):
         )
         if self._longest is not None:
             truncated |= episode.steps >= self._longest
-        self._over = terminated | truncated
-        observation = self._observation()
-        if self.autoreset_mode != AutoresetMode.SAME_STEP or not self._over.any():
-            infos = self._infos(np.ones(self.num_envs, np.bool_))
-            return observation, rewards, terminated, truncated, infos
-        worlds = np.flatnonzero(self._over)
-        final_obs, final_infos = observation, self._infos(self._over)
+        self._over = over = terminated | truncated
+        observation, every = self._observation(), np.ones(self.num_envs, np.bool_)
+        if self.autoreset_mode != AutoresetMode.SAME_STEP or not over.any():
+            return observation, rewards, terminated, truncated, self._infos(every)
+        final_infos, worlds = self._infos(over), np.flatnonzero(over)
         self.batch.restart(worlds)
-        self._over = np.zeros(self.num_envs, np.bool_)
-        infos = self._infos(np.ones(self.num_envs, np.bool_))
+        self._over = ~every
         single = np.full(self.num_envs, None, dtype=object)
         for world in worlds.tolist():
-            single[world] = {name: values[world] for name, values in final_obs.items()}
-        infos |= {"final_obs": single, "_final_obs": _marked(worlds, self)}
-        infos |= {"final_info": final_infos, "_final_info": _marked(worlds, self)}
+            single[world] = {name: values[world] for name, values in observation.items()}
+        infos = self._infos(every) | {"final_obs": single, "_final_obs": over}
+        infos |= {"final_info": final_infos, "_final_info": over.copy()}
         return self._observation(), rewards, terminated, truncated, infos
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
@@ -290,12 +288,6 @@ class RecallVectorEnv(VectorEnv):
             for values in infos.values():
                 values[~mask] = 0
         return infos | {f"_{name}": mask.copy() for name in infos}
-
-
-def _marked(worlds: NDArray[np.int64], env: RecallVectorEnv) -> NDArray[np.bool_]:
-    mask = np.zeros(env.num_envs, np.bool_)
-    mask[worlds] = True
-    return mask
 
 
 class BehavioursVectorEnv(RecallVectorEnv):
