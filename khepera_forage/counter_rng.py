@@ -10,6 +10,7 @@ with equal results.
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -62,9 +63,11 @@ def key_of(seed: int) -> int:
             return int(key)
 
 
-def keys_of(seeds: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """`key_of` of many seeds below 2**64."""
-    keys: NDArray[np.uint64] = random_bits(seeds, np.uint64(1))
+def keys_of(seeds: Sequence[int] | NDArray[np.integer[Any]]) -> NDArray[np.uint64]:
+    """`key_of` of many seeds, such as those of a range."""
+    if max(seeds) > _MASK:
+        return np.array([key_of(seed) for seed in seeds], np.uint64)
+    keys: NDArray[np.uint64] = random_bits(np.array(seeds, np.uint64), np.uint64(1))
     return keys
 
 

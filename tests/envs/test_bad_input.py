@@ -190,6 +190,9 @@ def test_wrong_seeds_and_masks_of_many_worlds_are_refused() -> None:
         env.reset(options={"reset_mask": np.zeros(5, np.bool_)})
     with pytest.raises(ValueError, match="4 seeds for 5 worlds"):
         env.reset(seed=[1, 2, 3, 4])
+    for wrong in (-1, 1.5):
+        with pytest.raises(ValueError, match=f"seed is {wrong}; allowed: a whole number of at least 0"):
+            env.reset(seed=[1, wrong, None, 3, 4])
 
 
 @pytest.mark.parametrize("maker", ENVS)

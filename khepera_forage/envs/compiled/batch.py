@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.compilation import entry, share_out
-from khepera_forage.counter_rng import key_of, keys_of
+from khepera_forage.counter_rng import keys_of
 from khepera_forage.envs.arguments import COMPILED, ArenaPool, Settings, timing_of, whole_number
 from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_record
 from khepera_forage.envs.compiled.step import (
@@ -88,12 +88,8 @@ class CompiledBatch:
             seeds: One a world, each at least 0.
             worlds: Numbers of the worlds.
         """
-        if max(seeds) < 1 << 63:  # else they do not fit into 64 bits
-            keys = keys_of(np.array(seeds, np.uint64))
-        else:
-            keys = np.array([key_of(seed) for seed in seeds], np.uint64)
         robots, foragers = self.worlds.robots[:, 0], self.worlds.foragers[:, 0]
-        robots["key"][worlds], robots["round"][worlds], foragers["number"][worlds] = keys, 0, 0
+        robots["key"][worlds], robots["round"][worlds], foragers["number"][worlds] = keys_of(seeds), 0, 0
 
     def restart(self, worlds: NDArray[np.int64], options: Mapping[str, Any] | None = None) -> None:
         """Begin new episodes in some worlds, up to their first observation; the others stay unchanged.

@@ -291,8 +291,8 @@ class PairedBatch:
         if seed is None and self._keys is None:
             seed = int(np.random.SeedSequence().generate_state(1)[0])
         if seed is not None:
-            first = np.uint64(whole_number("seed", seed, 0) & 0xFFFFFFFFFFFFFFFF)
-            self._keys = random_bits(keys_of(first + np.arange(self.num_envs, dtype=np.uint64)), np.uint64(1))
+            first = whole_number("seed", seed, 0)
+            self._keys = random_bits(keys_of(range(first, first + self.num_envs)), np.uint64(1))
             self._attempts["number"] = 0
         self._waiting[:] = True
         self._run()

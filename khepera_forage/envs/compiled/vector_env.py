@@ -129,7 +129,7 @@ class RecallVectorEnv(VectorEnv):
         if isinstance(seed, list):
             if len(seed) != self.num_envs:
                 raise ValueError(f"{len(seed)} seeds for {self.num_envs} worlds; allowed: one each")
-            given = [(world, s) for world in worlds.tolist() if (s := seed[world]) is not None]
+            given = [(world, whole_number("seed", s, 0)) for world in worlds.tolist() if (s := seed[world]) is not None]
         elif seed is not None:
             super().reset(seed=seed)
             self._generator = self.np_random

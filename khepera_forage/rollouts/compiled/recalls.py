@@ -316,14 +316,14 @@ def _record(recall: Any, episode: Any, tracker: Any) -> None:
 
 def _keys(seed: int | NDArray[np.int64], count: int) -> NDArray[np.uint64]:
     if not isinstance(seed, np.ndarray):
-        first = np.uint64(whole_number("seed", seed, 0) & 0xFFFFFFFFFFFFFFFF)
-        return keys_of(first + np.arange(count, dtype=np.uint64))
-    if seed.shape != (count,) or seed.min() < 0:
+        first = whole_number("seed", seed, 0)
+        return keys_of(range(first, first + count))
+    if seed.shape != (count,) or seed.dtype.kind not in "iu" or seed.min() < 0:
         raise ValueError(
-            f"seed is an array of shape {seed.shape}, the least {seed.min()}; allowed: one seed of at least 0 for each "
-            f"of {count} episodes"
+            f"seed is an array of {seed.dtype} and shape {seed.shape}, the least {seed.min()}; allowed: one whole "
+            f"number of at least 0 for each of {count} episodes"
         )
-    return keys_of(seed.astype(np.uint64))
+    return keys_of(seed)
 
 
 def _checked_policies(given: ArrayLike, memories: int) -> NDArray[np.int64]:

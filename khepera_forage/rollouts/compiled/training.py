@@ -160,7 +160,8 @@ def train_learners(
     limit = whole_number("max_cycles", max_cycles, 1)
     most = decisions.most_attempts if attempts is None else whole_number("attempts", attempts, 1)
     arenas, sides, terms = paired_sides(2, settings, limit, patience, options)
-    learner_keys = keys_of(np.uint64(whole_number("seed", seed, 0)) + np.arange(n, dtype=np.uint64))
+    first_seed = whole_number("seed", seed, 0)
+    learner_keys = keys_of(range(first_seed, first_seed + n))
     keys = random_bits(learner_keys[:, None], np.arange(1, episodes + 1, dtype=np.uint64)).ravel()
     bytes_each = limit * ((HEARD + 1) * 2 + 4) + most * attempt_dtype.itemsize
     at_once = min(keys.size, max(_LEAST, _ROOM // bytes_each))
