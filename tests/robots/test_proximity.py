@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from khepera_forage.geometry.plane import wall_of
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, FOOD_RADIUS
+from khepera_forage.robots.model import KHEPERA
 from khepera_forage.robots.proximity import HIDDEN_BY_ARM, MAX_READING, REACH, SENSORS
 from khepera_forage.sim.records import FoodState, RobotState, constants_of
 from khepera_forage.sim.sensing import sense
@@ -39,7 +40,7 @@ def sensed(
     state = RobotState(0.0, 0.0, heading, math.cos(heading), math.sin(heading), arm=arm, key=key)
     robots = [state, *(RobotState(x, y) for x, y, radius in discs if radius != FOOD_RADIUS)]
     foods = [FoodState(x, y) for x, y, radius in discs if radius == FOOD_RADIUS]
-    constants = constants_of(noise or Noise.none(), Timing(0.1, 0.0, 0.0))
+    constants = constants_of(noise or Noise.none(), Timing(0.1, 0.0, 0.0), KHEPERA)
     sense(robots, 0, foods, list(map(wall_of, walls)), constants)
     return state
 

@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -86,6 +87,7 @@ def test_killed_process_loses_at_most_the_last_row(tmp_path: Path) -> None:
     process.start()
     while not (path.exists() and path.stat().st_size > 20_000):
         assert process.is_alive()
+        time.sleep(0.01)
     assert process.pid is not None
     os.kill(process.pid, signal.SIGKILL)
     process.join()
