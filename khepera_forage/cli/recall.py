@@ -17,6 +17,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.rendering.output import FILM_EXTRAS, open_display, save_film
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWarning
+from khepera_forage.experience.experience import experience_files
 from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, progress, whole_number
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
@@ -38,6 +39,7 @@ _POLICY = (
         given_path,
         "FILE",
         nargs="+",
+        default=[],
     ),
     option(
         "--learner",
@@ -61,6 +63,8 @@ _POLICY = (
 def recall_command(arguments: argparse.Namespace) -> None:
     """Let a trained learner, or the teacher, forage alone."""
     _check_policy(arguments)
+    if arguments.out.exists() and any(arguments.out.samefile(file) for file in experience_files(arguments.experience)):
+        raise ValueError(f"--out is {str(arguments.out)!r}, a file of --experience; allowed: another name")
     with closing(options.recall_env(arguments)) as env:
         rows = _rows(env, arguments)
         options.print_late_rounds(env)
@@ -106,7 +110,7 @@ def _rows(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow]:
 
 def _forage(env: BehavioursEnv, arguments: argparse.Namespace) -> Callable[..., RecallRow]:
     """A recall by a seed, with the policy that the arguments choose."""
-    forage = partial(recall_rollouts.recall, env, noise=arguments.noise or "laboratory")
+    forage: Callable[..., RecallRow] = partial(recall_rollouts.recall, env, noise=arguments.noise or "laboratory")
     if not arguments.experience:
         return partial(forage, Teacher.of(env), learner=TEACHER, experience_size=0)
     name = arguments.learner or IMITATOR
@@ -130,6 +134,7 @@ def _forage(env: BehavioursEnv, arguments: argparse.Namespace) -> Callable[..., 
     else:
         with own_errors(f"--learner {name}"):
             policy = learner.learn(vectors, behaviours, env.diagonal, arguments.seed)
+        forage = own_errors(f"--learner {name}")(forage)
     return partial(forage, policy, learner=name, experience_size=len(behaviours))
 
 

@@ -98,7 +98,10 @@ def files_to_record(arguments: argparse.Namespace) -> list[PlannedFile]:
     arguments.out.mkdir(parents=True, exist_ok=True)
     files = planned_files(arguments.out, arguments.episodes, arguments.seed)
     if arguments.continued:
-        return _unfinished(arguments.out, files, options.decisions_of(arguments))
+        arena = options.arena_of(arguments)
+        # The file of a laboratory names another arena.
+        name = None if arguments.lab is not None else arena if isinstance(arena, str) else arena.name
+        return _unfinished(arguments.out, files, name, options.decisions_of(arguments))
     require_new(files, "--continue goes on after it, or choose another --out")
     return files
 
@@ -115,14 +118,14 @@ def record(env: TrainingEnv, files: list[PlannedFile], arguments: argparse.Names
             print(f"{path}: {len(experience)} experience vectors, {len(rows)} attempt(s), {rows[-1].rounds} rounds")
 
 
-def _unfinished(folder: Path, files: list[PlannedFile], decisions: Decisions) -> list[PlannedFile]:
+def _unfinished(folder: Path, files: list[PlannedFile], arena: str | None, decisions: Decisions) -> list[PlannedFile]:
     """The files that an earlier run with the same seed has not finished; errors come before any change.
 
     The file of an interrupted episode is kept under another name, such as `g3.interrupted-1.csv`, and the rows of its
     attempts are removed from `attempts.csv`, because the episode is recorded again.
     """
     there = [file for file in files if file.path.exists()]
-    for file in [file for file in there if not _is_complete(file, decisions)]:
+    for file in [file for file in there if not _is_complete(file, arena, decisions)]:
         names = (file.path.with_name(f"{file.path.stem}.interrupted-{n}.csv") for n in count(1))
         kept = next(name for name in names if not name.exists())
         file.path.rename(kept)
@@ -136,11 +139,11 @@ def _unfinished(folder: Path, files: list[PlannedFile], decisions: Decisions) ->
     return left
 
 
-def _is_complete(file: PlannedFile, decisions: Decisions) -> bool:
-    """Whether the file of an episode has its closing line; one of another seed is an error."""
+def _is_complete(file: PlannedFile, arena: str | None, decisions: Decisions) -> bool:
+    """Whether the file of an episode has its closing line; one of another arena or seed is an error."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", ExperienceWarning)
-        experience = Experience.load(file.path, decisions=decisions, recover=True)
+        experience = Experience.load(file.path, arena=arena, decisions=decisions, recover=True)
     if experience.seed not in file.seed.generate_state(decisions.most_attempts).tolist():
         raise ValueError(f"{file.path} is of another --seed; allowed with --continue: the same one")
     return not any(issubclass(warning.category, ExperienceWarning) for warning in caught)

@@ -24,6 +24,7 @@ from khepera_forage.policies.features import wheels_features
 from khepera_forage.policies.imitator import NearestNeighbourImitator
 from khepera_forage.policies.learners import OfflineImitation
 from khepera_forage.policies.memories import Memories, memories_of
+from khepera_forage.policies.policy import behaviours_of
 from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, Recalls
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.training import IncompleteTrainingError
@@ -66,8 +67,7 @@ def recalls_after(
     if learner.make is NearestNeighbourImitator:
         own = memories_of([training[:2]])
         return {place: kernel_recalls(place, own, np.zeros(len(some), np.int64), some) for place, some in seeds.items()}
-    more = {"groups": training.episodes} if learner.grouped else {}
-    classifier = learner.classifier(diagonal, seed).fit(training.vectors, training.behaviours, **more)
+    classifier = learner.fitted(training.vectors, training.behaviours, diagonal, seed, training.episodes)
     rng = np.random.default_rng(seed)
     known: dict[tuple[int, ...], NDArray[np.float64]] = {}
 
@@ -93,7 +93,7 @@ def _levels(
     if learner.diagonal:
         classifier = copy.copy(classifier)
         classifier.diagonal = diagonal
-    classes, levels = classifier.classes_, np.zeros((len(vectors), NUM_BEHAVIOURS))
+    classes, levels = np.array(behaviours_of(classifier.classes_)), np.zeros((len(vectors), NUM_BEHAVIOURS))
     if len(classes) == 1:  # for which scikit-learn's networks predict two probabilities
         levels[:, classes] = 1.0
         return levels

@@ -41,6 +41,7 @@ from khepera_forage.estimates import Estimate, Measure, Table, Value, mean, pick
 from khepera_forage.experience import Experience
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.features import wheels_features
+from khepera_forage.policies.learner_registry import own_errors
 from khepera_forage.policies.learners import LEARNERS, OfflineImitation, ReinforcementLearner
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.raw_episodes import RawEpisode, recorded
@@ -222,7 +223,7 @@ class Learning(NamedTuple):
     def run(self) -> list[Tested]:
         """Learn, and be tested."""
         began = perf_counter()
-        with threadpool_limits(1):
+        with threadpool_limits(1), own_errors(f"learner {self.name}"):
             vectors, done = self._forage()
         seconds = perf_counter() - began
         return [

@@ -8,7 +8,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL, STATE_WIDTH
 from khepera_forage.policies.features import encoded
-from khepera_forage.policies.policy import Observation, checked_generator, draw_label, remembered, state_vector_of
+from khepera_forage.policies.policy import (
+    Observation,
+    behaviours_of,
+    checked_generator,
+    draw_label,
+    remembered,
+    state_vector_of,
+)
 from khepera_forage.task.states import Behaviour, StateVector
 
 TOLERANCE = 1e-3
@@ -37,15 +44,15 @@ class ClassifierPolicy:
 
         Raises:
             TypeError: As `Policy.act`.
-            ValueError: As `Policy.act`; or the classifier's probabilities are none.
+            ValueError: As `Policy.act`; or the classifier's probabilities are none, or its labels no behaviours.
         """
         vector = state_vector_of(observation)
         cache = self._cache if self.remember else {}
         levels = remembered(cache, vector, lambda: self._predicted(vector))
-        label = levels.argmax()
+        label = int(levels.argmax())
         if self.sample:
             label = draw_label(levels, levels.sum(), checked_generator(rng).random())
-        return Behaviour(self.classifier.classes_[label].item())
+        return behaviours_of(self.classifier.classes_)[label]
 
     def _predicted(self, vector: StateVector) -> NDArray[np.float64]:
         classes = self.classifier.classes_
@@ -66,7 +73,7 @@ def policy_of(learner: Any, sample: bool = True) -> ClassifierPolicy:
     """The policy of a fitted classifier, which learns no further.
 
     Raises:
-        ValueError: It has no probabilities, does not say what their columns are, or knows no state vectors.
+        ValueError: It has no probabilities, does not say of which behaviours, or knows no state vectors.
     """
     kind = type(learner).__name__
     if not callable(getattr(learner, "predict_proba", None)):
@@ -76,6 +83,7 @@ def policy_of(learner: Any, sample: bool = True) -> ClassifierPolicy:
             f"{kind} has no classes_; allowed: a fitted classifier, whose classes_ are the behaviours that the columns "
             "of predict_proba stand for"
         )
+    behaviours_of(learner.classes_)
     columns = getattr(learner, "n_features_in_", STATE_WIDTH)
     if columns != STATE_WIDTH:
         raise ValueError(f"{kind} was fitted on {columns} columns; allowed: {STATE_WIDTH}, state vectors")

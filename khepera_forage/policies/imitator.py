@@ -22,7 +22,14 @@ from khepera_forage.policies.distance import (
     rounded_distance,
     unit,
 )
-from khepera_forage.policies.policy import Neighbours, Observation, checked_generator, remembered, state_vector_of
+from khepera_forage.policies.policy import (
+    Neighbours,
+    Observation,
+    behaviours_of,
+    checked_generator,
+    remembered,
+    state_vector_of,
+)
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, EXACT, FIELDS
 from khepera_forage.task.states import Behaviour
 
@@ -203,12 +210,7 @@ class NearestNeighbourImitator(ConfidenceClassifier):
         self._check()
         if self.n_features_in_ != STATE_WIDTH:
             raise ValueError(f"learned from rows of {self.n_features_in_} columns; allowed: 5, state vectors")
-        try:
-            behaviours = [Behaviour(label) for label in self.classes_.tolist()]
-        except ValueError:
-            raise ValueError(
-                f"labels learned are {self.classes_.tolist()}; allowed: behaviours, 0 to {max(Behaviour):d}"
-            ) from None
+        behaviours = behaviours_of(self.classes_)
         nearest, shares = self._nearest(vector)
         counts = shares.tolist()
         voted = tuple(behaviour for behaviour, count in zip(behaviours, counts, strict=True) if count)

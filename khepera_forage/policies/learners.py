@@ -67,6 +67,19 @@ class OfflineImitation:
             raise ValueError(f"{self.title} makes {made!r}; allowed: a classifier with fit and predict_proba")
         return made
 
+    def fitted(
+        self,
+        vectors: NDArray[np.int64],
+        behaviours: NDArray[np.int64],
+        diagonal: int = 138,
+        seed: int = 0,
+        groups: NDArray[np.int64] | None = None,
+    ) -> Any:
+        """The classifier, fitted; arguments and errors as of `learn`."""
+        classifier = self.classifier(diagonal, seed)
+        classifier.fit(vectors, behaviours, **({"groups": groups} if self.grouped else {}))
+        return classifier
+
     def learn(
         self,
         vectors: NDArray[np.int64],
@@ -87,9 +100,7 @@ class OfflineImitation:
         Raises:
             ValueError: It is no classifier with `fit`, `predict_proba` and `classes_`.
         """
-        more = {"groups": groups} if self.grouped else {}
-        classifier = self.classifier(diagonal, seed)
-        classifier.fit(vectors, behaviours, **more)
+        classifier = self.fitted(vectors, behaviours, diagonal, seed, groups)
         if isinstance(classifier, NearestNeighbourImitator):
             return classifier
         return policy_of(classifier, self.sample)

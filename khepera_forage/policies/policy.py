@@ -6,7 +6,7 @@ from operator import index
 from typing import Any, NamedTuple, Protocol, TypeAlias, TypeGuard
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.task.states import Behaviour, StateVector
 
@@ -85,6 +85,19 @@ def checked_generator(rng: Any) -> np.random.Generator:
     if not isinstance(rng, np.random.Generator):
         raise TypeError(f"rng is {rng!r}; allowed: a numpy.random.Generator, to draw actions from")
     return rng
+
+
+def behaviours_of(labels: ArrayLike) -> list[Behaviour]:
+    """The behaviours that a classifier's labels, its `classes_`, stand for.
+
+    Raises:
+        ValueError: One of them is no behaviour's number.
+    """
+    numbers = np.asarray(labels).tolist()
+    try:
+        return [Behaviour(number) for number in numbers]
+    except ValueError:
+        raise ValueError(f"labels learned are {numbers}; allowed: behaviours, 0 to {max(Behaviour):d}") from None
 
 
 def remembered(cache: dict[Any, Any], key: Any, find: Callable[[], Any]) -> Any:

@@ -58,8 +58,9 @@ class Arena:
     obstacles: tuple[tuple[Point, ...], ...] = ()
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.name, str) and self.name.strip()):
-            raise ValueError(f"name of an arena is {self.name!r}; allowed: a text that is not empty")
+        name = self.name
+        if not (isinstance(name, str) and name and name == name.strip() and name.isprintable()):
+            raise ValueError(f"name of an arena is {name!r}; allowed: a text on one line, no space around it")
         polygon.check_enclosure(self.name, self.walls, self.obstacles)
         if not (math.isfinite(self.home_radius) and self.home_radius > 0):
             raise ValueError(f"{self.name}: home_radius is {self.home_radius!r} mm; allowed: a positive length")

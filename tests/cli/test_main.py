@@ -135,7 +135,7 @@ def test_full_disk_ends_training_with_the_file_and_what_to_do_and_is_continued(
         assert (part / name).read_bytes() == (whole / name).read_bytes()
 
 
-def test_training_of_another_seed_or_other_decisions_is_not_continued_and_nothing_is_changed(
+def test_training_of_another_seed_arena_or_decisions_is_not_continued_and_nothing_is_changed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert train(tmp_path, "--episodes", "2") == 0
@@ -145,11 +145,12 @@ def test_training_of_another_seed_or_other_decisions_is_not_continued_and_nothin
     lines = (tmp_path / "g1.csv").read_text().splitlines(keepends=True)
     (tmp_path / "g1.csv").write_text("".join(lines[:-2]))  # interrupted
     before = {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")}
-    for decision, message in (
+    for option, message in (
         ([], "g2.csv is of another --seed; allowed with --continue: the same one"),
         (["--decision", "search_speed=10"], "search_speed"),
+        (["--arena", "rectangle"], "arena is 'corridor'; allowed: 'rectangle'"),
     ):
-        assert train(tmp_path, "--episodes", "3", "--continue", *decision) == 2
+        assert train(tmp_path, "--episodes", "3", "--continue", *option) == 2
         assert message in capsys.readouterr().err
     assert {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")} == before
 

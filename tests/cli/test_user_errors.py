@@ -43,6 +43,7 @@ def folder_without_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> N
         ("recall --learner ppo --experience there", "--learner is 'ppo'; allowed: imitator, k_nearest"),
         ("recall --learner nowhere:f --experience there", "--learner is 'nowhere:f': No module named 'nowhere'"),
         ("recall --learner sklearn.svm:LinearSVC --experience there", "LinearSVC has no predict_proba"),
+        ("recall --experience there --out there/g1.csv", "--out is 'there/g1.csv', a file of --experience"),
         ("recall --allow-other-decisions", f"--allow-other-decisions {NOTHING}with --experience"),
         ("recall --learner json:loads --experience there", "loads takes s; allowed: what makes a classifier"),
         ("recall --arena ''", "arena is ''; allowed: corridor, rectangle"),
@@ -143,6 +144,20 @@ def test_mistake_is_reported_in_one_line_and_changes_nothing(
     assert error.count("\n") == 1
     files = {path.name for path in Path().iterdir() if not path.is_dir() or any(path.iterdir())}
     assert files == {"there", "mine.toml", "deep.toml", "latin.csv"}
+
+
+def test_error_of_a_learner_in_a_recall_shows_its_own_traceback(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("fickle.py").write_text(
+        "class Fickle:\n"
+        "    classes_ = [0, 2]\n"
+        "    def fit(self, X, y): pass\n"
+        "    def predict_proba(self, X): raise IndexError('too late')\n"
+    )
+    assert main(["recall", "--learner", "fickle:Fickle", "--experience", "there"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("khepera-forage recall: --learner fickle:Fickle failed\nTraceback")
+    assert error.endswith("IndexError: too late\n")
+    assert "khepera_forage/" not in error
 
 
 COMMON = ("--seed", "--out")

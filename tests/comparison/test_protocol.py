@@ -40,10 +40,10 @@ TEN_STEPS = Training(np.arange(50).reshape(10, 5), np.array([0, 0, 1, 2, 3, 4, 5
 class TeacherClassifier:
     """Has learned the teacher's program perfectly."""
 
-    classes_ = np.arange(NUM_BEHAVIOURS)
+    classes_ = np.arange(NUM_BEHAVIOURS, dtype=np.float64).tolist()
 
-    def fit(self, vectors: NDArray[Any], behaviours: NDArray[Any]) -> "TeacherClassifier":
-        return self
+    def fit(self, vectors: NDArray[Any], behaviours: NDArray[Any]) -> None:
+        pass
 
     def predict_proba(self, vectors: NDArray[Any]) -> NDArray[np.float64]:
         teacher = Teacher.of(recall_env("corridor"))

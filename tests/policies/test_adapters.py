@@ -67,7 +67,7 @@ def test_one_whole_number_in_any_form_is_a_behaviour(answer: Any) -> None:
 class Probabilities:
     """A classifier with given probabilities."""
 
-    classes_ = np.array([0, 2, 3])
+    classes_: Any = np.array([0, 2, 3])
 
     def __init__(self, *levels: float) -> None:
         self.levels = levels
@@ -83,7 +83,18 @@ def test_numbers_that_are_no_probabilities_are_refused(levels: tuple[float, ...]
         policy.act(X[0], np.random.default_rng(0))
 
 
+@pytest.mark.parametrize("labels", [[0, 2, 3], np.array([0.0, 2.0, 3.0])])
+def test_labels_may_be_a_list_or_floats(labels: Any) -> None:
+    classifier = Probabilities(0.0, 1.0, 0.0)
+    classifier.classes_ = labels
+    assert as_policy(classifier).act(X[0], np.random.default_rng(0)) == 2
+
+
 def test_classifier_without_classes_or_with_other_columns_is_refused() -> None:
+    classifier = Probabilities(1.0)
+    classifier.classes_ = np.array(["2", "50"])
+    with pytest.raises(ValueError, match=r"labels learned are \['2', '50'\]; allowed: behaviours, 0 to 10"):
+        as_policy(classifier)
     with pytest.raises(ValueError, match="GaussianNB has no classes_; allowed: a fitted classifier"):
         as_policy(GaussianNB())
     with pytest.raises(ValueError, match="GaussianNB was fitted on 4 columns; allowed: 5"):
