@@ -13,7 +13,7 @@ from khepera_forage.comparison.learning import RecallBatch, all_learners
 from khepera_forage.comparison.page import STYLES
 from khepera_forage.comparison.page import figure as figure_of_curves
 from khepera_forage.comparison.results import ReadLearner, Results, curves, described, merged, read_results
-from khepera_forage.estimates import Estimate, wilson
+from khepera_forage.estimates import percent
 from khepera_forage.extras import require
 from khepera_forage.figures import COLOURS, GREY, OURS, SMALL, WIDTH, entry, grid, legend, levels, new_figure, save
 from khepera_forage.files import utf8
@@ -77,10 +77,10 @@ def _recalls(paths: Sequence[Path], contents: Sequence[list[RecallRow]]) -> "Fig
     figure = new_figure(WIDTH, 1.2 + _LINE * len(groups))
     food, score = figure.subplots(1, 2)
     shares = {
-        label: wilson(sum(row.delivered for row in rows), sum(row.foods for row in rows))
+        label: [percent(sum(row.delivered for row in rows), sum(row.foods for row in rows))]
         for label, rows in groups.items()
     }
-    levels(food, {k: [Estimate(*(100 * v for v in s))] for k, s in shares.items()}, "food delivered (%)")
+    levels(food, shares, "food delivered (%)")
     food.set_xlim(-3, 103)
     for place, rows in enumerate(reversed(list(groups.values()))):
         score.plot([row.score for row in rows], [place] * len(rows), "|", ms=12, color=GREY)

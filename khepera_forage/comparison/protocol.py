@@ -51,6 +51,7 @@ from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
 from khepera_forage.study import SMOKE_TEST, Arguments, Execute, Job, Page, Rows, collect, finish
+from khepera_forage.task.states import NUM_BEHAVIOURS
 
 NAME = "forage-bench-1"
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -74,7 +75,6 @@ _BUDGET = Budget(16, 6, 2, 40)
 """Of the other learners, which take a hundred times as long to learn and forage."""
 TRAINED, ALONE = "training episodes", "the teacher alone"
 """Data of the track on wheels: a learner's, or those of a teacher that forages alone from random places."""
-_BEHAVIOURS = 10
 
 
 class BenchmarkTrack(NamedTuple):
@@ -304,8 +304,8 @@ def spoken(training: Training, vocabulary: str, rng: np.random.Generator) -> Tra
     vectors, heard, episodes = training
     size = len(heard)
     if vocabulary == PERMUTED:
-        order = rng.permutation(_BEHAVIOURS)
-        names = np.empty(_BEHAVIOURS, np.int64)
+        order = rng.permutation(NUM_BEHAVIOURS)
+        names = np.empty(NUM_BEHAVIOURS, np.int64)
         names[order] = np.roll(order, 1)
         return Training(vectors, names[heard], episodes)
     if vocabulary == LATE:
@@ -315,8 +315,8 @@ def spoken(training: Training, vocabulary: str, rng: np.random.Generator) -> Tra
         kept = rng.random(size) < 0.5
         return Training(vectors[kept], heard[kept], episodes[kept])
     if vocabulary == WRONG:
-        wrong = (rng.random(size) < 0.2) * rng.integers(1, _BEHAVIOURS, size)
-        return Training(vectors, (heard + wrong) % _BEHAVIOURS, episodes)
+        wrong = (rng.random(size) < 0.2) * rng.integers(1, NUM_BEHAVIOURS, size)
+        return Training(vectors, (heard + wrong) % NUM_BEHAVIOURS, episodes)
     return training
 
 

@@ -44,9 +44,8 @@ def to_minari(
     repeated, because Minari has one more observation than actions; the last step terminates, because incomplete
     training episodes are discarded (5.2). With `episodes` the dataset has raw data and motors in their place, as in
     `CorridorWheels-v1`, of every round. The decisions of the training are metadata of every episode, which
-    `from_minari` reads. Minari's
-    `recover_environment()` returns an environment under the same decisions, or under the default ones if those of the
-    episodes differ.
+    `from_minari` reads. Minari's `recover_environment()` returns an environment under the same decisions, or under the
+    default ones if those of the episodes differ.
 
     Args:
         experiences: At least one vector each, all of the same arena, or of procedural levels of one difficulty and
@@ -215,7 +214,7 @@ def _environment(
     if levels is None:
         raise ExperienceError(
             f"experience of {found}; allowed: one arena, of {', '.join(ARENAS)}, or one of your own with the argument "
-            "arena; or procedural levels of one difficulty and split"
+            "arena (--arena FILE); or procedural levels of one difficulty and split"
         )
     return gym.make(f"khepera_forage/Procedural{kind}", decisions=decisions, **levels)
 

@@ -7,13 +7,11 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from khepera_forage.policies.distance import ARM_SPAN, STATE_WIDTH
+from khepera_forage.policies.distance import ARM_SPAN, CORRIDOR_DIAGONAL, STATE_WIDTH
 from khepera_forage.policies.policy import Observation, state_vector_of
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
 from khepera_forage.task.states import FoodType, StateVector
 
-SCALE = 138
-"""Pixels by which distances are divided: the corridor's diagonal, in every arena."""
 BEHAVIOUR_FEATURES = 9
 WHEELS_FEATURES = 25
 INFRA_REDS = 6
@@ -94,7 +92,7 @@ def behaviour_features(shown: Observation) -> NDArray[np.float32]:
 
 def state_vector_features(vectors: NDArray[Any]) -> NDArray[np.float32]:
     """State vectors of shape (n, 5), encoded as `behaviour_features` are."""
-    return encoded(vectors, SCALE).astype(np.float32)
+    return encoded(vectors, CORRIDOR_DIAGONAL).astype(np.float32)
 
 
 def wheels_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
@@ -125,9 +123,9 @@ def wheels_features(shown: Mapping[str, Any]) -> NDArray[np.float32]:
         _column(shown, "food_type", 1) == np.arange(len(FoodType)),
         _ahead(food - pose[:, :2], heading) * seen,
         home_part,
-        wall[:, :1] / SCALE,
+        wall[:, :1] / CORRIDOR_DIAGONAL,
         np.column_stack((np.cos(bearing), np.sin(bearing))),
-        home_part[:, 2:] * SCALE <= home[:, 2:],
+        home_part[:, 2:] * CORRIDOR_DIAGONAL <= home[:, 2:],
     )
     return np.concatenate(parts, axis=1, dtype=np.float32, casting="unsafe")
 
@@ -136,7 +134,7 @@ def _ahead(apart: NDArray[np.float64], heading: NDArray[np.float64]) -> NDArray[
     """Place `apart` from the robot in the camera's picture: ahead of it, to its left, and its distance."""
     cosine, sine = np.cos(heading), np.sin(heading)
     x, y = apart.T
-    return np.column_stack((x * cosine + y * sine, y * cosine - x * sine, np.hypot(x, y))) / SCALE
+    return np.column_stack((x * cosine + y * sine, y * cosine - x * sine, np.hypot(x, y))) / CORRIDOR_DIAGONAL
 
 
 def _column(shown: Mapping[str, Any], key: str, width: int) -> NDArray[Any]:

@@ -12,10 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from khepera_forage.policies.distance import PIXEL, rounded_distance, scaled_distance
 from khepera_forage.task.decisions import EXACT
-from khepera_forage.task.states import Behaviour, FoodType, StateVector
+from khepera_forage.task.states import NUM_BEHAVIOURS, FoodType, StateVector
 
-BEHAVIOURS = int(Behaviour.WAIT)
-"""How many behaviours can be heard; WAIT is silence."""
 FOOD_TYPES = len(FoodType)
 ARMS = 256
 """Values of ArmsHeight, from 0."""
@@ -75,7 +73,7 @@ def memories_of(experiences: Iterable[tuple[ArrayLike, ArrayLike]]) -> Memories:
             )
     vectors = np.concatenate([vectors for vectors, _ in parts])
     heard = np.concatenate([heard for _, heard in parts])
-    columns = zip((*StateVector._fields, "behaviour"), (*vectors.T, heard), (*SIZES, BEHAVIOURS), strict=True)
+    columns = zip((*StateVector._fields, "behaviour"), (*vectors.T, heard), (*SIZES, NUM_BEHAVIOURS), strict=True)
     for name, values, size in columns:
         if values.dtype.kind not in "iu":
             raise ValueError(f"experience is of type {values.dtype}; allowed: whole numbers")

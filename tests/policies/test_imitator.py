@@ -24,10 +24,10 @@ from khepera_forage.policies import (
     distance,
 )
 from khepera_forage.policies.features import encoded
-from khepera_forage.policies.memories import BEHAVIOURS, memories_of, nearest_votes
+from khepera_forage.policies.memories import memories_of, nearest_votes
 from khepera_forage.policies.policy import draw_label
 from khepera_forage.task.decisions import FIELDS
-from khepera_forage.task.states import Behaviour, StateVector
+from khepera_forage.task.states import NUM_BEHAVIOURS, Behaviour, StateVector
 
 Experienced = list[tuple[StateVector, int]]
 CORRIDOR, RECTANGLE = 138, 177
@@ -175,7 +175,7 @@ class FixedGenerator(np.random.Generator):
 
 def compare(memories: Any, number: int, imitator: Any, query: Any, chance: float) -> None:
     """A memory has the votes and draws of the imitator."""
-    votes, neighbours = np.zeros(BEHAVIOURS, np.int64), imitator.neighbours(query)
+    votes, neighbours = np.zeros(NUM_BEHAVIOURS, np.int64), imitator.neighbours(query)
     arithmetic = FIELDS["distance_arithmetic"].as_number(imitator.arithmetic)
     nearest, total = nearest_votes(memories, number, query, imitator.diagonal, votes, arithmetic)
     assert nearest / (55 * imitator.diagonal) == neighbours.distance

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from khepera_forage.compilation import entry, overload, rule
 from khepera_forage.policies.distance import rounded_distance, scaled_distance
-from khepera_forage.policies.memories import BEHAVIOURS, Memories, clear, nearest_votes, plane_key, search_plane
+from khepera_forage.policies.memories import Memories, clear, nearest_votes, plane_key, search_plane
 from khepera_forage.policies.policy import draw_label
+from khepera_forage.task.states import NUM_BEHAVIOURS
 
 __all__ = ["clear", "confidence_levels", "draw_label", "nearest_votes"]
 
@@ -51,10 +52,10 @@ def confidence_levels(
         Shape (imitators, ..., 10), with the axes of `vectors` before its last one in the middle.
     """
     flat = vectors.reshape(-1, vectors.shape[-1])
-    votes = np.zeros((len(memories.planes) - 1, len(flat), BEHAVIOURS), np.int64)
+    votes = np.zeros((len(memories.planes) - 1, len(flat), NUM_BEHAVIOURS), np.int64)
     _count_votes(memories, flat, diagonal, votes, arithmetic)
     shares: NDArray[np.float64] = votes / votes.sum(axis=-1, keepdims=True)
-    return shares.reshape(votes.shape[0], *vectors.shape[:-1], BEHAVIOURS)
+    return shares.reshape(votes.shape[0], *vectors.shape[:-1], NUM_BEHAVIOURS)
 
 
 @entry

@@ -15,7 +15,7 @@ from khepera_forage.envs.arguments import ArenaPool, Arenas, FoodOdds, Settings,
 from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_record
 from khepera_forage.envs.compiled.step import WorldRecords, begin, carry_out, command_behaviour, new_worlds, world_of
 from khepera_forage.noise import Noise
-from khepera_forage.policies.memories import BEHAVIOURS, NO_MEMORIES, Memories, plane_key
+from khepera_forage.policies.memories import NO_MEMORIES, Memories, plane_key
 from khepera_forage.records import dtype_of
 from khepera_forage.rollouts.compiled.imitators import clear, draw_label, nearest_votes
 from khepera_forage.rollouts.rows import RecallRow
@@ -278,7 +278,7 @@ def _decide(world: WorldRecords, diagonal: float, decisions: Any, memories: Memo
     if recall.policy != TEACHER:
         chance = upper(draw(robot, DRAW_POLICY))
         if recall.policy == UNIFORM:
-            behaviour = int(chance * BEHAVIOURS)
+            behaviour = int(chance * NUM_BEHAVIOURS)
         elif recall.policy == WITHOUT_ORIENTING:
             behaviour = _SEARCH_FOR_FOOD if forager.state == _NEXT_TO_FOOD else int(forager.state)
         else:
