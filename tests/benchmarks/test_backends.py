@@ -1,4 +1,4 @@
-"""`benchmarks/backends.py`: without ORIENT nobody delivers, and both backends have the same recalls."""
+"""`benchmarks/backends.py`: without ORIENT nobody delivers, and both backends have the same episodes."""
 
 from pathlib import Path
 
@@ -49,7 +49,7 @@ def test_teacher_delivers_nearly_all_food_and_needs_orient(out: Path) -> None:
 
 
 def test_both_backends_have_the_same_recalls_and_lines_share_their_starts(out: Path) -> None:
-    rows = [row for row in read(out / "recalls.csv") if row["part"] != "recalls"]
+    rows = [row for row in read(out / "recalls.csv") if row["part"] != "imitators"]
     names = ("policy", "arena", "level", "food", "seed", "foods", "deliverable")
     one, other = (
         sorted([row[name] for name in names] for row in rows if row["backend"] == backend) for backend in BACKENDS
@@ -65,7 +65,7 @@ def test_both_backends_have_the_same_recalls_and_lines_share_their_starts(out: P
 
 
 def test_tables_count_what_the_rows_hold(out: Path) -> None:
-    rows = [row for row in read(out / "recalls.csv") if row["part"] != "recalls"]
+    rows = read(out / "recalls.csv")
     for line in read(out / "table_deliveries.csv"):
         groups = list(DIFFICULTIES) if line["arenas"] == "all procedural" else [line["arenas"]]
         for backend in BACKENDS:
@@ -78,10 +78,26 @@ def test_tables_count_what_the_rows_hold(out: Path) -> None:
                 assert float(line[f"{backend}: delivered (%)"]) == pytest.approx(share, abs=0.01)
 
 
-def test_two_sample_tests_have_a_line_for_each_measure(out: Path) -> None:
-    for name, count in (("agreement", 2 * 2 * 3), ("experiments", 7 * 4)):
-        lines = read(out / f"table_{name}.csv")
-        assert len(lines) == count
-        for line in lines:
-            change = float(line["compiled"]) - float(line["pymunk"])
-            assert float(line["difference"]) == pytest.approx(change, abs=0.01)
+def test_episodes_are_compared_pair_by_pair(out: Path) -> None:
+    for table, rows, keys in (("backends", "recalls", ("policy", "food")), ("trainings", "trainings", ())):
+        for line in read(out / f"table_{table}.csv"):
+            arena = line.get("arena") or line["arenas"]
+            groups = list(DIFFICULTIES) if arena == "all procedural" else [arena]
+            own = [row for row in read(out / f"{rows}.csv") if row["arena"] in groups]
+            own = [row for row in own if all(row[key] == line[key] for key in keys)]
+            sides = [[row for row in own if row["backend"] == backend] for backend in BACKENDS]
+            same = sum(row["same"] == "1" for row in sides[0])
+            assert float(line["the same (%)"]) == pytest.approx(100 * same / len(sides[0]), abs=0.01)
+            ends = [
+                [
+                    row["complete"] == "1" if rows == "trainings" else row["delivered"] == row["deliverable"]
+                    for row in side
+                ]
+                for side in sides
+            ]
+            pairs = list(zip(*ends, strict=True))
+            assert int(line["episodes"]) == len(pairs)
+            assert int(line["pymunk only"]) == pairs.count((True, False))
+            assert int(line["compiled only"]) == pairs.count((False, True))
+            for one, other in zip(*sides, strict=True):
+                assert one["same"] == "0" or one | {"backend": ""} == other | {"backend": ""}

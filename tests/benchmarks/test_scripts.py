@@ -49,7 +49,7 @@ class Script:
 
 
 SCRIPTS = {
-    "backends": Script(("recalls", "experiments"), needs=("numba",)),
+    "backends": Script(("recalls", "trainings"), needs=("numba",)),
     "decisions": Script((), needs=("numba",), subcommand="infer"),
     "further_work": Script(
         ("trainings", "recalls"),
@@ -179,4 +179,3 @@ def test_rows_of_another_seed_are_refused(script: str, quick_run: QuickRun) -> N
 def test_counts_are_checked() -> None:
     assert "'0'; allowed: a whole number of at least 1" in refused("backends", "--forages", "0")
     assert "'0'; allowed: a whole number of at least 1, or -1" in refused("backends", "--jobs", "0")
-    assert "'1'; allowed: a whole number of at least 2" in refused("backends", "--experiments", "1")
