@@ -143,7 +143,7 @@ class RobotLost(ConnectionError):  # noqa: N818 (an event, not a mistake)
         self.reason = reason
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.port, self.command, self.tries, self.reason)
+        return type(self), (self.port, self.command, self.tries, self.reason), {"args": self.args}
 
 
 class Robot(Protocol):

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from khepera_forage.geometry import polygon
 from khepera_forage.geometry.plane import Wall, clearance, walls_of
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
+from khepera_forage.vision.scene import MM_PER_PIXEL
 
 MOST_FOODS = 16
 """Food objects in an arena at most, on every backend."""
@@ -62,8 +63,10 @@ class Arena:
         if not (isinstance(name, str) and name and name == name.strip() and name.isprintable()):
             raise ValueError(f"name of an arena is {name!r}; allowed: a text on one line, no space around it")
         polygon.check_enclosure(self.name, self.walls, self.obstacles)
-        if not (math.isfinite(self.home_radius) and self.home_radius > 0):
-            raise ValueError(f"{self.name}: home_radius is {self.home_radius!r} mm; allowed: a positive length")
+        if not MM_PER_PIXEL <= self.home_radius < math.inf:
+            raise ValueError(
+                f"{self.name}: home_radius is {self.home_radius!r} mm; allowed: at least {MM_PER_PIXEL:g} mm, one pixel"
+            )
         if not 1 <= len(self.foods) <= MOST_FOODS:
             raise ValueError(
                 f"{self.name}: foods has {len(self.foods)} places; allowed: 1 to {MOST_FOODS}, one an object"

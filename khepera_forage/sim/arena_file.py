@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 from khepera_forage.files import replacing
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.toml_table import content_of, list_of, naming, number, numbers, table, text, text_of
+from khepera_forage.vision.scene import MM_PER_PIXEL
 
 _DIGITS = 40
 _PER_DEGREE = Decimal("0.01745329251994329576923690768488612713442871889")
@@ -148,7 +149,7 @@ _KEYS = {
     "name": text,
     "walls": list_of(_point),
     "home": _point,
-    "home_radius": number(1.0, 10000.0, "mm"),
+    "home_radius": number(MM_PER_PIXEL, 10000.0, "mm"),
     "start": _pose,
     "foods": list_of(_point),
     "obstacles": list_of(list_of(_point), least=0),

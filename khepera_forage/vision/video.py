@@ -44,7 +44,7 @@ class CameraLost(ConnectionError):  # noqa: N818 (named for the event, as `Robot
         self.age = age
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.source, self.reason, self.age)
+        return type(self), (self.source, self.reason, self.age), {"args": self.args}
 
 
 @dataclass(frozen=True, slots=True)

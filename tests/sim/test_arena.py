@@ -72,7 +72,7 @@ BLOCK = obstacle((340, 80), (400, 80), (400, 150), (340, 150))
 FIRST = box(190, 20, 220, 50)
 OVERLAP = r"obstacles \[\(190.* and \[.* overlap; allowed: beside one another"
 IMPOSSIBLE: list[tuple[dict[str, Any], str]] = [
-    *(({"home_radius": wrong}, f"home_radius is {wrong}") for wrong in (-1.0, 0.0, math.nan, math.inf)),
+    *(({"home_radius": wrong}, f"home_radius is {wrong}") for wrong in (-1.0, 0.0, 4.0, math.nan, math.inf)),
     ({"home_radius": 101.0}, "radius 101 mm.*at most 100"),
     ({"home": Point(700, 115)}, r"home at \(700, 115\).*outside the walls"),
     ({"home": Point(math.nan, 115)}, "home at .*nan"),

@@ -65,7 +65,7 @@ def arenas(draw: st.DrawFn) -> Arena:
         name=draw(st.text(st.characters(exclude_categories=["C", "Z"]), min_size=1)),
         walls=box(left, bottom, left + length, bottom + width),
         home=place(),
-        home_radius=draw(st.floats(1, 50)),
+        home_radius=draw(st.floats(5, 50)),
         start=Pose(*place(), draw(st.floats(-1e4, 1e4))),
         foods=tuple(place() for _ in range(draw(st.integers(1, 4)))),
         obstacles=tuple(box(left + 11 * i, bottom, left + 11 * i + t, bottom + t) for i, t in enumerate(thickness)),
@@ -101,7 +101,7 @@ def test_text_has_the_keys_of_an_arena_and_short_numbers() -> None:
     [
         ('name = "den"', "name = 3", "name is 3; allowed: a text that is not empty"),
         ('name = "den"\n', "", "name is missing"),
-        ("home_radius = 80", "home_radius = -8.5", "home_radius is -8.5; allowed: 1 to 10000 mm"),
+        ("home_radius = 80", "home_radius = -8.5", "home_radius is -8.5; allowed: 5 to 10000 mm"),
         ("home_radius = 80", "home_radius = 80\ncolour = 1", "colour is unknown; allowed: foods, home, home_radius"),
         ("walls =", "wals =", "wals is unknown (did you mean walls?); allowed: foods, home, home_radius, name, "),
         ("[700, 0]", "[700.5]", "walls[1] is [700.5]; allowed: [x mm, y mm]"),
