@@ -108,7 +108,8 @@ def test_training_leads_around_corners_as_in_the_simulation() -> None:
             assert math.dist(arena.home, food[:2]) < arena.home_radius
     assert attempt.complete
     assert simulated.complete
-    assert abs(attempt.rounds - simulated.rounds) < 60
+    # How long a teacher hovers beside the food is chance.
+    assert abs(attempt.rounds - simulated.rounds) < simulated.rounds / 2
 
 
 def test_recorded_experience_is_correct_on_disturbed_lines() -> None:
