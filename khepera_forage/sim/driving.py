@@ -254,8 +254,8 @@ def _touches_robot(robots: Any, i: int, x: float, y: float, cos: float, sin: flo
 def lateness(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> float:
     """The share of a round in which the wheels still turn as in the round before.
 
-    Rigid bodies get to a new speed one step of physics late: 20 ms, or less near a wall. So does a robot that is near
-    enough to something to push it, or to be stopped by it.
+    A robot that is near enough to something to push it, or to be stopped by it, gets to a new speed one step of physics
+    late, as rigid bodies do: 20 ms, or less near a wall.
 
     Args:
         robots: All robots of the arena.

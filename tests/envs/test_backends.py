@@ -90,7 +90,7 @@ def test_environment_is_the_same_bit_for_bit_until_something_is_touched(name: st
 
 @needs_numba
 def test_forages_and_trainings_of_the_thesis_are_the_same_on_both_backends() -> None:
-    """Food is gripped, carried and released alike, at the end of a round in which the robot still drove, too."""
+    """Food is gripped, carried and released alike, also by a robot that was driving a round before."""
     for seed in range(4):
         steps = [_forage(gym.make(_id("Corridor"), backend=backend), seed) for backend in ("pymunk", "compiled")]
         np.testing.assert_equal(steps[0], steps[1])

@@ -115,14 +115,17 @@ class Bodies:
             steps = max(steps, int(steps_of(travel, is_near_wall(robots[i], walls, travel, True))))
         dt = constants.timing.round_duration / steps
         for i, robot in enumerate(robots):
-            late = i in moving and lateness(robots, i, foods, walls, constants) > 0.0
-            self._robots[i].put(robot, i in moving, late)
+            speed = 0.0, 0.0
+            if i in moving:
+                late = lateness(robots, i, foods, walls, constants) > 0.0
+                speed = (robot.last_forward, robot.last_turn) if late else (robot.forward, robot.turn)
+            self._robots[i].put(robot, *speed)
         for food, (body, _) in zip(foods, self._foods, strict=True):
             body.position, body.velocity, body.angular_velocity = (food.x, food.y), (0, 0), 0
         self._shape()
         for _ in range(steps):
             for i in moving:
-                self._robots[i].pull(robots[i].forward)
+                self._robots[i].pull(robots[i])
                 if moves_jaw(robots[i]):
                     self._record()
                     move_jaw(robots, i, foods, walls, constants.timing.jaw_speed * dt)
@@ -197,20 +200,17 @@ class _RobotBody:
         for shape in (*self._gripper, self._held):
             add(shape, NOTHING)
 
-    def put(self, robot: Any, moves: bool, late: bool) -> None:
-        """Stand where the record says, with the speed of this round, or still with that of the last one, or brake."""
-        forward, turn = (robot.forward, robot.turn) if moves else (0.0, 0.0)
-        if late:
-            forward, turn = robot.last_forward, robot.last_turn
+    def put(self, robot: Any, forward: float, turn: float) -> None:
+        """Stand where the record says, with this speed, to which the wheels pull as well."""
         self.body.position, self.body.angle = (robot.x, robot.y), robot.heading
         self.body.velocity = self._wheels.velocity = forward * robot.cos, forward * robot.sin
-        self.body.angular_velocity = turn
-        self._wheels.angular_velocity = robot.turn if moves else 0.0
+        self.body.angular_velocity = self._wheels.angular_velocity = turn
 
-    def pull(self, forward: float) -> None:
-        """Point the pull of the wheels ahead."""
+    def pull(self, robot: Any) -> None:
+        """Let the wheels pull ahead to the speed of this round."""
         angle = self.body.angle
-        self._wheels.velocity = forward * math.cos(angle), forward * math.sin(angle)
+        self._wheels.velocity = robot.forward * math.cos(angle), robot.forward * math.sin(angle)
+        self._wheels.angular_velocity = robot.turn
 
     def shape(self, robot: Any) -> None:
         """Arm, fingers and held food as the record says."""
