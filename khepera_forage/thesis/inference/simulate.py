@@ -29,12 +29,10 @@ from khepera_forage.thesis.inference.posterior import Parameter, parameters_of
 from khepera_forage.thesis.inference.prior import PRIOR, LabModel, laboratory_from_text, laboratory_text
 from khepera_forage.thesis.inference.summary import ALL, CellRecalls, fitted_columns, of_recalls, with_slopes
 
-FORAGES = 256
-"""Of the teacher, in each arena."""
-TRIES = 64
-"""Forages without orienting, in each arena; attempts at a training episode."""
-MOST = 16
-"""How many times as many, where the answer is near the threshold."""
+FEWEST = 32
+"""Forages, or attempts at a training episode; twice as many, again and again, while the answer is near a threshold."""
+MOST_FORAGES, MOST_TRIES = 4096, 1024
+"""Forages of the teacher in each arena; without orienting, and attempts at a training episode."""
 SURE = 2.0
 """Standard errors from a threshold that are far enough."""
 DELIVERED = 0.98
@@ -73,14 +71,14 @@ def reason_against(laboratory: LabModel, seed: int) -> str:
             return f"too slow in the {arena}"
     for arena in FOODS:
         without = np.zeros(0)
-        while _undecided(without, WITHOUT, TRIES):
-            forages = _forages(laboratory, arena, WITHOUT_ORIENTING, len(without) or TRIES, rng)
+        while _undecided(without, WITHOUT, MOST_TRIES):
+            forages = _forages(laboratory, arena, WITHOUT_ORIENTING, len(without) or FEWEST, rng)
             without = np.append(without, forages.delivered > 0)
         if without.mean() > WITHOUT:
             return f"no ORIENT is needed in the {arena}"
     complete = np.zeros(0)
-    while _undecided(complete, COMPLETE, TRIES):
-        complete = np.append(complete, _attempts(laboratory, len(complete) or TRIES, rng))
+    while _undecided(complete, COMPLETE, MOST_TRIES):
+        complete = np.append(complete, _attempts(laboratory, len(complete) or FEWEST, rng))
     return "" if complete.mean() >= COMPLETE else "training is seldom complete"
 
 
@@ -88,20 +86,20 @@ def _teacher(laboratory: LabModel, arena: str, rng: Generator) -> tuple[float, f
     """Share of the food that the teacher brings home, and steps of its fastest forage."""
     delivered, fastest = np.zeros(0), math.inf
     slow = LUCK * FASTEST[arena]
-    while _undecided(delivered, DELIVERED, FORAGES) or (
-        slow < fastest <= CLOSE * slow and len(delivered) < MOST * FORAGES
+    while _undecided(delivered, DELIVERED, MOST_FORAGES) or (
+        slow < fastest <= CLOSE * slow and len(delivered) < MOST_FORAGES
     ):
-        forages = _forages(laboratory, arena, TEACHER, len(delivered) or FORAGES, rng)
+        forages = _forages(laboratory, arena, TEACHER, len(delivered) or FEWEST, rng)
         delivered = np.append(delivered, forages.delivered / FOODS[arena])
         fastest = min(fastest, float(forages.steps.min()))
     return float(delivered.mean()), fastest
 
 
-def _undecided(values: NDArray[np.float64], threshold: float, first: int) -> bool:
+def _undecided(values: NDArray[np.float64], threshold: float, most: int) -> bool:
     """Whether more values are needed to tell on which side of a threshold their mean, a share, lies."""
     count = len(values)
-    if not first <= count < MOST * first:
-        return count < first
+    if not FEWEST <= count < most:
+        return count < FEWEST
     share = (values.sum() + 2) / (count + 4)  # an error that is not 0 if all values are alike
     return bool(abs(values.mean() - threshold) <= SURE * math.sqrt(share * (1 - share) / count))
 
@@ -127,7 +125,7 @@ def _attempts(laboratory: LabModel, episodes: int, rng: Generator) -> NDArray[np
     try:
         trained = train_learners(episodes, seed=seed, noise=noise, decisions=decisions, attempts=ATTEMPTS)
     except (IncompleteTrainingError, ValueError):  # a mark where robot or food does not fit
-        return np.zeros(MOST * TRIES, np.bool_)
+        return np.zeros(MOST_TRIES, np.bool_)
     return np.asarray(trained.attempts.complete)
 
 
