@@ -11,12 +11,15 @@ from collections.abc import Callable
 from typing import Any
 from uuid import UUID
 
-from toio.device_interface import CubeInterface
-from toio.toio_uuid import ToioUuid
-
+from khepera_forage.extras import require
 from khepera_forage.robots.khepera import SPEED_UNIT
 from khepera_forage.robots.model import TOIO
 from khepera_forage.robots.toio.driver import FASTEST_UNIT, MAT_SIZE, SLOWEST_UNIT, CubePose, to_mat
+
+require("a virtual cube", "toio")
+
+from toio.device_interface import CubeInterface  # noqa: E402 (after the check)
+from toio.toio_uuid import ToioUuid  # noqa: E402
 
 RADIUS = TOIO.radius / TOIO.scale
 """Of a cube on the plan, in mm."""
