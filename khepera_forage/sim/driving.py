@@ -252,10 +252,10 @@ def _touches_robot(robots: Any, i: int, x: float, y: float, cos: float, sin: flo
 
 
 def lateness(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> float:
-    """The share of a round in which the wheels still turn as in the round before.
+    """The share of a round in which the wheels still turn as in the round before, a decision (`wheel_delay`).
 
     A robot that is near enough to something to push it, or to be stopped by it, gets to a new speed one step of physics
-    late, as rigid bodies do: 20 ms, or less near a wall.
+    late, as rigid bodies do: 20 ms, or less near a wall. The task depends on it (docs/decisions/inference.md).
 
     Args:
         robots: All robots of the arena.
@@ -267,7 +267,9 @@ def lateness(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> flo
     travel = travel_of(robots[i], constants.timing.round_duration)
     near_food = _is_near_food(robots, i, foods, travel)
     near_wall = is_near_wall(robots[i], walls, travel, near_food)
-    return 1.0 / steps_of(travel, near_wall) if near_food or near_wall else 0.0
+    if not near_food and not near_wall:
+        return 0.0
+    return float(SUBSTEPS * constants.timing.wheel_delay / steps_of(travel, near_wall))
 
 
 def travel_of(robot: Any, duration: float) -> float:

@@ -262,6 +262,14 @@ class Decisions:
 
     # Devices.
     recall_marker: int = _count(2, 1, 2, "holes", "3.5", "Of the marker of a robot that forages alone.")
+    wheel_delay: float = _number(
+        0.2,
+        0.0,
+        0.2,
+        "rounds",
+        "3.2",
+        "Until the wheels of a robot near food, walls or robots reach a new speed; shorter for a fast one near a wall.",
+    )
 
     def __post_init__(self) -> None:
         for name, field in FIELDS.items():

@@ -30,7 +30,7 @@ from khepera_forage.thesis.design import (
     noise_conditions,
 )
 from khepera_forage.thesis.orient_analysis import arrival_vectors, orient_rows
-from khepera_forage.thesis.replication import Row, baseline_limit, baseline_seeds, replication_seeds
+from khepera_forage.thesis.replication import Row, baseline_limit, baseline_seeds, naming_noise, replication_seeds
 
 GROUP_SIZE = 100
 """Replications that run together: enough to use all lanes of the kernels."""
@@ -52,13 +52,14 @@ def replicate(
     """
     sources = noise_conditions(laboratory)[noise]
     seeds = [replication_seeds(seed, number, noise).spawn(2) for number in range(first, first + count)]
-    trained = train_learners(
-        count,
-        seed=int(seeds[0][0].generate_state(1)[0]),
-        noise=sources,
-        episodes=files_needed(cells),
-        decisions=decisions,
-    )
+    with naming_noise(noise):
+        trained = train_learners(
+            count,
+            seed=int(seeds[0][0].generate_state(1)[0]),
+            noise=sources,
+            episodes=files_needed(cells),
+            decisions=decisions,
+        )
     recalling = [parts.spawn(len(cells)) for _, parts in seeds]
     recalls: list[Row] = []
     orient: list[Row] = []

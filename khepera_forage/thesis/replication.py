@@ -1,7 +1,7 @@
 """The jobs of a reproduction, for either backend, and replications of the thesis's design on pymunk (5.4)."""
 
-from collections.abc import Callable, Sequence
-from contextlib import closing
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
 from khepera_forage.policies.policy import UniformPolicy
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
-from khepera_forage.rollouts.training import arrays, train
+from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, train
 from khepera_forage.sim.arenas.thesis import CORRIDOR, THESIS_ARENAS
 from khepera_forage.study import Job
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
@@ -77,8 +77,18 @@ def replicate(
         decisions: Of training and recall.
         laboratory: The laboratory's noise, from which the noise condition is derived.
     """
-    sources = noise_conditions(laboratory)[noise]
-    return [row for i in range(first, first + count) for row in _replication(seed, i, noise, sources, cells, decisions)]
+    sources, numbers = noise_conditions(laboratory)[noise], range(first, first + count)
+    with naming_noise(noise):
+        return [row for number in numbers for row in _replication(seed, number, noise, sources, cells, decisions)]
+
+
+@contextmanager
+def naming_noise(noise: str) -> Iterator[None]:
+    """Add the name of the noise condition to the message that a training episode is hopeless."""
+    try:
+        yield
+    except IncompleteTrainingError as error:
+        raise IncompleteTrainingError(f"{error}, with the noise {noise!r}") from None
 
 
 def _replication(

@@ -118,7 +118,7 @@ def test_decisions_under_which_no_training_succeeds_are_reported_in_one_line(
     assert main(["reproduce", "--quick", "--backend", backend, *jobs, "--out", "t", *decision]) == 2
     lines = capsys.readouterr().err.splitlines()
     error = "khepera-forage reproduce: none of 2 attempts at a training episode was complete"
-    assert [line for line in lines if "compiling" not in line] == [error]
+    assert [line for line in lines if "compiling" not in line] == [f"{error}, with the noise 'laboratory'"]
 
 
 def test_film_runs_at_the_speed_of_the_rounds() -> None:

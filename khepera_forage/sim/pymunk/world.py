@@ -117,8 +117,11 @@ class Bodies:
         for i, robot in enumerate(robots):
             speed = 0.0, 0.0
             if i in moving:
+                # How much of the first step, after which the wheels have pulled the robot to its new speed.
                 late = lateness(robots, i, foods, walls, constants) > 0.0
-                speed = (robot.last_forward, robot.last_turn) if late else (robot.forward, robot.turn)
+                before = SUBSTEPS * constants.timing.wheel_delay if late else 0.0
+                now = 1.0 - before
+                speed = (before * robot.last_forward + now * robot.forward, before * robot.last_turn + now * robot.turn)
             self._robots[i].put(robot, *speed)
         for food, (body, _) in zip(foods, self._foods, strict=True):
             body.position, body.velocity, body.angular_velocity = (food.x, food.y), (0, 0), 0
