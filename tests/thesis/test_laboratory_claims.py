@@ -53,7 +53,7 @@ def test_laboratory_without_complete_training_is_an_error() -> None:
     with pytest.raises(IncompleteTrainingError):
         claims_of(hopeless, 3, 1)
     (row,) = measure(3, 0, hopeless, 1)
-    assert re.match(r"none of 2 attempts .* was complete; seed \d+, decisions: .*next_to_food=22", row.reason)
+    assert re.match(r"none of 2 attempts .* was complete, .*; seed \d+, decisions: .*next_to_food=22", row.reason)
     assert not row.verdicts
 
 
