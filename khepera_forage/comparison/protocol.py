@@ -271,7 +271,7 @@ class Learning(NamedTuple):
     def _seeds(self, number: int) -> Seeds:
         found = {}
         for group in (GROUPS[name] for name in TRACKS[self.track].places):
-            for place in group:
+            for place in group[: self.recalls]:
                 drawing = np.random.SeedSequence(self.seed, spawn_key=(1, number, _ALL_PLACES.index(place)))
                 found[place] = drawing.generate_state(max(1, self.recalls // len(group))).tolist()
         return found
@@ -364,7 +364,7 @@ def _seed(seed: int, *purpose: int) -> int:
 
 def searches(learners: Mapping[str, Compared], seed: int, quick: bool, most: int) -> list[Job]:
     """The searches for demonstrations, one for every ten replications; arguments as for `plan`."""
-    budgets = {name: Budget(4, 2, 1, 4) if quick else BUDGETS.get(name, _BUDGET) for name in TAUGHT}
+    budgets = {name: Budget(4, 1, 1, 2) if quick else BUDGETS.get(name, _BUDGET) for name in TAUGHT}
     return [
         Job(f"search {name} {number}", find_demonstrations, (seed, name, number, budget))
         for number in range(1 if quick else min(SEARCHES, most // TESTS))
