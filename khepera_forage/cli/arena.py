@@ -22,8 +22,9 @@ from khepera_forage.sim.arena_file import ArenaPlan, read_plan, write_arena
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, checked_difficulty
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
 from khepera_forage.sim.arenas.procedural import LEVELS, procedural_arena
-from khepera_forage.sim.layout_checks import check_seen
+from khepera_forage.sim.layout_checks import check_apart, check_seen
 from khepera_forage.sim.waypoints import check_paths, path_length, shortest_path, too_narrow
+from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
 PROCEDURAL = "procedural"
@@ -141,6 +142,7 @@ def _find(plan: ArenaPlan) -> Findings:
             to_home=_paths(arena, [(food, arena.home) for food in arena.foods]),
             narrow=too_narrow(arena),
         )
+        check_apart(Layout((arena.start,), arena.foods))
         check_paths(arena)
     except ValueError as error:
         return found._replace(refusal=str(error))
