@@ -226,6 +226,6 @@ def _estimate(value: Any, key: str) -> Estimate:
     if not isinstance(numbers, list) or len(numbers) != 3:
         raise ValueError(f"{key} is {numbers!r}; allowed: a list of value, low and high")
     for number in numbers:
-        if number not in known and type(number) not in (int, float):
+        if type(number) not in (int, float) and number not in (None, "inf"):
             raise ValueError(f'{key} has {number!r}; allowed: a number, null or "inf"')
     return Estimate(*(known[number] if number in known else float(number) for number in numbers))

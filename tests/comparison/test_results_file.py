@@ -87,6 +87,7 @@ def without(content: dict[str, Any], *keys: str | int) -> None:
         (lambda c: c["curves"][0].update(learner="x"), "learner is 'x'; allowed: tree"),
         (lambda c: c["curves"][0].update(gain=[1]), r"gain is \[1\]; allowed: a list of value, low and high"),
         (lambda c: c["curves"][0].update(gain=["a", 1, 2]), "gain has 'a'; allowed: a number"),
+        (lambda c: c["curves"][0].update(gain=[[1], 1, 2]), r"gain has \[1\]; allowed: a number"),
         (lambda c: c["curves"][0].update(points=[]), "points of tree are empty; allowed: one or more"),
         (lambda c: c["curves"][0]["points"][0].update(amount=-1), "amount is -1; allowed: a whole number"),
         (lambda c: c["learners"]["tree"].update(learns_from="luck"), "'luck' is not a valid Supervision"),
