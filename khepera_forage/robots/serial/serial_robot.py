@@ -21,7 +21,7 @@ HOLD_AFTER = 0.5
 MAX_DURATION, _STOP_DURATION = 4.0, 2.0
 """Seconds after which a robot whose call, or stop, is not complete counts as lost; more with a longer timeout."""
 
-_LONGEST_ROUND = (8, 170)
+LONGEST_ROUND = (8, 170)
 """Requests and bytes of a round in which arm and jaw move and all numbers have the maximum number of digits."""
 _MAX_RESTARTS = 5
 """Restarts tolerated within one call; after more, the robot counts as lost: its power supply is unusable."""
@@ -101,7 +101,7 @@ class SerialRobot(RealRobot):
     @property
     def longest_exchange(self) -> float:
         """See `RealRobot`."""
-        return self._line.timeout + self.timing.duration(*_LONGEST_ROUND)
+        return self._line.timeout + self.timing.duration(*LONGEST_ROUND)
 
     def request(self, command: str, *values: int) -> tuple[int | str, ...]:
         """Send any other request of the protocol; returns the values of the reply.
