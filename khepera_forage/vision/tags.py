@@ -21,7 +21,7 @@ from khepera_forage.vision.calibration import (
     fit_calibration,
 )
 from khepera_forage.vision.scene import MM_PER_PIXEL, place_text
-from khepera_forage.vision.tracker_settings import TrackerSettings
+from khepera_forage.vision.tracker_settings import MARKER_NUMBERS, TrackerSettings
 from khepera_forage.vision.video import Frame
 
 _DICTIONARY = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
@@ -119,6 +119,7 @@ class TagDetector:
                 width -= 2
             kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
             self._kinds.append((ids, size * scale, kernel))  # type: ignore[arg-type] # uint8
+        self._never_seen = set(settings.tag_ids)
         # Region pixels around a tag's middle within which white belongs to the tag.
         self.reach = (0.75 * settings.tag_size + 12) / MM_PER_PIXEL
         self._floor_ids, self._floor_side = (tuple(sorted(calibration.tags)), FLOOR_SIZE / calibration.mm_per_pixel())
@@ -135,6 +136,11 @@ class TagDetector:
                 closed = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, kernel)
                 again = find_tags(closed, ids, side)  # type: ignore[arg-type] # uint8
                 found |= {tag: [corners] for tag, corners in again if tag not in found}
+        self._never_seen -= found.keys()
+        if self._never_seen:
+            # Tags far smaller than the settings say, which the search above leaves out.
+            small = find_tags(grey, MARKER_NUMBERS["tags"], _LEAST_PIXELS)
+            found |= {tag: [corners] for tag, corners in small if tag in self._never_seen}
         warnings, detections = {}, []
         for tag, places in found.items():
             seen = [self._detection(tag, corners) for corners in places]

@@ -1,6 +1,7 @@
 """Tags and markers of the table of twelve, at the resolutions of webcams; calibrations by tags on the floor."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -113,11 +114,14 @@ def test_tag_that_is_seen_twice_is_not_reported() -> None:
         find_floor_tags(frame, (5, 6))
 
 
-def test_tag_of_another_size_is_named() -> None:
-    scene, tracker = Scene(1280, 720), Tracker(TAGS)
-    scene.put(tag_sheet(5, 70.0), (500.0, 500.0, 0.0))
-    assert tracker.detect(scene.frame()) == []
-    assert tracker.warnings["tag size"].startswith("tag 5 at (500, 500) mm measures 6")
+@pytest.mark.parametrize("side", [35.0, 50.0, 70.0, 300.0])
+def test_tag_of_another_size_is_named(side: float) -> None:
+    scene, tracker = Scene(1920, 1080), Tracker(TAGS)
+    scene.put(tag_sheet(5, side), (500.0, 500.0, 0.0))
+    assert [d for d in tracker.detect(scene.frame()) if d.holes] == []
+    named = re.fullmatch(r"tag 5 at \((\d+), (\d+)\) mm measures (\d+) mm .*", tracker.warnings["tag size"])
+    assert named is not None
+    assert [int(number) for number in named.groups()] == pytest.approx([500, 500, side], abs=4)
 
 
 def test_tag_that_is_too_small_for_the_camera_is_refused() -> None:
