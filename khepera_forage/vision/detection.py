@@ -53,6 +53,9 @@ _MEASURE_INTERVAL, _NEWEST, _LEAST_BLUR = 5, 0.3, 0.5
 """Markers from one measurement of white to the next, the weight of the newest, and the least blur in pixels."""
 _PART = 0.35
 """Share of a marker's area from which a shape that is no marker is reported."""
+_WIDE, _ALL_BRIGHT = 0.85, 0.95
+"""Least width of a shape that may hide food, as a share of the side of a square of food's area; and least share of it
+that is bright: tags have black cells."""
 
 _MIN_FILL = 0.7
 """Least share of the ellipse with the same moments that food fills; the end of a kinked cable fills less."""
@@ -95,6 +98,8 @@ TROUBLES = {
     "reflection": "the bright spot at {place} has no sharp border: it is no food, but a reflection, or out of focus",
     "bright area": "the area around {place} is much brighter than the floor beside it, and so wide that food on it or "
     "touching it may not be seen: cover it, or light the floor evenly",
+    "bright shape": "the bright shape at {place} is neither food nor a marker, and food in it is not seen: move the "
+    "lamp if it is a reflection, or take it away",
     "bright food": "the bright spot at {place} is brighter than white paper: a reflection",
 }
 """What makes a shape uncertain, with its remedy."""
@@ -210,8 +215,8 @@ class Detector:
         if len(rest) > 1:
             foods, rest = self._foods_among(self._joined(rest))
             found += foods
-        for piece in rest if markers else ():
-            self._report_cover(piece)
+        for piece in rest:
+            self._report_unknown(piece)
         return found
 
     def _middle(self, piece: Contour) -> tuple[float, float]:
@@ -275,13 +280,16 @@ class Detector:
         rest = []
         for piece in pieces:
             foods = list(self._foods_in(piece))
-            found += foods
+            found += [food for food in foods if food is not None]
             if not foods:
                 rest.append(piece)
         return found, rest
 
-    def _foods_in(self, piece: Contour) -> Iterator[Detection]:
-        """The food objects that one contour encloses: a disc, or several that touch each other or a bright wall."""
+    def _foods_in(self, piece: Contour) -> Iterator[Detection | None]:
+        """The food objects that one contour encloses: a disc, or several that touch each other or a bright wall.
+
+        None for a reflection, which is reported.
+        """
         area = filled_area(piece) / self._food_area
         if area < _MIN_FOOD_AREA:
             return
@@ -294,6 +302,7 @@ class Detector:
             trouble = self._trouble(cut_patch(self._picture, contour), food)
             if trouble:
                 self._report(trouble, food.u, food.v, self._settings.food_height)
+                yield None
             else:
                 yield self._detection(contour, patch.edge, food)
 
@@ -313,11 +322,17 @@ class Detector:
                 self._white += (_NEWEST if self._white else 1.0) * (white - self._white)
             self._blur += (_NEWEST if self._blur else 1.0) * (max(blur, _LEAST_BLUR) - self._blur)
 
-    def _report_cover(self, piece: Contour) -> None:
-        """Report a shape that may be a part of a marker."""
+    def _report_unknown(self, piece: Contour) -> None:
+        """Report a shape that is neither food nor a marker, if it may be a part of a marker, or hide food."""
         (u, v), size, _ = cv2.minAreaRect(piece)
-        if filled_area(piece) >= _PART * self._marker_area and math.hypot(*size) <= 1.2 * self._diagonal:
-            self._report("cover", u + 0.5, v + 0.5, self._settings.marker_height)
+        place = u + 0.5, v + 0.5
+        is_part = filled_area(piece) >= _PART * self._marker_area and math.hypot(*size) <= 1.2 * self._diagonal
+        if is_part and self._settings.markers != "tags":
+            self._report("cover", *place, self._settings.marker_height)
+        elif min(size) >= _WIDE * math.sqrt(self._food_area):
+            patch = cut_patch(self._picture, piece)
+            if patch.white[patch.filled > 0].mean() >= _ALL_BRIGHT * 255:  # no tag
+                self._report("bright shape", *place, self._settings.food_height)
 
     def _report_bright_area(self) -> None:
         """Report a bright wall or sheet that is wide enough to be taken for floor."""

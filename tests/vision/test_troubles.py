@@ -180,6 +180,18 @@ def test_reflection_on_the_floor_is_not_food(size: float) -> None:
     assert phantoms <= 1
 
 
+@pytest.mark.parametrize("size", [2.0, 3.0, 4.0, 8.0, 14.0])
+def test_food_under_a_reflection_is_found_or_a_warning_names_the_cause(size: float) -> None:
+    renderer, tracker = SceneRenderer(seed=5), Tracker()
+    for _ in range(8):
+        x, y, amplitude = renderer.rng.uniform((1000, 400, 60), (2800, 2000, 400)).tolist()
+        spot = partial(brightened, x=x, y=y, amplitude=amplitude, size=size)
+        found = tracker.detect(renderer.frame(((600.0, 800.0, 1.0, 2),), ((x, y),), spot))
+        if not any(position_error(food, x, y) < 1 for food in found):
+            causes = {"bright shape", "bright food", "bright area", "reflection", "cover"}
+            assert tracker.warnings.keys() & causes, (size, amplitude)
+
+
 WALLS = ((500.0, 500.0, 2700.0, 500.0), (500.0, 500.0, 500.0, 1900.0), (500.0, 1900.0, 2700.0, 1900.0))
 
 
