@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from khepera_forage.cli.options import Group, command, option
+from khepera_forage.cli.options import Group, command, flag, option, refuse_ignored
 from khepera_forage.cli.virtual import virtual_command
 from khepera_forage.option_values import real_number, whole_number
 from khepera_forage.robots.drivers import open_robot as open_any
@@ -73,21 +73,18 @@ PORT = (
         f"that a reply may take in addition to the transmission time of its bytes ({DEFAULT_TIMEOUT})",
         real_number(0.0, MAX_TIMEOUT, "seconds"),
         "SECONDS",
-        default=DEFAULT_TIMEOUT,
     ),
-    option(
-        "--no-watchdog",
-        "start no process that stops the robot if this program is killed",
-        dest="watchdog",
-        action="store_false",
-    ),
+    flag("--no-watchdog", "start no process that stops the robot if this program is killed"),
 )
 
 
 def open_robot(arguments: argparse.Namespace) -> RealRobot:
     """The driver of the robot at the port, on a line with any latency: these commands have no rounds to keep."""
-    given = {name: getattr(arguments, name) for name in ("baud", "timeout", "watchdog")}
-    return open_any(arguments.robot, arguments.port, period=None, **given)
+    if arguments.robot == TOIO.name:
+        refuse_ignored(arguments, ["--baud", "--timeout", "--no-watchdog"], "for a robot with a serial line")
+    timeout = DEFAULT_TIMEOUT if arguments.timeout is None else arguments.timeout
+    options = {"baud": arguments.baud, "timeout": timeout, "watchdog": not arguments.no_watchdog}
+    return open_any(arguments.robot, arguments.port, period=None, **options)
 
 
 def open_serial_robot(arguments: argparse.Namespace) -> SerialRobot:

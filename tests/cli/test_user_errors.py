@@ -102,6 +102,8 @@ def folder_without_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> N
         ("robot probe --port /dev/nowhere", "/dev/nowhere cannot be opened"),
         ("robot probe --port /dev/nowhere --baud 300", "baud 300; allowed: 9600"),
         ("robot probe --port x --robot toio", "--robot toio; allowed: khepera, e-puck2, which have a serial line"),
+        ("robot drive --port x --robot toio --baud 9600", "--baud has no effect here; allowed: for a robot with"),
+        ("robot drive --port x --robot toio --timeout 1", "--timeout has no effect here; allowed: for a robot with"),
         ("robot grip --port x open --robot toio", "--robot toio has no gripper; allowed: khepera"),
         ("robot drive --port x --left 50", "--left: '50'; allowed: a whole number from -20 to 20"),
         ("robot drive --port x --seconds 0", "--seconds: '0'; allowed: more than 0, at most 60 seconds"),
