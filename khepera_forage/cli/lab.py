@@ -55,8 +55,7 @@ def new_command(arguments: argparse.Namespace) -> int:
     foods, camera, calibration = arguments.food_cube, arguments.camera, arguments.calibration
     if is_mat:
         if foods is None:
-            question = "Names of the food cubes, one per robot (Enter if a person places the food): "
-            foods = _answer(question, "").split()
+            foods = _answer("Names of the food cubes, one per robot: ").split()
         works += [_passes(f"food cube {port}", _check_robot, RobotSettings(port, "", type=kind)) for port in foods]
     elif camera is None:
         camera = _answer("Camera (a number, a file or a URL): ")
@@ -167,7 +166,9 @@ def check_command(arguments: argparse.Namespace) -> int:
     for port in settings.food_cubes:
         food = RobotSettings(port, "food", type=settings.robots[0].type)
         results.append(_passes(f"food cube {port}", _check_robot, food, settings.period))
-    if not settings.has_mat:
+    if settings.has_mat:
+        results.append(_passes("food", _check_food, settings))
+    else:
         results.append(_passes("camera", _check_camera, settings))
     failed = results.count(False)
     print("all is well" if not failed else f"{failed} to repair; begin with the first", flush=True)
@@ -194,6 +195,15 @@ def _check_robot(entry: RobotSettings, period: float = CONTROL_PERIOD) -> str:
                 raise OSError(f"{entry.port} does not see the mat: put it on the mat")
             return f"{entry.type} at {entry.port}, on the mat at x {robot.pose.x:.0f} mm, y {robot.pose.y:.0f} mm"
         return f"{entry.type} at {entry.port}, in time for rounds of {1000 * period:.0f} ms"
+
+
+def _check_food(settings: LabSettings) -> str:
+    """Count the food cubes of a mat."""
+    cubes, alone = len(settings.food_cubes), len(settings.arena.foods)
+    places = alone * len(settings.robots)
+    if cubes < places:
+        raise ValueError(f"{cubes} food cubes for {places} places; allowed: one each, or for recalls alone {alone}")
+    return f"{cubes} food cubes for {places} places"
 
 
 def _check_camera(settings: LabSettings) -> str:

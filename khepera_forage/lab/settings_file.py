@@ -159,8 +159,8 @@ def _robot(index: int, value: Any, markers: str) -> RobotSettings:
     if driver is not None:
         baud = given.get("baud", driver.protocol.baud)
         given["baud"] = one_of(driver.protocol.baud_rates)(f"{key}.baud", baud)
-    elif "baud" in given:
-        raise ValueError(f"{key}.baud is given; allowed: for a robot with a serial line, not for {given['type']}")
+    elif ignored := [name for name in ("baud", "timeout", "watchdog") if name in given]:
+        raise ValueError(f"{key}.{ignored[0]} is given; allowed: for a robot with a serial line")
     name, holes = (f"learner_{index - 1}", 2) if index else ("teacher", 1)
     return RobotSettings(**{"name": name, "holes": holes, **given})
 
@@ -232,6 +232,8 @@ def _check(settings: LabSettings) -> None:
         return
     if len(kinds) > 1:
         raise ValueError(f"robots are of types {', '.join(sorted(kinds))}; allowed: toio cubes alone, or other robots")
+    if not settings.food_cubes and settings.arena.foods:
+        raise ValueError("food_cubes is empty; allowed with toio cubes: a cube for each food (a mat sees no other)")
     cubes = [*(robot.port for robot in settings.robots), *settings.food_cubes]
     for cube in settings.food_cubes:
         if cubes.count(cube) > 1:

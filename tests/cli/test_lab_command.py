@@ -35,6 +35,11 @@ def test_new_writes_a_file_that_check_accepts(
     assert settings.food_cubes == ("virtual:f1", "virtual:f2")
     assert main(["lab", "check", str(file)]) == 0
     assert "all is well" in capsys.readouterr().out
+    file.write_text(file.read_text().replace(', "virtual:f2"', ""))
+    assert main(["lab", "check", str(file)]) == 1
+    *_, food, last = capsys.readouterr().out.splitlines()
+    assert "FAIL   1 food cubes for 2 places; allowed: one each, or for recalls alone 1" in food
+    assert last == "1 to repair; begin with the first"
     assert main(["lab", "new", "--out", str(file)]) == 2
     assert "is there already; allowed: another --out" in capsys.readouterr().err
 

@@ -108,10 +108,15 @@ def test_lost_cube_stops_all_and_takes_a_person(lab: VirtualCubeLaboratory) -> N
             "robots[1].baud is given; allowed: for a robot with a",
         ),
         (
+            ('port = "virtual:l', 'timeout = 1\nport = "virtual:l'),
+            "robots[1].timeout is given; allowed: for a robot with a",
+        ),
+        (
             ('type = "toio"\nport = "virtual:l', 'type = "cube"\nport = "virtual:l'),
             "robots[1].type is 'cube'; allowed: k",
         ),
         (('type = "toio"', ""), "food_cubes is given; allowed: for robots of type toio"),
+        (('["virtual:food1", "virtual:food2"]', "[]"), "food_cubes is empty; allowed with toio cubes: a cube for each"),
         (('"virtual:food2"]', '"virtual:food1"]'), "food_cubes has 'virtual:food1', which is given twice; allowed: a"),
         (('"virtual:food2"]', '"virtual:learner"]'), "food_cubes has 'virtual:learner', which is given twice"),
     ],
