@@ -222,7 +222,7 @@ def test_held_wheels_continue_with_the_next_command(monkeypatch: pytest.MonkeyPa
         assert line.sent_since(0.0, b"D,")[-1] == b"D,5,5"
 
 
-@pytest.mark.parametrize("late", [0.0, 0.05, 0.08, 0.095, 0.2])
+@pytest.mark.parametrize("late", [0.0, 0.05, 0.08, 0.095, 0.2, 0.6])
 def test_object_is_sensed_at_once_even_in_a_late_round(late: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """An unexpected reading is requested once more; it enters the experience of this round."""
     present = False

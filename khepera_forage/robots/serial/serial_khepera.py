@@ -4,7 +4,7 @@ from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.robots.serial.protocol import KHEPERA as PROTOCOL
 from khepera_forage.robots.serial.protocol import Request
-from khepera_forage.robots.serial.serial_robot import HOLD_AFTER, LONGEST_ROUND, SerialRobot
+from khepera_forage.robots.serial.serial_robot import LONGEST_ROUND, SerialRobot
 
 BARRIER_THRESHOLD = 100
 """The optical barrier reads more than this with an object in it (PYRO)."""
@@ -65,10 +65,10 @@ class SerialKhepera(SerialRobot):
             between = [_BARRIER] if unconfirmed == [_ARM, _JAW] else []
             again = [*unconfirmed[:1], *between, *unconfirmed[1:]]
             now, period = self._line.now(), self._period
-            # That must not make a round late; one that a disturbance has delayed has until its wheels are held.
-            is_late = period is None or now > begin + self.timing.duration(*LONGEST_ROUND)
-            end = begin + (HOLD_AFTER if period is None or is_late else period)
-            if now + self.timing.duration(len(again), len(again) * _SHORT_EXCHANGE) <= end:
+            # That must not make a round late, unless a disturbance has delayed it already.
+            is_late = now > begin + self.timing.duration(*LONGEST_ROUND)
+            end = now + self.timing.duration(len(again), len(again) * _SHORT_EXCHANGE)
+            if period is None or is_late or end <= begin + period:
                 unconfirmed = self._unconfirmed(self._read(again))
             self.statistics.unknown += len(unconfirmed)
         left, right = values[_COUNTERS]
