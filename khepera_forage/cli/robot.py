@@ -297,7 +297,7 @@ def _mat(robot: ToioRobot) -> str:
     if not robot.on_mat:
         raise CheckError("it does not see the mat: put it on the simple mat, and check that its sensor is clean")
     x, y, heading = robot.pose
-    return f"at x {x:.0f} mm, y {y:.0f} mm of the plan, heading {math.degrees(heading):.0f} degrees"
+    return f"at x {x:.0f} mm, y {y:.0f} mm of the plan, heading {round(math.degrees(heading)) % 360} degrees"
 
 
 def _infra_reds(robot: SerialRobot) -> str:
