@@ -378,7 +378,7 @@ def frame_figure(seed: int) -> "Figure":
         scene = tracker.update(frame)
     training.close()
     rows, columns, enlargement = slice(165, 305), slice(240, 400), 4
-    drawn = draw_scene(frame, scene, enlargement=enlargement)
+    drawn = draw_scene(frame.repeat(enlargement, axis=0).repeat(enlargement, axis=1), scene)
     shown = (slice(enlargement * side.start, enlargement * side.stop) for side in (rows, columns))
     figure = new_figure(WIDTH, 4.1)
     left, right = figure.subplots(1, 2)

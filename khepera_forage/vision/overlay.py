@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.extras import require
-from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.calibration import DEFAULT_SIZE, Calibration
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene, kind_text
 from khepera_forage.vision.tracker_settings import TrackerSettings
 from khepera_forage.vision.video import Frame, as_grey
@@ -20,43 +20,35 @@ _FRACTIONAL_BITS = 4
 """Fractional bits of OpenCV's drawing coordinates."""
 _CIRCLE = [(math.cos(math.tau * i / 24), math.sin(math.tau * i / 24)) for i in range(24)]
 _TEXT_SIZE, _TEXT_GROWTH = 0.4, 0.2
-"""Size of captions in OpenCV's unit, about 22 pixels: in a picture of the frame's size, and more for each further
-pixel of the enlargement. Captions grow less than the picture."""
+"""Size of captions in OpenCV's unit, about 22 pixels: in a frame 640 pixels wide, and more for each further 640."""
 
 
 def draw_scene(
-    frame: Frame,
-    scene: Scene,
-    calibration: Calibration | None = None,
-    settings: TrackerSettings | None = None,
-    enlargement: int = 1,
+    frame: Frame, scene: Scene, calibration: Calibration | None = None, settings: TrackerSettings | None = None
 ) -> NDArray[np.uint8]:
     """The frame with its regions: outline, centre, heading of markers, and `caption`; lost regions are grey.
 
     Args:
-        frame: 480 x 640 grey levels; not changed.
+        frame: Grey levels, or blue, green and red; not changed.
         scene: The tracker's scene after this frame.
-        calibration: The tracker's; None for `Calibration.identity()`.
+        calibration: The tracker's; None for `Calibration.identity()` at the size of the frame.
         settings: The tracker's, for sizes and heights; None for the defaults.
-        enlargement: Pixels of the picture's side for each pixel of the frame's; the drawing is as sharp as the picture.
 
     Returns:
-        480 x 640 x 3, or as many times larger: red, green, blue.
+        A picture of the frame's size: red, green, blue.
 
     Raises:
         ImportError: OpenCV is not installed.
-        ValueError: A frame that is not 480 x 640 grey levels, or an enlargement below 1.
+        ValueError: A frame of another type.
     """
     require("drawing a scene", "camera")
     import cv2
 
     frame = as_grey(frame)
-    if enlargement < 1:
-        raise ValueError(f"enlargement is {enlargement!r}; allowed: at least 1")
-    larger = frame.repeat(enlargement, axis=0).repeat(enlargement, axis=1)
-    picture: NDArray[np.uint8] = cv2.cvtColor(larger, cv2.COLOR_GRAY2RGB)  # type: ignore[assignment]
+    picture: NDArray[np.uint8] = cv2.cvtColor(frame, cv2.COLOR_GRAY2RGB)  # type: ignore[assignment]
     settings = settings or TrackerSettings()
-    calibration = (calibration or Calibration.identity()).for_size(*larger.shape[::-1])
+    calibration = calibration or Calibration.identity(size=frame.shape[::-1])
+    enlargement = max(1, round(frame.shape[1] / DEFAULT_SIZE[0]))
     thickness, size = (enlargement + 1) // 2, _TEXT_SIZE + _TEXT_GROWTH * (enlargement - 1)
     tags, tip = settings.markers == "tags", settings.marker_length / MM_PER_PIXEL * 0.8
     length, width = (

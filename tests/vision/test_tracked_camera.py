@@ -121,8 +121,6 @@ def test_captions_name_the_kind_of_region(holes: int, expected: str) -> None:
 def test_overlay_refuses_other_frames() -> None:
     with pytest.raises(ValueError, match=r"frame is \(2, 2, 2, 2\)"):
         draw_scene(np.zeros((2, 2, 2, 2), np.uint8), Scene(()))
-    with pytest.raises(ValueError, match="enlargement is 0; allowed: at least 1"):
-        draw_scene(np.zeros((480, 640), np.uint8), Scene(()), enlargement=0)
 
 
 def test_missing_opencv_is_reported_with_what_to_install() -> None:
