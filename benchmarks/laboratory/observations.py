@@ -156,7 +156,7 @@ def threshold_regions(frame: NDArray[np.uint8]) -> list[Detection]:
             moments = cv2.moments(contour)
             x = moments["m10"] / moments["m00"] + 0.5
             y = PICTURE_HEIGHT - moments["m01"] / moments["m00"] - 0.5
-            found.append(Detection(x, y, holes, 0, False, x, y, area, length, length * length / area))
+            found.append(Detection(x, y, holes, 0, False, x, y, area, length))
     return found
 
 

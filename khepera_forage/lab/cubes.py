@@ -180,5 +180,4 @@ def _region(label: int, cube: ToioRobot, holes: int) -> Region:
     x, y, heading = cube.pose
     degrees = round(math.degrees(heading)) % 360 if holes else 0
     place = x / MM_PER_PIXEL, y / MM_PER_PIXEL
-    compactness = _PERIMETER**2 / _AREA
-    return Region(label, *place, holes, degrees, cube.on_mat, False, *place, _AREA, _PERIMETER, compactness)
+    return Region(label, *place, holes, degrees, cube.on_mat, False, *place, _AREA, _PERIMETER)

@@ -44,7 +44,6 @@ class Detection(NamedTuple):
     first_y: float
     area: float
     perimeter: float
-    compactness: float
 
 
 @dataclass(slots=True)

@@ -362,8 +362,7 @@ class Detector:
         column, row = min(contour[:, 0].tolist(), key=lambda pixel: pixel[::-1])
         first = self._calibration.to_region(column + 0.5, row + 0.5, height)
         x, y = self._calibration.to_region(moments.u, moments.v, height)
-        compactness = perimeter * perimeter / area
-        return Detection(x, y, holes, orientation, edge, *first, area, perimeter, compactness)
+        return Detection(x, y, holes, orientation, edge, *first, area, perimeter)
 
     # ------------------------------------------------------------------ discs
 

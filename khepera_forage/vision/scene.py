@@ -25,7 +25,6 @@ class Region(NamedTuple):
         first_y: First pixel of the region.
         area: In square pixels, holes not counted.
         perimeter: Length of the outer contour in pixels.
-        compactness: perimeter^2 / area.
     """
 
     label: int
@@ -39,7 +38,11 @@ class Region(NamedTuple):
     first_y: float
     area: float
     perimeter: float
-    compactness: float
+
+    @property
+    def compactness(self) -> float:
+        """perimeter^2 / area."""
+        return self.perimeter**2 / self.area
 
 
 class Scene(NamedTuple):

@@ -55,23 +55,16 @@ _HALF_LENGTH, _HALF_WIDTH = MARKER_LENGTH / 2, MARKER_WIDTH / 2
 _HALF_LENGTH_PX, _HALF_WIDTH_PX = _HALF_LENGTH / MM_PER_PIXEL, _HALF_WIDTH / MM_PER_PIXEL
 
 
-Features = tuple[float, float, float]
-"""Area, perimeter and compactness of a `Region`, which Quek's tracker stores but does not use for tracking (3.5)."""
-
-
-def _features(area: float, perimeter: float) -> Features:
-    return area, perimeter, perimeter * perimeter / area
-
-
 MARKER_FEATURES = {
-    holes: _features(
+    holes: (
         (MARKER_LENGTH * MARKER_WIDTH - holes * HOLE_SIDE**2) / MM_PER_PIXEL**2,
         2 * (MARKER_LENGTH + MARKER_WIDTH) / MM_PER_PIXEL,
     )
     for holes in (1, 2)
 }
-"""By number of holes."""
-FOOD_FEATURES = _features(math.pi * FOOD_RADIUS_PX**2, 2 * math.pi * FOOD_RADIUS_PX)
+"""Area and perimeter of a marker's `Region` by its number of holes; Quek's tracker stores them, and tracks by neither
+(3.5)."""
+FOOD_FEATURES = math.pi * FOOD_RADIUS_PX**2, 2 * math.pi * FOOD_RADIUS_PX
 
 
 class Plate(NamedTuple):

@@ -173,8 +173,7 @@ class TagDetector:
         first_x, first_y = floor[int(np.lexsort((floor[:, 0], -floor[:, 1]))[0])].tolist()
         perimeter, side = float(sides.sum()), float(sides.mean())
         holes, area = 0 if food else tag, side * side
-        features = area, perimeter, perimeter**2 / area
-        return Detection(x, y, holes, orientation, edge, first_x, first_y, *features), side * MM_PER_PIXEL
+        return Detection(x, y, holes, orientation, edge, first_x, first_y, area, perimeter), side * MM_PER_PIXEL
 
     def _moved(self, grey: Frame) -> dict[str, str]:
         """A warning if the tags on the floor have moved; each frame searches a few, and all if these have moved."""

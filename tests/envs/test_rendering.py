@@ -39,7 +39,7 @@ VIEW = View((CORRIDOR,), (LEARNER,), (FoodView(370.0, 115.0),), step=3, limit=50
 
 
 def region(x: float, y: float, holes: int, found: bool = True) -> Region:
-    return Region(0, x / MM_PER_PIXEL, y / MM_PER_PIXEL, holes, 20, found, False, 0, 0, 0, 0, 0)
+    return Region(0, x / MM_PER_PIXEL, y / MM_PER_PIXEL, holes, 20, found, False, 0, 0, 0, 0)
 
 
 @pytest.fixture

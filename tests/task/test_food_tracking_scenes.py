@@ -24,7 +24,7 @@ STILL = Motors(0, 0, 255, 200)
 
 
 def region(label: int, place: tuple[float, float], found: bool = True, holes: int = 0) -> Region:
-    return Region(label, *place, holes, 0, found, False, *place, 1.0, 1.0, 1.0)
+    return Region(label, *place, holes, 0, found, False, *place, 1.0, 1.0)
 
 
 def linked_food(known: KnownFood, label: int) -> int | None:

@@ -44,7 +44,7 @@ def test_own_region_has_the_markers_holes_in_the_own_arena_in_any_order() -> Non
     offset = other.home_y - arena.home_y
 
     def region(label: int, x: float, y: float, holes: int) -> Region:
-        return Region(label, x, y, holes, 0, True, False, x, y, 1.0, 1.0, 1.0)
+        return Region(label, x, y, holes, 0, True, False, x, y, 1.0, 1.0)
 
     mine, teachers, neighbours, food = regions = (
         *(region(3, 40, 20, 2), region(0, 50, 20, 1)),

@@ -15,7 +15,7 @@ Visible = Callable[[float, float], bool]
 
 
 def seen(x: float, y: float, holes: int = 0, orientation: int = 0) -> Detection:
-    return Detection(x, y, holes, orientation, False, x, y + 3, 40.0, 22.0, 12.1)
+    return Detection(x, y, holes, orientation, False, x, y + 3, 40.0, 22.0)
 
 
 def everywhere(x: float, y: float) -> bool:

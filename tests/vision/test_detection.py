@@ -110,7 +110,7 @@ def test_marker_nearer_to_the_camera_keeps_its_centre(height: float) -> None:
 
 def test_features_match_the_shapes() -> None:
     frame = SceneRenderer(NONE).frame(((1000.0, 1000.0, 0.0, 2),), ((2000.0, 1000.0),))
-    marker, food = sorted(Tracker().detect(frame))
+    marker, food = sorted(Tracker().update(frame).regions, key=lambda region: -region.holes)
     assert (marker.first_x, marker.first_y) == pytest.approx((188, 208), abs=1)
     assert marker.area == pytest.approx(24 * 16 - 2 * 16, rel=0.1)
     assert marker.perimeter == pytest.approx(80, rel=0.1)

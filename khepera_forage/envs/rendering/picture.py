@@ -244,7 +244,7 @@ def _legend(width: int, panels: bool) -> pygame.Surface:
     canvas = Canvas((width, FOOTER), LEGEND_SCALE, 0.0, FOOTER / LEGEND_SCALE)
     canvas.surface.fill(palette.BACKGROUND)
     food = FoodView(0.0, middle / LEGEND_SCALE)
-    region = Region(0, 0.0, food.y / MM_PER_PIXEL, 0, 0, True, False, 0, 0, 0, 0, 0)
+    region = Region(0, 0.0, food.y / MM_PER_PIXEL, 0, 0, True, False, 0, 0, 0, 0)
     symbols: tuple[tuple[str, FoodView | Region], ...] = (
         ("Unknown food", food),
         ("Pickable", food._replace(food_type=FoodType.PICKABLE)),
