@@ -5,10 +5,11 @@ import time
 from collections.abc import Callable, Sequence
 
 from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest
-from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH, RADIUS, SPEED_UNIT
+from khepera_forage.robots.khepera import RADIUS, SPEED_UNIT
 from khepera_forage.robots.toio.driver import COMMAND_DURATION, MAT_SIZE, ToioRobot
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
+from khepera_forage.vision.shapes import FOOD_FEATURES
 
 _FAST, _SLOW = 8, 5
 """Speed units of a wheel on the way, and near the place."""
@@ -134,10 +135,6 @@ class CubeOperator:
         return math.atan2(dy, dx)
 
 
-_AREA = MARKER_LENGTH * MARKER_WIDTH / MM_PER_PIXEL**2
-_PERIMETER = 2 * (MARKER_LENGTH + MARKER_WIDTH) / MM_PER_PIXEL
-
-
 class MatCamera:
     """A camera whose regions are cubes: robots, with the holes of the markers that they stand for, and food.
 
@@ -180,4 +177,4 @@ def _region(label: int, cube: ToioRobot, holes: int) -> Region:
     x, y, heading = cube.pose
     degrees = round(math.degrees(heading)) % 360 if holes else 0
     place = x / MM_PER_PIXEL, y / MM_PER_PIXEL
-    return Region(label, *place, holes, degrees, cube.on_mat, False, *place, _AREA, _PERIMETER)
+    return Region(label, *place, holes, degrees, cube.on_mat, False, *place, *FOOD_FEATURES)
