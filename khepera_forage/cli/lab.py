@@ -1,6 +1,7 @@
 """`khepera-forage lab`: find robots and camera and write `lab.toml`, and say what is wrong with a laboratory."""
 
 import argparse
+import time
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from functools import partial
@@ -21,6 +22,9 @@ from khepera_forage.sim.arenas.thesis import CORRIDOR
 
 _FLOOR, _MAT = (600, 600, 300), (30, 20, 236)
 """Offset of the first arena, and mm from one to the next: under a camera, and on a mat."""
+_WARM_UP, _POLL = 2.0, 0.05
+"""Seconds within which a camera must show all markers, because its first frames may be dark; and from one to the next.
+"""
 
 
 @command(
@@ -215,14 +219,14 @@ def _check_camera(settings: LabSettings) -> str:
 
     calibration = calibration_of(settings)
     tracker = Tracker(settings.tracker, calibration)
+    robots = list(zip(settings.robots, settings.arenas, strict=True))
     with closing(TrackedCamera(open_video(settings, calibration), tracker)) as camera:
-        camera.reset()
-        scene = camera.look()
-    missing = [
-        robot.name
-        for robot, arena in zip(settings.robots, settings.arenas, strict=True)
-        if find_marker(scene, arena, robot.holes) is None
-    ]
+        missing, end = [robot.name for robot, _ in robots], time.monotonic() + _WARM_UP
+        while missing and time.monotonic() < end:
+            camera.expose()
+            scene = camera.look()
+            missing = [robot.name for robot, arena in robots if find_marker(scene, arena, robot.holes) is None]
+            time.sleep(_POLL)
     if missing:
         raise OSError(f"no marker of {', '.join(missing)} is seen in its arena: put each robot into its own arena")
     calibrated = "calibrated" if calibration else "without a calibration"

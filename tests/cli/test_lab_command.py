@@ -14,7 +14,9 @@ from khepera_forage.cli.options import Group
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.robots.virtual.firmware import EPuckFirmware
 from khepera_forage.vision.calibration import Calibration
+from khepera_forage.vision.scene import Truth
 from tests.robots.rig import make_rig
+from tests.vision.scene_renderer import render_frame
 
 cv2 = pytest.importorskip("cv2")
 
@@ -90,6 +92,22 @@ def test_check_says_what_is_wrong_in_order(tmp_path: Path, capsys: pytest.Captur
     assert "FAIL" in lines[2]
     assert "none.avi" in lines[2]
     assert lines[3] == "2 to repair; begin with the first"
+
+
+def test_check_waits_for_a_camera_whose_first_frames_are_dark(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    film, file = tmp_path / "film.avi", tmp_path / "lab.toml"
+    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 20, (640, 480))
+    bright = render_frame(Truth(((800.0, 700.0, 0.5, 1),), ()))
+    for frame in [*[bright // 50] * 8, *[bright] * 60]:
+        writer.write(cv2.cvtColor(frame, cv2.COLOR_GRAY2BGR))
+    writer.release()
+    file.write_text(lab_text("khepera", ["/dev/nowhere"], (), str(film), None, "corridor"))
+    assert main(["lab", "check", str(file)]) == 1
+    *_, camera, last = capsys.readouterr().out.splitlines()
+    assert camera.split()[:2] == ["camera", "pass"]
+    assert last == "1 to repair; begin with the first"
 
 
 def test_errors_of_users_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
