@@ -68,7 +68,7 @@ it; and the least share of that ring that is not bright."""
 _SOFTNESS, _SPREAD = 1.25, 0.25
 """Greatest blur of food's border in pixels: this times that of markers' borders, and a spread."""
 _NOT_SATURATED, _SATURATED = 240.0, 0.1
-"""Grey level of white below which it is not saturated; and the share of a disc that is saturated in a reflection."""
+"""Grey level of white below which it is not saturated; and the share of a shape that is saturated in a reflection."""
 _SQUARE = np.ones((3, 3), np.uint8)
 _NEAR_FLOOR, _BRIGHT_AREA = np.ones((7, 7), np.uint8), 0.95
 """Squares of 8 x 8 pixels, over which light varies little, whose darkest is the floor beside a bright area; and the
@@ -90,9 +90,10 @@ brightness change a little."""
 
 TROUBLES = {
     "glare": "a reflection lies over the marker at {place}: move the lamp, or print on matt paper",
-    "cover": "the white of the marker at {place} is not where it should be: something covers a part of it, or the hard "
-    "edge of a shadow lies over it",
-    "pale holes": "the holes of the marker at {place} are too pale: print them black",
+    "cover": "the white of the marker at {place} is not where it should be: something covers a part of it, the hard "
+    "edge of a shadow lies over it, or it is a reflection",
+    "pale holes": "the holes of the marker at {place} are too pale: print them black, or move the lamp if it is a "
+    "reflection",
     "cables": "cables hide the holes of the marker at {place}: lead them elsewhere",
     "holes": "the holes of the marker at {place} are those of no marker in use, or a reflection hides some",
     "reflection": "the bright spot at {place} has no sharp border: it is no food, but a reflection, or out of focus",
@@ -258,11 +259,12 @@ class Detector:
                 rest.append(piece)
                 continue
             markers.append(marker)
-            if marker.reading.number:
+            trouble = marker.reading.trouble or ("glare" if self._is_saturated(patch, area) else "")
+            if not trouble:
                 self._measure_white(patch)
                 found.append(self._detection(piece, patch.edge, marker.moments, marker.reading))
             else:
-                self._report(marker.reading.trouble, *marker.moments[:2], self._settings.marker_height)
+                self._report(trouble, *marker.moments[:2], self._settings.marker_height)
             if not joined and area > self._marker_area + 0.5 * self._food_area:
                 # Food whose contour has merged with the marker's.
                 mask = np.zeros_like(patch.filled)
@@ -420,15 +422,19 @@ class Detector:
 
     def _trouble(self, patch: ImagePatch, food: ShapeMoments) -> str:
         """Why a disc may be a reflection, with a soft border or brighter than white: a key of `TROUBLES`."""
-        if 0 < self._white * patch.floor < _NOT_SATURATED:
-            scale = self._calibration.scale(food.u, food.v, self._settings.food_height)
-            saturated = np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) * scale**2
-            if saturated > _SATURATED * math.pi * self._radius**2:
-                return "bright food"
+        scale = self._calibration.scale(food.u, food.v, self._settings.food_height)
+        if self._is_saturated(patch, math.pi * self._radius**2 / scale**2):
+            return "bright food"
         # Whatever is darker than the floor, such as a cable, has borders of its own.
         bright = np.maximum(patch.grey, patch.floor)
         _, softness = white_and_blur(bright, patch.filled > 0, max(patch.floor, 1))
         return "reflection" if softness > _SOFTNESS * (self._blur or BLUR_LIMIT) + _SPREAD else ""
+
+    def _is_saturated(self, patch: ImagePatch, area: float) -> bool:
+        """Whether a shape, of some pixels, is brighter than white paper."""
+        if not 0 < self._white * patch.floor < _NOT_SATURATED:
+            return False
+        return bool(np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) > _SATURATED * area)
 
     def _rim(self, u: float, v: float, level: float) -> tuple[float, float, float, int] | None:
         """The centre of the disc around a place in the picture, growth of its radius, and number of rays to its rim.

@@ -180,6 +180,16 @@ def test_reflection_on_the_floor_is_not_food(size: float) -> None:
     assert phantoms <= 1
 
 
+@pytest.mark.parametrize("size", [4.5, 5.0, 5.5, 6.0])
+def test_reflection_on_the_floor_is_no_robot(size: float) -> None:
+    renderer, tracker = SceneRenderer(seed=5), Tracker()
+    marker = (600.0, 800.0, 1.0, 2)
+    for _ in range(40):
+        x, y, amplitude = renderer.rng.uniform((1000, 400, 200), (2800, 2000, 500)).tolist()
+        found = tracker.detect(brightened(renderer.frame((marker,)), x, y, amplitude, size))
+        assert [d.holes for d in found if d.holes] == [2], (x, y, amplitude)
+
+
 @pytest.mark.parametrize("size", [2.0, 3.0, 4.0, 8.0, 14.0])
 def test_food_under_a_reflection_is_found_or_a_warning_names_the_cause(size: float) -> None:
     renderer, tracker = SceneRenderer(seed=5), Tracker()
