@@ -180,7 +180,7 @@ def _size(key: str, value: Any) -> tuple[int, int]:
 
 def _tracker(key: str, value: Any) -> TrackerSettings:
     """Any field of `TrackerSettings` but the numbers in use, as a key of the same name."""
-    readers: dict[type, Reader] = {str: text, tuple: list_of(one_of(MARKER_NUMBERS["tags"]), 0)}
+    readers: dict[type, Reader] = {bool: true_or_false, str: text, tuple: list_of(one_of(MARKER_NUMBERS["tags"]), 0)}
     keys = {f.name: readers.get(type(f.default), _any_number) for f in fields(TrackerSettings)}
     del keys["numbers"]
     return TrackerSettings(**table(key, value, keys))

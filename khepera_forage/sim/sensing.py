@@ -219,10 +219,10 @@ def look(enclosure: Enclosure, anchor_x: float, anchor_y: float, noise: Any) -> 
     for k in range(len(foods)):
         if _look_at_food(robots, foods[k], k, detections[count], anchor_x, anchor_y, first_frame, noise):
             count += 1
-    new = match(tracks, detections, count)
+    new = match(tracks, detections, count, False)
     clearance = FOOD_RADIUS + _SURE * noise.position_jitter * MM_PER_PIXEL
     for k in range(len(tracks)):
-        if may_vanish(tracks[k]) and _is_visible(robots, foods, tracks[k], clearance):
+        if may_vanish(tracks[k], False) and _is_visible(robots, foods, tracks[k], clearance):
             tracks[k].label = -1
     if new:
         robots[0].next_label = start_tracks(tracks, detections, count, robots[0].next_label)

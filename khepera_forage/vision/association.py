@@ -67,11 +67,12 @@ class Track:
     detection: int = -1
 
 
-def match(tracks: Any, detections: Any, count: int) -> int:
+def match(tracks: Any, detections: Any, count: int, by_place: bool) -> int:
     """Continue tracks with the detections of a frame; tracks that continue with none are lost.
 
     The cheapest pair of track and detection is matched first, then the next, until no pair is left. Slots of tracks are
-    changed in place; `count` is the number of detections. Returns how many detections continue no track.
+    changed in place; `count` is the number of detections, and with `by_place` only places count, whatever the number of
+    holes (3.5). Returns how many detections continue no track.
     """
     for track in tracks:
         track.detection = -1
@@ -87,7 +88,7 @@ def match(tracks: Any, detections: Any, count: int) -> int:
                 detection = detections[j]
                 dx, dy = track.x - detection.x, track.y - detection.y
                 squared = dx * dx + dy * dy
-                cost = association_cost(track, detection, squared <= _GATE_SQUARED)
+                cost = association_cost(track, detection, squared <= _GATE_SQUARED, by_place)
                 if cost == FORBIDDEN or cost > least:
                     continue
                 tie = chosen >= 0 and cost == least and squared == nearest
@@ -109,6 +110,7 @@ def match(tracks: Any, detections: Any, count: int) -> int:
             detection = detections[shown]
             track.x = detection.x
             track.y = detection.y
+            track.holes = detection.holes
             track.found = True
             new -= 1
         else:
@@ -116,9 +118,9 @@ def match(tracks: Any, detections: Any, count: int) -> int:
     return new
 
 
-def may_vanish(track: Any) -> bool:
-    """Whether a track is dropped if its last place is visible and empty: lost food."""
-    return track.label >= 0 and not track.found and track.holes == 0
+def may_vanish(track: Any, by_place: bool) -> bool:
+    """Whether a track is dropped if its last place is visible and empty: lost food, and by place a lost marker."""
+    return track.label >= 0 and not track.found and (track.holes == 0 or by_place)
 
 
 def start_tracks(tracks: Any, detections: Any, count: int, next_label: int) -> int:
@@ -145,12 +147,16 @@ def start_tracks(tracks: Any, detections: Any, count: int, next_label: int) -> i
         next_label += 1
 
 
-def association_cost(track: Any, detection: Any, near: bool) -> int:
+def association_cost(track: Any, detection: Any, near: bool, by_place: bool) -> int:
     """Cost of continuing a track with a detection: 0 is best, `FORBIDDEN` is never done.
 
     A track that was found until now is near its last place, within `GATE`, and one that has been lost for a while may
     be anywhere. So a lost track never takes the detection of a tracked region that passes its last place.
     """
+    if by_place:
+        if not near:
+            return FORBIDDEN
+        return 0 if track.found else 1
     if track.holes != detection.holes or (track.holes == 0 and not near):
         return FORBIDDEN
     if not track.found:

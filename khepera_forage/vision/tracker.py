@@ -54,7 +54,7 @@ class Tracker:
     Not thread-safe.
 
     Args:
-        settings: Sizes, thresholds and patience; None for the defaults.
+        settings: Sizes, thresholds, patience, and whether to track by features; None for the defaults.
         calibration: From the picture to the floor; None for `Calibration.identity()` at the size of the
             first frame.
 
@@ -83,8 +83,8 @@ class Tracker:
     def reset(self) -> None:
         """Forget every track; labels start at 0 again."""
         self.scene = Scene(())
-        self._confirmation = Confirmation()
-        self._tracks = Tracks()
+        self._confirmation = Confirmation(by_place=self.settings.featureless)
+        self._tracks = Tracks(by_place=self.settings.featureless)
         # Number of consecutive frames in which the floor was visible at the last place of lost food.
         self._visible: dict[tuple[float, float], int] = {}
 
@@ -150,7 +150,8 @@ class Tracker:
         """The markers of a frame, and the last places of those that were lost before it."""
         markers: list[Detection | Region] = [d for d in detections if d.holes]
         regions = [r for r in self.scene.regions if r.holes]
-        for region in regions:
+        # In featureless tracking a lost region may have been anything, or may have a new label.
+        for region in () if self.settings.featureless else regions:
             # Any marker with its number can be this region, if the frame shows all of them.
             same = [d for d in detections if d.holes == region.holes]
             all_shown = len(same) >= sum(r.holes == region.holes for r in regions)
@@ -165,10 +166,13 @@ class Confirmation:
 
     Such a detection counts when consecutive frames agree on it; in the first frame all count. A marker that was found
     only a few times, or whose place another marker takes, is no marker.
+
+    Args:
+        by_place: As for `Tracks`.
     """
 
-    def __init__(self) -> None:
-        self._first = True
+    def __init__(self, by_place: bool) -> None:
+        self._by_place, self._first = by_place, True
         # Detections that other frames must confirm, and the number of frames that showed each.
         self._candidates: list[tuple[Detection, int]] = []
         # Frames in which a region was found, and those since it was lost, by its label.
@@ -183,11 +187,11 @@ class Confirmation:
         lost_markers = [r for r in regions if r.holes and not r.found]
         confirmed, candidates = [], []
         for detection in detections:
-            frames = 1 + max((n for d, n in self._candidates if _agree(d, detection, 1)), default=0)
+            frames = 1 + max((n for d, n in self._candidates if self._agree(d, detection, 1)), default=0)
             needed = _MARKER_FRAMES if detection.holes else _FOOD_FRAMES
             if not detection.holes and any(_distance(detection, r) < 2 * _OVERLAP for r in lost_markers):
                 needed = _YOUNG  # it may be a part of the marker
-            continues = any(_agree(r, detection, 1 + lost[r.label]) for r in regions)
+            continues = any(self._agree(r, detection, 1 + lost[r.label]) for r in regions)
             if self._first or frames >= needed or continues:
                 confirmed.append(detection)
             else:
@@ -200,15 +204,27 @@ class Confirmation:
             or any(d.holes not in (0, r.holes) and _distance(d, r) < _OVERLAP for d in confirmed)
         }
 
+    def _agree(self, one: Region | Detection, other: Detection, frames: int) -> bool:
+        """Whether both may show the same thing, some frames apart."""
+        turned = abs(math.remainder(one.orientation - other.orientation, 360))
+        same = self._by_place or (one.holes == other.holes and turned <= _TURN * frames)
+        return same and _distance(one, other) <= GATE * (frames if one.holes else 1)
+
 
 class Tracks:
     """The regions under observation, with labels that are never reused.
 
     The order in which a frame's detections come does not matter; new tracks are numbered in reading order.
+
+    Args:
+        by_place: Whether only places count, for markers without holes or with holes that cannot be told apart (3.5).
+            The number of holes is then what the last frame showed. "There is no evidence that a redetected region
+            corresponds to a previous lost one" (3.5): a region that reappears beyond `GATE` is another, and a lost
+            marker is dropped as food is.
     """
 
-    def __init__(self) -> None:
-        self._regions, self._next_label = list[Region](), 0
+    def __init__(self, by_place: bool = False) -> None:
+        self._by_place, self._regions, self._next_label = by_place, list[Region](), 0
 
     def update(
         self, detections: Sequence[Detection], visible: Callable[[float, float], bool], doomed: Collection[int] = ()
@@ -224,12 +240,12 @@ class Tracks:
         # One order for any order in which the detections come.
         detections, count = sorted(detections), len(detections)
         tracks = [Track(r.label, r.x, r.y, r.holes, r.found) for r in self._regions]
-        new = [Track() for _ in range(match(tracks, detections, count))]
+        new = [Track() for _ in range(match(tracks, detections, count, self._by_place))]
         regions = []
         for track, region in zip(tracks, self._regions, strict=True):
             if track.detection >= 0:
                 regions.append(_region(track.label, detections[track.detection]))
-            elif track.label not in doomed and not (may_vanish(track) and visible(track.x, track.y)):
+            elif track.label not in doomed and not (may_vanish(track, self._by_place) and visible(track.x, track.y)):
                 regions.append(region._replace(found=False))
         self._next_label = start_tracks([*tracks, *new], detections, count, self._next_label)
         self._regions = regions + [_region(track.label, detections[track.detection]) for track in new]
@@ -299,13 +315,6 @@ class TrackedCamera:
     def close(self) -> None:
         """Close the source; a second call does nothing."""
         self._source.close()
-
-
-def _agree(one: Region | Detection, other: Detection, frames: int) -> bool:
-    """Whether both may show the same thing, some frames apart."""
-    turned = abs(math.remainder(one.orientation - other.orientation, 360))
-    same = one.holes == other.holes and turned <= _TURN * frames
-    return same and _distance(one, other) <= GATE * (frames if one.holes else 1)
 
 
 def _distance(one: Region | Detection, other: Region | Detection) -> float:

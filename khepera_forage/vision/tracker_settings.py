@@ -50,6 +50,8 @@ class TrackerSettings:
     """Side in mm of a robot's tag, with its black border."""
     food_tag_size: float = 24.0
     """Side in mm of a food object's tag."""
+    featureless: bool = False
+    """Whether tracks are continued by place alone instead of by number of holes and place (3.5)."""
 
     @property
     def tag_ids(self) -> tuple[int, ...]:

@@ -64,7 +64,7 @@ def test_every_key_is_read() -> None:
         '[[robots]]\nname = "Ada"\nport = "socket://127.0.0.1:5000"\nbaud = 9600\nholes = 2\n'
         "offset = [10.5, 20]\ntimeout = 0.3\nwatchdog = false\n"
         '[camera]\nsource = "rtsp://camera"\ncalibration = "c.toml"\noldest = 1\n'
-        "[tracker]\ncontrast = 1.7\npatience = 5\n"
+        "[tracker]\ncontrast = 1.7\nfeatureless = true\n"
         "[tolerance]\nposition = 20\nheading = 5\n",
         Path("lab"),
     )
@@ -75,7 +75,7 @@ def test_every_key_is_read() -> None:
     assert settings.camera.source == "rtsp://camera"
     assert settings.camera.calibration == Path("lab/c.toml")
     assert settings.camera.oldest == 1.0
-    assert settings.tracker == TrackerSettings(contrast=1.7, patience=5)
+    assert settings.tracker == TrackerSettings(contrast=1.7, featureless=True)
     assert (settings.tolerance.position, settings.tolerance.heading) == (20.0, 5.0)
 
 

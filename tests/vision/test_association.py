@@ -148,3 +148,38 @@ def test_one_candidate_for_two_tracks_continues_the_nearest(x: float, label: int
     tracks = Tracks()
     tracks.update([seen(100, 100), seen(104, 100)], nowhere)
     assert [(r.label, r.x) for r in tracks.update([seen(x, 100)], everywhere).regions] == [(label, x)]
+
+
+# ---------------------------------------------------------------- by place alone (3.5)
+
+
+@given(st.lists(frames, max_size=6))
+def test_by_place_nothing_jumps(film: list[list[Detection]]) -> None:
+    tracks = Tracks(by_place=True)
+    places: dict[int, tuple[float, float]] = {}
+    for frame in film:
+        scene = tracks.update(frame, nowhere)
+        assert sorted((r.x, r.y, r.holes) for r in scene.regions if r.found) == sorted(
+            (d.x, d.y, d.holes) for d in frame
+        )
+        labels = [r.label for r in scene.regions]
+        assert labels == sorted(set(labels))
+        for region in scene.regions:
+            x, y = places.get(region.label, (region.x, region.y))
+            assert (region.x - x) ** 2 + (region.y - y) ** 2 <= GATE**2
+            places[region.label] = region.x, region.y
+
+
+def test_a_wrong_number_of_holes_does_not_end_a_track() -> None:
+    tracks = Tracks(by_place=True)
+    for holes in (2, 1, 0, 2):
+        (region,) = tracks.update([seen(10, 10, holes)], nowhere).regions
+        assert (region.label, region.holes) == (0, holes)
+
+
+def test_two_that_meet_can_be_mistaken_for_each_other() -> None:
+    """What feature-based tracking is preferred for (3.5): after a jump, places alone swap teacher and learner."""
+    tracks = Tracks(by_place=True)
+    tracks.update([seen(10, 10, 1), seen(14, 10, 2)], nowhere)
+    regions = tracks.update([seen(14, 10, 1), seen(10, 10, 2)], nowhere).regions
+    assert sorted((r.label, r.holes) for r in regions) == [(0, 2), (1, 1)]

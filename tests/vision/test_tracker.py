@@ -92,6 +92,19 @@ def test_labels_are_kept_while_robots_pass_each_other() -> None:
             assert seen or not shown
 
 
+def test_featureless_tracking_uses_place_alone() -> None:
+    renderer = SceneRenderer()
+    by_place, by_holes = Tracker(TrackerSettings(featureless=True)), Tracker()
+    start, away = (600.0, 600.0, 0.0, 1), (1500.0, 1500.0, 0.0, 1)
+    for tracker in (by_place, by_holes):
+        assert [r.label for r in tracker.update(renderer.frame((start,))).regions] == [0]
+    for _ in range(5):
+        frame = renderer.frame((away,))
+        placed, held = by_place.update(frame), by_holes.update(frame)
+    assert [(r.label, r.holes, r.found) for r in held.regions] == [(0, 1, True)]
+    assert [(r.label, r.holes, r.found) for r in placed.regions] == [(1, 1, True)]
+
+
 # ---------------------------------------------------------------- lost food: dropped when its place was visible
 
 
