@@ -34,18 +34,18 @@ def episode_info(forager: Any) -> dict[str, Any]:
     Args:
         forager: A `ForagerState` record; or an array of them: every value then has one element or row a world.
     """
-    episode, tracker, raw = forager.episode, forager.tracker, forager.raw
+    episode, own = forager.episode, forager.own
     state = int(forager.state) if isinstance(forager, ForagerState) else forager.state
     return {
         "state": state,
         "correct_behaviour": state,
-        "pose": np.array((raw.x, raw.y, raw.orientation)).T,
+        "pose": np.array((own.x, own.y, own.orientation)).T,
         "score": episode.score,
         "penalty": episode.penalty,
         "correct": episode.correct,
         "steps": episode.steps,
-        "delivered": tracker.delivered,
-        "poison_home": tracker.poison_home,
+        "delivered": episode.delivered,
+        "poison_home": episode.poison_home,
     }
 
 

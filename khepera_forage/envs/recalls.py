@@ -27,10 +27,10 @@ from khepera_forage.task.behaviours import behaviour_of_motors, command, decode_
 from khepera_forage.task.decisions import DecisionValues
 from khepera_forage.task.episode import Episode, ForagerState, begin_episode, end_step
 from khepera_forage.task.food_tracking import KnownFood, can_explore, share_identified
-from khepera_forage.task.perception import RawData, own_region, perceive
+from khepera_forage.task.perception import Marker, RawData, own_region, perceive
 from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
 from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for
-from khepera_forage.vision.scene import Region, Scene
+from khepera_forage.vision.scene import Scene
 
 
 class Forager(ForagerState):
@@ -44,7 +44,8 @@ class Forager(ForagerState):
         decisions: Of the task.
 
     Attributes:
-        own: Its marker's region.
+        raw: Raw data.
+        tracker: The food tracker of its arena.
         senses: What the robot reported after the last round.
         applied: The motors of the last round, as applied.
     """
@@ -52,7 +53,6 @@ class Forager(ForagerState):
     raw: RawData
     vector: StateVector
     state: State
-    own: Region
 
     def __init__(self, robot: Robot, arena: ArenaMap, holes: int, food: KnownFood, decisions: DecisionValues) -> None:
         self.robot, self.arena, self.holes, self.decisions = robot, arena, holes, decisions
@@ -93,7 +93,7 @@ class Forager(ForagerState):
         own = own_region(scene, self.arena, self.holes)
         if own is None:
             raise RuntimeError("the camera's scene has lost all trace of the robot's marker")
-        self.own = own
+        self.own = Marker(own.x, own.y, own.orientation, own.found)
         self.raw, self.vector, self.state = perceive(
             self.food, own, scene.regions, self.senses, exploring, self.arena, self.decisions
         )
@@ -224,6 +224,11 @@ class WorldRecalls(ForagingWorld):
         """The robot at its task, once an episode has begun."""
         assert self._forager is not None
         return self._forager
+
+    @property
+    def raw(self) -> RawData:
+        """What the robot perceives now."""
+        return self.forager.raw
 
     def seed(self, seed: int) -> None:
         """Make the episodes that follow repeatable, bit for bit."""

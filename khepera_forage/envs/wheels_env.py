@@ -61,7 +61,7 @@ class WheelsEnv(RecallEnv[NDArray[np.float64]]):
         return numbers
 
     def _observation(self, forager: ForagerState) -> Observation:
-        return raw_data_of(forager.raw)
+        return raw_data_of(self._recalls.raw)
 
 
 def raw_data_of(raw: Any) -> Observation:

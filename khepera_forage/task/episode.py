@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from khepera_forage.task.decisions import DecisionValues
-from khepera_forage.task.food_tracking import FoodTracker, is_finished
-from khepera_forage.task.perception import RawData
+from khepera_forage.task.food_tracking import is_finished
+from khepera_forage.task.perception import Marker
 from khepera_forage.task.states import NUM_STATES, Behaviour, FoodType, StateVector, is_raised
 
 
@@ -22,7 +22,8 @@ class Episode:
         reward: Of the last step.
         terminated: Whether everything is delivered or known to be poisonous.
         truncated: Whether the episode has reached its limit.
-        value: Food delivered less poison brought home.
+        delivered: Food brought home that is not poisonous.
+        poison_home: Poisonous food brought home.
         penalty: Percent taken off for food left so far, see `penalty`.
         score: Percent so far, see `score`.
     """
@@ -32,7 +33,8 @@ class Episode:
     reward: float = 0.0
     terminated: bool = False
     truncated: bool = False
-    value: int = 0
+    delivered: int = 0
+    poison_home: int = 0
     penalty: float = 0.0
     score: float = 0.0
 
@@ -42,22 +44,20 @@ class ForagerState:
     """One robot at its task, after a round.
 
     Attributes:
-        raw: Raw data.
+        own: Its marker.
         vector: The state vector.
         state: What the teacher classifies the state vector as.
         behaviour: What was decided on; with motors of its own, the teacher's behaviour if they are the same, else WAIT.
         number: Episodes of a compiled world that began since it was seeded.
         episode: The account of its episode.
-        tracker: The food tracker of its arena.
     """
 
-    raw: RawData
+    own: Marker
     vector: StateVector
     state: int = 0
     behaviour: int = 0
     number: int = 0
     episode: Episode = field(default_factory=Episode)
-    tracker: FoodTracker = field(default_factory=FoodTracker)
 
 
 @dataclass(slots=True)
@@ -84,7 +84,6 @@ def begin_episode(episode: Any, tracker: Any) -> None:
     """
     episode.steps = episode.correct = 0
     episode.reward, episode.terminated, episode.truncated = 0.0, False, False
-    episode.value = tracker.delivered - tracker.poison_home
     _grade(episode, tracker)
 
 
@@ -97,17 +96,17 @@ def end_step(episode: Any, tracker: Any, correct: bool, limit: int) -> None:
         correct: Whether the teacher would have decided the same.
         limit: Steps after which the episode is truncated.
     """
-    value = tracker.delivered - tracker.poison_home
+    delivered, poison_home = tracker.delivered - episode.delivered, tracker.poison_home - episode.poison_home
     episode.steps += 1
     episode.correct += 1 if correct else 0
-    episode.reward = value - episode.value - 1.0 / limit
-    episode.value = value
+    episode.reward = delivered - poison_home - 1.0 / limit
     episode.terminated = is_finished(tracker)
     episode.truncated = episode.steps >= limit and not episode.terminated
     _grade(episode, tracker)
 
 
 def _grade(episode: Any, tracker: Any) -> None:
+    episode.delivered, episode.poison_home = tracker.delivered, tracker.poison_home
     episode.penalty = penalty(tracker.delivered, tracker.deliverable)
     episode.score = score(episode.correct, episode.steps, episode.penalty)
 

@@ -1,12 +1,11 @@
 """`CompiledBatch`: recalls in many compiled worlds, stepped together."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from khepera_forage.compilation import entry, share_out
 from khepera_forage.counter_rng import keys_of
@@ -24,15 +23,14 @@ from khepera_forage.envs.compiled.step import (
 from khepera_forage.envs.layouts import arena_map_of, given_places
 from khepera_forage.envs.recalls import Forager
 from khepera_forage.geometry.paths import ChosenWaypoint
-from khepera_forage.sim.arena import Arena, Point
+from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.world import CompiledWorld
-from khepera_forage.sim.sensing import marker_region
 from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import Episode, ForagerState
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, KnownFood, Link
-from khepera_forage.task.perception import RawData
+from khepera_forage.task.perception import Marker, RawData
 from khepera_forage.task.states import State, StateVector
 
 _LEAST = 512
@@ -101,76 +99,63 @@ class CompiledBatch:
         Raises:
             ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
         """
-        places = self._next_arenas(worlds)
-        some, count = WorldRecords(*(part[worlds] for part in self.worlds)), len(worlds)
-        start, food_places = None, None
-        for place in np.unique(places).tolist() if options else ():
-            start, food_places = given_places(self._arenas.arena(place), self.foods, options or {})
+        self._places[worlds] = self._next_arenas(worlds)
+        start, places = None, None
+        for place in np.unique(self._places[worlds]).tolist() if options else ():
+            start, places = given_places(self._arenas.arena(place), self.foods, options or {})
         if start is not None:
-            some.starts[:] = tuple(start)
-        for k, food in enumerate(food_places or ()):
-            some.places[:, k] = tuple(food)
-        given = start is not None, food_places is not None
-        self._run(some, places, np.zeros((count, 1)), np.ones(count, np.bool_), *given)
-        for part, begun in zip(self.worlds, some, strict=True):
-            part[worlds] = begun
-        self._places[worlds] = places
+            self.worlds.robots[["x", "y", "heading"]][worlds, 0] = tuple(start)
+        for k, place in enumerate(places or ()):
+            self.worlds.foods[["x", "y"]][worlds, k] = tuple(place)
+        count = len(worlds)
+        self._run(worlds, np.zeros((count, 1)), np.ones(count, np.bool_), start is not None, places is not None)
 
     @property
     def foragers(self) -> Any:
         """`ForagerState` records, one a world, as an array with the fields as attributes."""
         return self.worlds.foragers[:, 0].view(np.recarray)
 
-    def step(self, actions: ArrayLike, waiting: ArrayLike) -> None:
+    def step(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> None:
         """One round in every world.
 
         Args:
-            actions: One behaviour a world, or four numbers in -1..1, shape (worlds, 4).
+            actions: One behaviour a world, shape (worlds, 1), or four numbers in -1..1, shape (worlds, 4).
             waiting: Worlds that begin a new episode instead.
 
         Raises:
             ValueError: An arena has no room for a new episode.
         """
-        given = np.ascontiguousarray(actions, np.float64).reshape(self.num_worlds, -1)
-        waits = np.ascontiguousarray(waiting, np.bool_)
-        new = waits.nonzero()[0]
+        new = waiting.nonzero()[0]
         if len(new):
             self._places[new] = self._next_arenas(new)
-        self._run(self.worlds, self._places, given, waits)
+        self._run(np.arange(self.num_worlds), actions, waiting)
 
-    def stepper(self, actions: NDArray[np.float64]) -> Callable[[], None]:
-        """A function that steps all worlds by what the array `actions` holds when it is called; no world may wait."""
-        waiting = np.zeros(self.num_worlds, np.bool_)
-        given = self._arguments(self.worlds, self._places, actions, waiting)
-        return partial(_step_worlds, 0, self.num_worlds, *given)
-
-    def _run(
-        self,
-        worlds: WorldRecords,
-        places: NDArray[np.int64],
-        actions: NDArray[np.float64],
-        waiting: NDArray[np.bool_],
-        *given: bool,
-    ) -> None:
-        """One round or the start of an episode in some worlds; arguments as for `_step_worlds`."""
+    def _run(self, worlds: NDArray[np.int64], *arguments: Any) -> None:
+        """One round or the start of an episode in some worlds; arguments as for `arguments`."""
         self._free[0] = True
-        arguments = self._arguments(worlds, places, actions, waiting, *given)
-        share_out(_step_worlds, len(places), *arguments, least=_LEAST)
+        share_out(_step_worlds, len(worlds), *self.arguments(worlds, *arguments), least=_LEAST)
         if not self._free[0]:
-            raise self._arenas.no_room(places[waiting], self.foods)
+            raise self._arenas.no_room(self._places[worlds[arguments[1]]], self.foods)
 
-    def _arguments(
+    def arguments(
         self,
-        worlds: WorldRecords,
-        places: NDArray[np.int64],
+        worlds: NDArray[np.int64],
         actions: NDArray[np.float64],
         waiting: NDArray[np.bool_],
         start_given: bool = False,
         places_given: bool = False,
     ) -> tuple[Any, ...]:
-        """Those of `_step_worlds` after the first two."""
-        blocks, settings = self._arenas.blocks, self._record
-        return *worlds, blocks, places, settings, actions, waiting, start_given, places_given, self._free
+        """Those of `_step_worlds` after the first two.
+
+        Args:
+            worlds: Numbers of some worlds; actions and waiting are theirs.
+            actions: As for `step`.
+            waiting: As for `step`.
+            start_given: As for `envs.compiled.step.begin`; so is the next one.
+            places_given: Likewise.
+        """
+        given = worlds, actions, waiting, start_given, places_given
+        return *self.worlds, self._arenas.blocks, self._places, self._record, *given, self._free
 
     def _next_arenas(self, worlds: NDArray[np.int64]) -> NDArray[np.int64]:
         """Places of the arenas of the next episodes of some worlds."""
@@ -185,10 +170,10 @@ def _step_worlds(
     last: int,
     robots: Any,
     foragers: Any,
-    starts: Any,
+    raw: Any,
     foods: Any,
+    trackers: Any,
     objects: Any,
-    food_places: Any,
     detections: Any,
     tracks: Any,
     links: Any,
@@ -196,52 +181,67 @@ def _step_worlds(
     blocks: Any,
     places: Any,
     settings: Any,
+    numbers: Any,
     actions: Any,
     waiting: Any,
     start_given: bool,
     places_given: bool,
     free: Any,
 ) -> None:
-    """One round in the worlds from `first` to `last`: an action, or the start of an episode where they wait for one.
+    """One round in the worlds with some `numbers`, from the one at `first` up to the one at `last`.
 
-    `free[0]` becomes False where a new episode has no room.
+    An action, or the start of an episode where a world waits for one. `free[0]` becomes False where a new episode has
+    no room.
     """
     # As arguments of their own, which numba hands over faster than a tuple.
-    worlds = WorldRecords(robots, foragers, starts, foods, objects, food_places, detections, tracks, links, chosen)
-    place, arena = places[first], arena_at(blocks, places[first])
-    for i in range(first, last):
+    worlds = WorldRecords(robots, foragers, raw, foods, trackers, objects, detections, tracks, links, chosen)
+    place, arena = -1, arena_at(blocks, 0)
+    for k in range(first, last):
+        i = numbers[k]
         world = world_of(worlds, i)
         if places[i] != place:
             place, arena = places[i], arena_at(blocks, places[i])
-        if waiting[i] and not begin(world, arena, settings[0], start_given, places_given):
+        if waiting[k] and not begin(world, arena, settings[0], start_given, places_given):
             free[0] = False
         if actions.shape[1] == 1:
-            command_behaviour(world, arena, settings[0], int(actions[i, 0]))
+            command_behaviour(world, arena, settings[0], int(actions[k, 0]))
         else:
-            command_action(world, arena, settings[0], actions[i])
+            command_action(world, arena, settings[0], actions[k])
         carry_out(world, arena, settings[0])
 
 
-_FIRST = np.zeros(1, np.int64)
-"""The only world of a batch of one."""
+_FIRST, _GOES_ON = np.zeros(1, np.int64), np.zeros(1, np.bool_)
+"""The only world of a batch of one; it does not wait for a new episode."""
 
 
 class CompiledRecalls:
     """Recalls one after another in a compiled world; arguments and attributes are those of `WorldRecalls`."""
 
     backend = COMPILED
-    layout: Layout
 
     def __init__(self, settings: Settings, foods: int, limit: int) -> None:
         self._batch = CompiledBatch(1, settings, foods, limit)
         self.diagonal = self._batch.largest_diagonal
-        self._actions = {count: np.zeros((1, count)) for count in (1, 4)}
-        self._enter()
+
+    @property
+    def arena(self) -> Arena:
+        """That of the present episode; before the first, the first one."""
+        return self._batch.arenas[0]
+
+    @property
+    def world(self) -> CompiledWorld:
+        """Bodies and camera as they are now."""
+        return bodies_of(self._batch.world(0), self.arena, self._batch.settings)
 
     @property
     def forager(self) -> Forager:
         """The robot at its task, as it is now."""
         return forager_of(self._batch.world(0), self.arena, self._batch.settings.decisions)
+
+    @property
+    def raw(self) -> RawData:
+        """What the robot perceives now."""
+        return raw_of(self._batch.worlds)
 
     def seed(self, seed: int) -> None:
         """Make the episodes that follow repeatable, bit for bit."""
@@ -258,54 +258,44 @@ class CompiledRecalls:
             ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
         """
         self._batch.restart(_FIRST, options)
-        self._enter()
         # The robot has stood still for one round, so it is still where it started.
-        self.layout = Layout(self.world.poses(), tuple(Point(x, y) for x, y, _ in self.world.food_places()))
-        return state_of(self._batch.worlds)
+        worlds = self._batch.worlds
+        starts, places = worlds.robots[["x", "y", "heading"]], worlds.foods[["x", "y"]]
+        self.layout = Layout((Pose(*starts.item(0)),), tuple(Point(*place) for place in places[0].tolist()))
+        return state_of(worlds)
 
     def step(self, action: Sequence[float]) -> ForagerState:
         """One round under the number of a behaviour, or four numbers in -1..1."""
-        self._actions[len(action)][0] = action
-        self._steppers[len(action)]()
+        _step_worlds(0, 1, *self._batch.arguments(_FIRST, np.array([action], np.float64), _GOES_ON))
         return state_of(self._batch.worlds)
-
-    def _enter(self) -> None:
-        """Make arena and bodies those of the world."""
-        self.arena = self._batch.arenas[0]
-        self._steppers = {count: self._batch.stepper(actions) for count, actions in self._actions.items()}
-        self.world = bodies_of(self._batch.world(0), self.arena, self._batch.settings)
-
-    def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"_steppers": {}}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._enter()  # a copied world shows, and steps, records of its own
 
 
 def state_of(world: WorldRecords) -> ForagerState:
     """The robot of a compiled world at its task, in Python's numbers."""
-    raw, vector, state, behaviour, number, episode, tracker = world.foragers.item(0)
-    seen = RawData._make(raw), StateVector._make(vector)
-    return ForagerState(*seen, state, behaviour, number, Episode(*episode), FoodTracker(*tracker))
+    own, vector, state, behaviour, number, episode = world.foragers.item(0)
+    return ForagerState(Marker(*own), StateVector(*vector), state, behaviour, number, Episode(*episode))
+
+
+def raw_of(world: WorldRecords) -> RawData:
+    """What the robot of a compiled world perceives, in Python's numbers."""
+    proximity, *others = world.raw.item(0)
+    return RawData(tuple(proximity.tolist()), *others)
 
 
 def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forager:
     """The robot of a compiled world at its task, as it is now."""
     robot, now = SimulatedKhepera(world.robots, 0), state_of(world)
     food = KnownFood(
-        now.tracker,
+        FoodTracker(*world.trackers.item(0)),
         [FoodObject(*food.item()) for food in world.objects],
         [Link(*link.item()) for link in world.links],
         [ChosenWaypoint(*chosen.item()) for chosen in world.chosen],
     )
     values = decisions.values(robot.has_gripper)
     forager = Forager(robot, arena_map_of(arena), decisions.recall_marker, food, values)
-    forager.own = marker_region(0, world.robots[0])
     for field in fields(ForagerState):
         setattr(forager, field.name, getattr(now, field.name))
-    forager.raw = RawData._make((tuple(map(int, now.raw.proximity)), *now.raw[1:]))
-    forager.state = State(now.state)
+    forager.raw, forager.state = raw_of(world), State(now.state)
     return forager
 
 

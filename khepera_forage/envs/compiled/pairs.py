@@ -24,9 +24,7 @@ from khepera_forage.envs.compiled.step import (
     drive,
     motors_of,
     new_worlds,
-    place_dtype,
     stand_ready,
-    start_dtype,
     world_of,
 )
 from khepera_forage.envs.layouts import arena_map_of, arenas_with_marks, no_room_on_marks
@@ -41,7 +39,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import has_done_its_part
 from khepera_forage.task.food_tracking import share_identified
 from khepera_forage.task.pairing import AttemptState, Pairing, end_round, lead, update_pairing
-from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key, place_by_hand
+from khepera_forage.task.placement import Place, Start, draw_food_types, food_type_key, layout_key, place_by_hand
 from khepera_forage.task.states import Behaviour
 
 _LEAST = 256
@@ -95,8 +93,8 @@ def paired_sides(
         np.concatenate(blocks),
         np.cumsum([0, *map(len, blocks[:-1])]),
         np.concatenate(records),
-        np.array([tuple(side.start) for side in arenas], start_dtype),
-        np.array([[tuple(food) for food in side.foods] for side in arenas], place_dtype),
+        np.array([tuple(side.start) for side in arenas], dtype_of(Start)),
+        np.array([[tuple(food) for food in side.foods] for side in arenas], dtype_of(Place)),
     )
     return arenas, sides, attempt
 
@@ -124,8 +122,8 @@ def put_on_marks(worlds: WorldRecords, first: int, sides: Sides, attempt: Any, p
         robot = world.robots[0]
         robot.key, robot.round = random_bits(key, j), 0
         room &= place_by_hand(
-            world.starts[0],
-            world.places,
+            robot,
+            world.foods,
             random_bits(layout_key(key, 0), j),
             sides.marks[j],
             sides.food_marks[j],
@@ -153,7 +151,7 @@ def carry_out_pair(worlds: WorldRecords, first: int, sides: Sides, attempt: Any,
     Returns:
         Whether the attempt has ended.
     """
-    robots, teacher = len(sides.settings), worlds.foragers[first, 0]
+    robots, teacher = len(sides.settings), worlds.raw[first, 0]
     begins = worlds.robots[first, 0].first_frame
     for j in range(robots):
         world, settings, arena = (
@@ -165,7 +163,7 @@ def carry_out_pair(worlds: WorldRecords, first: int, sides: Sides, attempt: Any,
         forager.behaviour = actions[j]
         motors = motors_of(world, map_of(arena), settings, actions[j])
         if j > 0:
-            motors = lead(pairings[j], motors, actions[j], forager.raw, settings.decisions)
+            motors = lead(pairings[j], motors, actions[j], world.raw[0], settings.decisions)
         drive(world, motors)
         carry_out(world, arena, settings)
         # What one identifies, the next ones know at once, and the others a round later.
@@ -178,10 +176,10 @@ def carry_out_pair(worlds: WorldRecords, first: int, sides: Sides, attempt: Any,
         forager = worlds.foragers[first + j, 0]
         if j > 0:
             own_map = map_of(arena_at(sides.blocks, sides.places[j]))
-            update_pairing(pairings[j], forager.raw, own_map, teacher.raw, teacher_map, decisions)
+            update_pairing(pairings[j], worlds.raw[first + j, 0], own_map, teacher, teacher_map, decisions)
             longest = max(longest, pairings[j].separated_rounds)
         done &= has_done_its_part(
-            forager.tracker, worlds.objects[first + j], forager.vector, teacher_map.home_radius, decisions
+            worlds.trackers[first + j, 0], worlds.objects[first + j], forager.vector, teacher_map.home_radius, decisions
         )
     if begins:
         return False
@@ -388,8 +386,8 @@ class PairedBatch:
             "x": robots["marker_x"],
             "y": robots["marker_y"],
             "orientation": robots["marker_heading"],
-            "delivered": foragers["tracker"]["delivered"],
-            "poison_home": foragers["tracker"]["poison_home"],
+            "delivered": foragers["episode"]["delivered"],
+            "poison_home": foragers["episode"]["poison_home"],
         }
         own = {name: self._of_robots(values).copy() for name, values in fields.items()}
         own["separations"], own["separated_rounds"] = (

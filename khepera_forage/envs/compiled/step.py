@@ -25,17 +25,17 @@ from khepera_forage.task import arena_map, behaviours, episode, food_tracking, p
 from khepera_forage.task.arena_map import ArenaMap
 from khepera_forage.task.behaviours import behaviour_of_motors, command, decode_motors, path_home_for
 from khepera_forage.task.episode import ForagerState, begin_episode, end_step
-from khepera_forage.task.food_tracking import FoodObject, KnownFood, Link, can_explore
+from khepera_forage.task.food_tracking import FoodObject, FoodTracker, KnownFood, Link, can_explore
 from khepera_forage.task.perception import Marker, RawData, perceive
-from khepera_forage.task.placement import Place, Start, draw_food_types, draw_layout, food_type_key, layout_key
+from khepera_forage.task.placement import draw_food_types, draw_layout, food_type_key, layout_key
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 register(paths, footprint)
 register(arena_map, behaviours, episode, food_tracking, pairing, perception, placement, states)
 
 
-forager_dtype, object_dtype, link_dtype, chosen_dtype, start_dtype, place_dtype = map(
-    dtype_of, (ForagerState, FoodObject, Link, ChosenWaypoint, Start, Place)
+forager_dtype, raw_dtype, tracker_dtype, object_dtype, link_dtype, chosen_dtype = map(
+    dtype_of, (ForagerState, RawData, FoodTracker, FoodObject, Link, ChosenWaypoint)
 )
 
 
@@ -45,10 +45,10 @@ class WorldRecords(NamedTuple):
     Attributes:
         robots: `RobotState`, its one robot.
         foragers: `ForagerState`, that robot at its task.
-        starts: `Start`, where it stood at the beginning of the episode.
+        raw: `RawData`, what it perceives.
         foods: `FoodState` records.
+        trackers: `FoodTracker`, the one of its arena.
         objects: `FoodObject` records: what is known of the food.
-        places: `Place` records: where food lay at the beginning of the episode.
         detections: `FoodDetection` records, which hold nothing between rounds.
         tracks: `Track` records, twice as many as food objects.
         links: `Link` records, as many as tracks.
@@ -57,10 +57,10 @@ class WorldRecords(NamedTuple):
 
     robots: Any
     foragers: Any
-    starts: Any
+    raw: Any
     foods: Any
+    trackers: Any
     objects: Any
-    places: Any
     detections: Any
     tracks: Any
     links: Any
@@ -72,10 +72,10 @@ def new_worlds(count: int, foods: int) -> WorldRecords:
     return WorldRecords(
         np.zeros((count, 1), robot_dtype),
         np.zeros((count, 1), forager_dtype),
-        np.zeros((count, 1), start_dtype),
+        np.zeros((count, 1), raw_dtype),
         np.zeros((count, foods), food_dtype),
+        np.zeros((count, 1), tracker_dtype),
         np.zeros((count, foods), object_dtype),
-        np.zeros((count, foods), place_dtype),
         np.zeros((count, foods), detection_dtype),
         np.zeros((count, 2 * foods), track_dtype),
         np.zeros((count, 2 * foods), link_dtype),
@@ -89,10 +89,10 @@ def world_of(worlds: WorldRecords, i: int) -> WorldRecords:
     return WorldRecords(
         worlds.robots[i],
         worlds.foragers[i],
-        worlds.starts[i],
+        worlds.raw[i],
         worlds.foods[i],
+        worlds.trackers[i],
         worlds.objects[i],
-        worlds.places[i],
         worlds.detections[i],
         worlds.tracks[i],
         worlds.links[i],
@@ -108,16 +108,16 @@ def begin(world: WorldRecords, arena: ArenaRecords, settings: Any, start_given: 
         world: The world.
         arena: Its arena.
         settings: A `settings_dtype` record.
-        start_given: Whether the robot starts where `starts` says, and not at a random place.
-        places_given: Whether food lies where `places` says, and not at random places.
+        start_given: Whether the robot starts where it is, and not at a random place.
+        places_given: Whether food stays where it is, and is not put at random places.
 
     Returns:
         Whether there was room.
     """
     forager, key = world.foragers[0], world.robots[0].key
     free = draw_layout(
-        world.starts[0],
-        world.places,
+        world.robots[0],
+        world.foods,
         layout_key(key, forager.number),
         ground_of(arena),
         map_of(arena),
@@ -133,20 +133,18 @@ def begin(world: WorldRecords, arena: ArenaRecords, settings: Any, start_given: 
 
 @rule
 def stand_ready(world: WorldRecords, settings: Any) -> None:
-    """Put robot and food where `starts` and `places` say, and forget what was known of the food."""
-    robot, start, tracker = world.robots[0], world.starts[0], world.foragers[0].tracker
+    """Put the robot down where it is, and forget what was known of the food."""
+    robot, tracker = world.robots[0], world.trackers[0]
     robot.holes = settings.holes
-    robot.x, robot.y, robot.heading = start.x, start.y, start.heading
     put_down(robot, settings.constants)
     forget_tracks(world.foods, world.tracks)
     tracker.held = tracker.nearest = -1
     tracker.type_in_gripper = tracker.delivered = tracker.poison_home = 0
-    tracker.deliverable = len(world.places)
+    tracker.deliverable = len(world.foods)
     tracker.last_distance = -1.0
-    for k in range(len(world.places)):
-        place, food, known = world.places[k], world.foods[k], world.objects[k]
-        food.x, food.y = place.x, place.y
-        known.x, known.y = place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL
+    for k in range(len(world.foods)):
+        food, known = world.foods[k], world.objects[k]
+        known.x, known.y = food.x / MM_PER_PIXEL, food.y / MM_PER_PIXEL
         known.known = known.side = 0
         known.delivered = known.carried = False
     for k in range(len(world.links)):
@@ -176,8 +174,8 @@ def command_action(world: WorldRecords, arena: ArenaRecords, settings: Any, acti
 @rule
 def motors_of(world: WorldRecords, arena: ArenaMap, settings: Any, behaviour: int) -> Motors:
     """What a behaviour commands now."""
-    raw, decisions = world.foragers[0].raw, settings.decisions
-    food = KnownFood(world.foragers[0].tracker, world.objects, world.links, world.chosen)
+    raw, decisions = world.raw[0], settings.decisions
+    food = KnownFood(world.trackers[0], world.objects, world.links, world.chosen)
     if not world.robots[0].first_frame:  # before, nothing is perceived
         raw.home_bearing, raw.home_path = path_home_for(behaviour, raw, food, arena, decisions)
     return command(behaviour, raw, decisions)
@@ -196,24 +194,25 @@ def drive(world: WorldRecords, motors: Motors) -> None:
 @rule
 def carry_out(world: WorldRecords, arena: ArenaRecords, settings: Any) -> None:
     """One round, once the motors are commanded; and what it is worth."""
-    robot, forager, numbers = world.robots[0], world.foragers[0], arena.numbers[0]
+    robot, forager, tracker, numbers = world.robots[0], world.foragers[0], world.trackers[0], arena.numbers[0]
     correct, begins = forager.behaviour == forager.state, robot.first_frame
     exploring = can_explore(robot.senses) and robot.left == 0.0 and robot.right == 0.0
     everything = Enclosure(world.robots, world.foods, world.tracks, world.detections, arena.walls, arena.corners)
     advance(everything, numbers.anchor_x, numbers.anchor_y, settings.constants)
-    food = KnownFood(forager.tracker, world.objects, world.links, world.chosen)
+    food = KnownFood(tracker, world.objects, world.links, world.chosen)
     own = Marker(robot.marker_x, robot.marker_y, int(robot.marker_heading), robot.marker_found)
     raw, vector, state = perceive(food, own, world.tracks, robot.senses, exploring, map_of(arena), settings.decisions)
-    _write_raw(forager.raw, raw)
-    written = forager.vector
+    _write_raw(world.raw[0], raw)
+    shown, written = forager.own, forager.vector
+    shown.x, shown.y, shown.orientation, shown.found = own.x, own.y, own.orientation, own.found
     written.object_presence, written.robot_home_distance = vector.object_presence, vector.robot_home_distance
     written.food_type, written.arms_height = vector.food_type, vector.arms_height
     written.robot_food_distance = vector.robot_food_distance
     forager.state = state.value
     if begins:
-        begin_episode(forager.episode, forager.tracker)
+        begin_episode(forager.episode, tracker)
     else:
-        end_step(forager.episode, forager.tracker, correct, settings.limit)
+        end_step(forager.episode, tracker, correct, settings.limit)
 
 
 @rule

@@ -343,4 +343,4 @@ class WheelsVectorEnv(RecallVectorEnv):
         return given
 
     def _observation(self) -> Observation:
-        return raw_data_of(self.batch.foragers.raw)
+        return raw_data_of(self.batch.worlds.raw[:, 0].view(np.recarray))

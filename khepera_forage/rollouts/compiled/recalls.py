@@ -239,17 +239,17 @@ def _run_recalls(
 ) -> None:
     """Run the recalls from `first` to `last`, one after the other in the only one of `worlds`."""
     world = world_of(worlds, 0)
-    episode, tracker = world.foragers[0].episode, world.foragers[0].tracker
+    episode, tracker = world.foragers[0].episode, world.trackers[0]
     for number in range(first, last):
         arena = arena_at(blocks, places[number])
         world.robots[0].key, world.robots[0].round = keys[number], 0
         world.foragers[0].number = 0
         if not begin(world, arena, settings[0], False, False):
             free[0] = False
-        recall, start = recalls[number], world.starts[0]
+        recall, start = recalls[number], world.robots[0]
         recall.start[0], recall.start[1], recall.start[2] = start.x, start.y, start.heading
-        for k in range(len(world.places)):
-            food_places[number, k, 0], food_places[number, k, 1] = world.places[k].x, world.places[k].y
+        for k in range(len(world.foods)):
+            food_places[number, k, 0], food_places[number, k, 1] = world.foods[k].x, world.foods[k].y
         begun, diagonal = False, arena.numbers[0].map_diagonal
         while not (begun and (episode.terminated or episode.truncated)):
             # The first round takes the first frame; nothing is perceived before.
@@ -258,7 +258,7 @@ def _run_recalls(
             carry_out(world, arena, settings[0])
             begun = True
         _record(recall, episode, tracker)
-        for k in range(len(world.places)):
+        for k in range(len(world.foods)):
             collected[number, k] = is_collected(world.objects[k])
 
 
