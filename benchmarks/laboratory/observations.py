@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.estimates import Estimate, wilson
-from khepera_forage.geometry.plane import squared_from_wall, wall_of
+from khepera_forage.geometry.plane import is_near, wall_of
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.rendering import CameraAppearance
@@ -122,7 +122,7 @@ def observe(
 
 def _over_food(cable: NDArray[np.float64], x: float, y: float) -> bool:
     points = (cable * MM_PER_PIXEL).tolist()
-    return any(squared_from_wall(x, y, wall_of((*a, *b))) <= FOOD_RADIUS**2 for a, b in pairwise(points))
+    return any(is_near(x, y, wall_of((*a, *b)), FOOD_RADIUS) for a, b in pairwise(points))
 
 
 def _over_marker(cable: NDArray[np.float64], plate: Plate) -> bool:

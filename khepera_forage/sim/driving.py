@@ -9,7 +9,7 @@ import math
 from typing import Any
 
 from khepera_forage.counter_rng import DRAW_BIAS, DRAW_WHEELS, draw, normal
-from khepera_forage.geometry.plane import cosine_sine, squared_from_wall
+from khepera_forage.geometry.plane import cosine_sine, is_near
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_ON_FLOOR,
@@ -173,7 +173,7 @@ def _touches_wall(robot: Any, walls: Any, x: float, y: float, cos: float, sin: f
         off = side * (nx * x + ny * y - wall.offset)
         if off > _EXTENT:
             continue
-        if squared_from_wall(x, y, wall) < RADIUS * RADIUS:
+        if is_near(x, y, wall, RADIUS):
             return True
         if not robot.has_gripper:
             continue
@@ -301,16 +301,9 @@ def is_near_wall(robot: Any, walls: Any, travel: float, pushes: bool) -> bool:
     """Whether the robot, or food that it pushes, could touch a wall in this round."""
     body_reach = travel + (_PUSHED if pushes else RADIUS)
     gripper_reach = travel + _GRIPPER_RADIUS
-    furthest = max(body_reach, gripper_reach + _GRIPPER_AHEAD) + 1.0
+    x, y = robot.x + _GRIPPER_AHEAD * robot.cos, robot.y + _GRIPPER_AHEAD * robot.sin
     for k in range(len(walls)):
-        wall = walls[k]
-        # The distance from a wall's line is cheap, and mostly shows that the wall is out of reach.
-        if abs(wall.normal_x * robot.x + wall.normal_y * robot.y - wall.offset) > furthest:
-            continue
-        if squared_from_wall(robot.x, robot.y, wall) < body_reach * body_reach:
-            return True
-        x, y = robot.x + _GRIPPER_AHEAD * robot.cos, robot.y + _GRIPPER_AHEAD * robot.sin
-        if squared_from_wall(x, y, wall) < gripper_reach * gripper_reach:
+        if is_near(robot.x, robot.y, walls[k], body_reach) or is_near(x, y, walls[k], gripper_reach):
             return True
     return False
 
@@ -367,7 +360,7 @@ def _opens_into_wall(robot: Any, jaw: float, walls: Any) -> bool:
     """Whether a finger at this position of the jaw would overlap a wall."""
     aside = half_gap(jaw) + FINGER_THICKNESS
     for k in range(len(walls)):
-        for corner in range(4):
+        for corner in range(4 if is_near(robot.x, robot.y, walls[k], _EXTENT) else 0):
             if behind_wall(robot, corner, aside, walls[k])[2] > _TOUCH:
                 return True
     return False
@@ -447,7 +440,12 @@ def palm_overlap(u: float, v: float, radius: float) -> float:
 
 
 def push_out(u: float, v: float, tip: float, jaw: float, radius: float) -> tuple[float, float, float]:
-    """Overlap in mm of a disc with the gripper, and the way out as a unit vector in the robot's frame."""
+    """Overlap in mm of a disc with the gripper, and the way out as a unit vector in the robot's frame.
+
+    The overlap is negative when clear, and -1 out of reach.
+    """
+    if not (JAW_ROOT - FINGER_THICKNESS < u + radius and u - radius < tip and abs(v) < _PALM_END + radius):
+        return -1.0, 1.0, 0.0
     fingers, palm = finger_overlap(u, v, tip, jaw, radius), palm_overlap(u, v, radius)
     if fingers >= palm:
         depth = fingers

@@ -43,7 +43,7 @@ from khepera_forage.counter_rng import (
     random_bits,
     upper,
 )
-from khepera_forage.geometry.plane import cosine_sine
+from khepera_forage.geometry.plane import cosine_sine, is_near
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, FOOD_RADIUS, JAW_OPEN, MARKER_WIDTH, PRESENT, RADIUS
 from khepera_forage.robots.proximity import (
@@ -113,7 +113,7 @@ def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
     first = _FRONT if robot.arm >= ARM_ON_FLOOR else 0
     for k in range(len(walls)):
         wall = walls[k]
-        if abs(wall.normal_x * robot.x + wall.normal_y * robot.y - wall.offset) < REACH:
+        if is_near(robot.x, robot.y, wall, REACH):
             _see_wall(robot, wall, first, constants.sensors)
     for k in range(len(foods)):
         dx, dy = foods[k].x - robot.x, foods[k].y - robot.y

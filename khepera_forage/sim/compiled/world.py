@@ -19,7 +19,7 @@ import numpy as np
 
 import khepera_forage.sim.compiled.rules  # noqa: F401 (registers the rules)
 from khepera_forage.compilation import entry, rule
-from khepera_forage.geometry.plane import Wall, cosine_sine, from_wall, squared_from_wall
+from khepera_forage.geometry.plane import Wall, cosine_sine, from_wall, is_near
 from khepera_forage.records import array_of, dtype_of
 from khepera_forage.robots.khepera import ARM_ON_FLOOR, FINGER_THICKNESS, FINGER_TIP, FOOD_RADIUS, RADIUS, half_gap
 from khepera_forage.sim.arena import Arena
@@ -154,7 +154,7 @@ def _give_way(robots: Any, i: int, walls: Any, corners: Any) -> float:
     wide = half_gap(robot.jaw) + FINGER_THICKNESS
     for k in range(len(walls)):
         wall = walls[k]
-        if squared_from_wall(robot.x, robot.y, wall) > _REACH * _REACH:
+        if not is_near(robot.x, robot.y, wall, _REACH):
             continue
         far, nx, ny = from_wall(robot.x, robot.y, wall)
         if far < RADIUS:
@@ -215,10 +215,9 @@ def _overlap(robots: Any, i: int, foods: Any, walls: Any, corners: Any) -> float
     low = robot.arm >= ARM_ON_FLOOR
     wide = half_gap(robot.jaw) + FINGER_THICKNESS
     for k in range(len(walls)):
-        squared = squared_from_wall(robot.x, robot.y, walls[k])
-        if squared > _REACH * _REACH:
+        if not is_near(robot.x, robot.y, walls[k], _REACH):
             continue
-        worst = max(worst, RADIUS - math.sqrt(squared))
+        worst = max(worst, RADIUS - from_wall(robot.x, robot.y, walls[k])[0])
         for corner in range(4 if robot.has_gripper else 0):
             worst = max(worst, behind_wall(robot, corner, wide, walls[k])[2])
     for k in range(len(corners) if robot.has_gripper else 0):
@@ -238,7 +237,8 @@ def _overlap(robots: Any, i: int, foods: Any, walls: Any, corners: Any) -> float
         if k == robot.held:
             x, y = robot.x + robot.grip_x * robot.cos, robot.y + robot.grip_x * robot.sin
         for n in range(len(walls)):
-            worst = max(worst, FOOD_RADIUS - math.sqrt(squared_from_wall(x, y, walls[n])))
+            if is_near(x, y, walls[n], FOOD_RADIUS):
+                worst = max(worst, FOOD_RADIUS - from_wall(x, y, walls[n])[0])
         if k == robot.held:
             continue
         worst = max(worst, RADIUS + FOOD_RADIUS - math.sqrt(u * u + v * v))
@@ -311,7 +311,7 @@ def _settle(robots: Any, i: int, foods: Any, k: int, walls: Any) -> float:
     """Move food object `k` out of walls and other robots, and others away from it; returns the sum of the distances."""
     x, y, moved = foods[k].x, foods[k].y, 0.0
     for n in range(len(walls)):
-        if squared_from_wall(x, y, walls[n]) < FOOD_RADIUS * FOOD_RADIUS:
+        if is_near(x, y, walls[n], FOOD_RADIUS):
             far, nx, ny = from_wall(x, y, walls[n])
             x, y = x + nx * (FOOD_RADIUS - far), y + ny * (FOOD_RADIUS - far)
             moved += FOOD_RADIUS - far
