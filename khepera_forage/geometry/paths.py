@@ -168,15 +168,13 @@ def crosses_home(x: float, y: float, to_x: float, to_y: float, paths: PathTables
 
 
 def _is_crossed(x: float, y: float, to_x: float, to_y: float, wall: Any) -> bool:
-    """Whether a way crosses a wall."""
+    """Whether a way crosses a wall: the ends of each lie on different sides of the other."""
     here = wall.normal_x * x + wall.normal_y * y - wall.offset
     there = wall.normal_x * to_x + wall.normal_y * to_y - wall.offset
-    if (here > 0.0) == (there > 0.0):
-        return False
-    share = here / (here - there)
-    crossing_x, crossing_y = x + share * (to_x - x) - wall.x1, y + share * (to_y - y) - wall.y1
-    along = crossing_x * wall.ex + crossing_y * wall.ey
-    return bool(0.0 <= along * wall.share <= 1.0)
+    dx, dy = to_x - x, to_y - y
+    first = dx * (wall.y1 - y) - dy * (wall.x1 - x)
+    second = first + dx * wall.ey - dy * wall.ex
+    return bool(((here > 0.0) != (there > 0.0)) & ((first > 0.0) != (second > 0.0)))
 
 
 def _is_passed_closely(
@@ -186,11 +184,11 @@ def _is_passed_closely(
     dx, dy = to_x - x, to_y - y
     corner_x, corner_y = corner.x - x, corner.y - y
     squared, along = dx * dx + dy * dy, corner_x * dx + corner_y * dy
-    if along <= 0.0 or along >= squared:
-        return False
     # As in `crosses_home`, with the corner in place of the home.
     aside = (corner_x * dy - corner_y * dx) ** 2
-    if aside >= min(paths.clearance * paths.clearance, squared / 4.0) * squared:
+    # Without `and`, which compiled code would guess wrongly at many corners.
+    close = aside < min(paths.clearance * paths.clearance, squared / 4.0) * squared
+    if not (close & (along > 0.0) & (along < squared)):
         return False
     return bool(aside < _NEARER * _NEARER * squared * _nearest_end(x, y, to_x, to_y, corner, walls))
 

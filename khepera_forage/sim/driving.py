@@ -444,7 +444,7 @@ def push_out(u: float, v: float, tip: float, jaw: float, radius: float) -> tuple
 
     The overlap is negative when clear, and -1 out of reach.
     """
-    if not (JAW_ROOT - FINGER_THICKNESS < u + radius and u - radius < tip and abs(v) < _PALM_END + radius):
+    if not (u + radius > JAW_ROOT - FINGER_THICKNESS and u - radius < tip and abs(v) < _PALM_END + radius):
         return -1.0, 1.0, 0.0
     fingers, palm = finger_overlap(u, v, tip, jaw, radius), palm_overlap(u, v, radius)
     if fingers >= palm:
