@@ -60,8 +60,9 @@ class SimulatedKhepera:
     def sense(self) -> Senses:
         """What the robot senses since the last round."""
         senses = self.record.senses
-        values = (np.asarray(getattr(senses, name)).tolist() for name in Senses._fields)
-        return Senses._make(tuple(value) if isinstance(value, list) else value for value in values)
+        near: Any = tuple(map(int, senses.proximity))
+        pulses = int(senses.left_pulses), int(senses.right_pulses)
+        return Senses(near, *pulses, int(senses.arm), int(senses.jaw), int(senses.object_presence))
 
     def drive(self, motors: Motors) -> Motors:
         """Command motors from the next round on; returns the command as applied."""
