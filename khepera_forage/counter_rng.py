@@ -5,7 +5,7 @@ Layouts and food types are drawn by it, so that a seed has the same ones on ever
 So are the random numbers of bodies, camera and policies, which depend on the key, the round and the purpose only: a
 source of noise can be changed without shifting the numbers of another.
 
-Plain functions. Compiled code has its own `random_bits`, `unit` and `heads` on machine words (`sim.compiled.rules`),
+Plain functions. Compiled code has its own `random_bits`, `unit` and `heads` on machine words (`sim.compiled.world`),
 with equal results.
 """
 

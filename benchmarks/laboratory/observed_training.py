@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.envs.arguments import food_odds
+from khepera_forage.envs.forager import Forager, perceive_all
 from khepera_forage.envs.layouts import arena_map_of, known_food
-from khepera_forage.envs.recalls import Forager, perceive_all
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise

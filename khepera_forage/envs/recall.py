@@ -1,7 +1,7 @@
 """The recall phase: one robot forages alone (sections 4.6 and 5.4). What its two kinds of environment share."""
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, SupportsFloat, TypeVar
 
 import gymnasium as gym
@@ -9,16 +9,22 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
+from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import COMPILED, PYMUNK, Arenas, FoodOdds, Settings, check_backend, whole_number
-from khepera_forage.envs.recalls import Forager, WorldRecalls
+from khepera_forage.envs.forager import Forager, ForagingWorld
+from khepera_forage.envs.layouts import given_layout
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, recall_view
 from khepera_forage.noise import Noise
 from khepera_forage.robots.model import KHEPERA
 from khepera_forage.sim.arena import MOST_FOODS, Arena
+from khepera_forage.sim.simulation import Simulation
 from khepera_forage.sim.world import LOST, Layout, World
 from khepera_forage.task.arena_map import whole_pixels
+from khepera_forage.task.behaviours import decode_motors
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
-from khepera_forage.task.episode import ForagerState
+from khepera_forage.task.episode import ForagerState, begin_episode, end_step
+from khepera_forage.task.perception import RawData
+from khepera_forage.task.placement import layout_key
 from khepera_forage.task.states import Behaviour
 
 if TYPE_CHECKING:
@@ -47,6 +53,94 @@ def episode_info(forager: Any) -> dict[str, Any]:
         "delivered": episode.delivered,
         "poison_home": episode.poison_home,
     }
+
+
+class WorldRecalls(ForagingWorld):
+    """Recalls one after another in a `World`.
+
+    Args:
+        settings: From the user.
+        foods: Food objects.
+        limit: Steps after which an episode ends.
+        world: As for `ForagingWorld`.
+
+    Attributes:
+        layout: Where everything stood when the episode began.
+    """
+
+    layout: Layout
+
+    def __init__(self, settings: Settings, foods: int, limit: int, world: World | None = None) -> None:
+        super().__init__((settings.decisions.recall_marker,), settings, world, PYMUNK)
+        self._foods, self._limit, self._values = foods, limit, settings.decisions.values()
+        self._key, self._episodes, self._fresh = 0, 0, True
+        self._forager: Forager | None = None
+
+    @property
+    def forager(self) -> Forager:
+        """The robot at its task, once an episode has begun."""
+        assert self._forager is not None
+        return self._forager
+
+    @property
+    def raw(self) -> RawData:
+        """What the robot perceives now."""
+        return self.forager.raw
+
+    def seed(self, seed: int) -> None:
+        """Make the episodes that follow repeatable, bit for bit."""
+        self._key, self._episodes, self._fresh = key_of(seed), 0, True
+
+    def begin(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Forager:
+        """Begin the next episode.
+
+        Args:
+            rng: Spawned for a world that draws random numbers of its own.
+            options: `start` and `foods` as for the environments; what is left out is random.
+
+        Raises:
+            ValueError: Options that are unknown or place something off the free floor.
+        """
+        key, number = self._key, self._episodes
+        arena = self.arena_of(key, number)
+        layout = given_layout(arena, self._foods, options or {}, layout_key(key, number), self._values)
+        # Noise goes on from episode to episode, as in compiled worlds.
+        rounds = 0 if self._fresh or not isinstance(self.world, Simulation) else self.world.rounds
+        self.enter(key, number)
+        self.layout, self._episodes, self._fresh = layout, number + 1, False
+        if isinstance(self.world, Simulation):
+            self.world.begin(key, rounds, layout)
+        else:
+            self.world.reset(rng.spawn(1)[0], layout)
+        (self._forager,) = self.foragers(layout, key, number)
+        self._forager.perceive(self.world.camera.look())
+        begin_episode(self._forager.episode, self._forager.tracker)
+        return self._forager
+
+    def step(self, action: Sequence[float]) -> Forager:
+        """One round.
+
+        Args:
+            action: The number of a behaviour, or four numbers in -1..1.
+
+        Raises:
+            RobotLost: A real robot is gone, and with `CameraLost`, the camera. The round counts.
+        """
+        forager = self.forager
+        if len(action) == 1:
+            forager.behaviour = int(action[0])
+            motors = forager.motors_for(forager.behaviour)
+        else:
+            motors = decode_motors(*action)
+            forager.decide_on_motors(motors)
+        correct = forager.behaviour == forager.state
+        try:
+            forager.drive(motors)
+            self.world.advance()
+            forager.perceive(self.world.camera.look())
+        finally:
+            end_step(forager.episode, forager.tracker, correct, self._limit)
+        return forager
 
 
 class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):

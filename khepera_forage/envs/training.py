@@ -14,8 +14,8 @@ from pettingzoo.utils.env import AECEnv, ParallelEnv
 
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import PYMUNK, Arenas, FoodOdds, Settings, whole_number
+from khepera_forage.envs.forager import Forager, ForagingWorld
 from khepera_forage.envs.layouts import arenas_with_marks, training_layout
-from khepera_forage.envs.recalls import Forager, ForagingWorld
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, training_view
 from khepera_forage.envs.training_episode import TrainingEpisode, observation_box
 from khepera_forage.noise import Noise

@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from khepera_forage.envs.recalls import Forager, perceive_all
+from khepera_forage.envs.forager import Forager, perceive_all
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, Motors
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import World

@@ -20,8 +20,8 @@ from khepera_forage.envs.compiled.step import (
     new_worlds,
     world_of,
 )
+from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.layouts import arena_map_of, given_places
-from khepera_forage.envs.recalls import Forager
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.world import CompiledWorld

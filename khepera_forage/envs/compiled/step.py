@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-import khepera_forage.sim.compiled.rules  # noqa: F401 (registers those of the bodies)
 from khepera_forage.compilation import register, rule
 from khepera_forage.envs.compiled.arenas import ArenaRecords, ground_of, map_of
 from khepera_forage.geometry import paths

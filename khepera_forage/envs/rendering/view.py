@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from khepera_forage.envs.recalls import Forager
+from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.training_episode import TrainingEpisode
 from khepera_forage.sim.arena import Arena, Pose
 from khepera_forage.sim.world import World

@@ -1,34 +1,22 @@
-"""Robots at their task and recalls one after another in a `World`, with the rules of the task called from Python."""
+"""Robots at their task in a `World`, with the rules of the task called from Python."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
-from khepera_forage.counter_rng import key_of
-from khepera_forage.envs.arguments import (
-    COMPILED,
-    PYMUNK,
-    ArenaPool,
-    Settings,
-    arenas_of,
-    check_backend,
-    food_odds,
-    timing_of,
-)
-from khepera_forage.envs.layouts import arena_map_of, given_layout, known_food
+from khepera_forage.envs.arguments import COMPILED, ArenaPool, Settings, arenas_of, check_backend, food_odds, timing_of
+from khepera_forage.envs.layouts import arena_map_of, known_food
 from khepera_forage.robots.khepera import Motors, Robot, Senses
 from khepera_forage.sim.arena import Arena, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import Simulation
 from khepera_forage.sim.world import Layout, World
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.behaviours import behaviour_of_motors, command, decode_motors, path_home_for
+from khepera_forage.task.behaviours import behaviour_of_motors, command, path_home_for
 from khepera_forage.task.decisions import DecisionValues
-from khepera_forage.task.episode import Episode, ForagerState, begin_episode, end_step
+from khepera_forage.task.episode import Episode, ForagerState
 from khepera_forage.task.food_tracking import KnownFood, can_explore, share_identified
 from khepera_forage.task.perception import Marker, RawData, own_region, perceive
-from khepera_forage.task.placement import draw_food_types, food_type_key, layout_key
+from khepera_forage.task.placement import draw_food_types, food_type_key
 from khepera_forage.task.states import Behaviour, State, StateVector, behaviour_for
 from khepera_forage.vision.scene import Scene
 
@@ -196,91 +184,3 @@ class ForagingWorld:
             values, holes = self._settings.decisions.values(robot.has_gripper), self.world.markers[i]
             foragers.append(Forager(robot, arena_map_of(self.arenas[i]), holes, food, values))
         return foragers
-
-
-class WorldRecalls(ForagingWorld):
-    """Recalls one after another in a `World`.
-
-    Args:
-        settings: From the user.
-        foods: Food objects.
-        limit: Steps after which an episode ends.
-        world: As for `ForagingWorld`.
-
-    Attributes:
-        layout: Where everything stood when the episode began.
-    """
-
-    layout: Layout
-
-    def __init__(self, settings: Settings, foods: int, limit: int, world: World | None = None) -> None:
-        super().__init__((settings.decisions.recall_marker,), settings, world, PYMUNK)
-        self._foods, self._limit, self._values = foods, limit, settings.decisions.values()
-        self._key, self._episodes, self._fresh = 0, 0, True
-        self._forager: Forager | None = None
-
-    @property
-    def forager(self) -> Forager:
-        """The robot at its task, once an episode has begun."""
-        assert self._forager is not None
-        return self._forager
-
-    @property
-    def raw(self) -> RawData:
-        """What the robot perceives now."""
-        return self.forager.raw
-
-    def seed(self, seed: int) -> None:
-        """Make the episodes that follow repeatable, bit for bit."""
-        self._key, self._episodes, self._fresh = key_of(seed), 0, True
-
-    def begin(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Forager:
-        """Begin the next episode.
-
-        Args:
-            rng: Spawned for a world that draws random numbers of its own.
-            options: `start` and `foods` as for the environments; what is left out is random.
-
-        Raises:
-            ValueError: Options that are unknown or place something off the free floor.
-        """
-        key, number = self._key, self._episodes
-        arena = self.arena_of(key, number)
-        layout = given_layout(arena, self._foods, options or {}, layout_key(key, number), self._values)
-        # Noise goes on from episode to episode, as in compiled worlds.
-        rounds = 0 if self._fresh or not isinstance(self.world, Simulation) else self.world.rounds
-        self.enter(key, number)
-        self.layout, self._episodes, self._fresh = layout, number + 1, False
-        if isinstance(self.world, Simulation):
-            self.world.begin(key, rounds, layout)
-        else:
-            self.world.reset(rng.spawn(1)[0], layout)
-        (self._forager,) = self.foragers(layout, key, number)
-        self._forager.perceive(self.world.camera.look())
-        begin_episode(self._forager.episode, self._forager.tracker)
-        return self._forager
-
-    def step(self, action: Sequence[float]) -> Forager:
-        """One round.
-
-        Args:
-            action: The number of a behaviour, or four numbers in -1..1.
-
-        Raises:
-            RobotLost: A real robot is gone, and with `CameraLost`, the camera. The round counts.
-        """
-        forager = self.forager
-        if len(action) == 1:
-            forager.behaviour = int(action[0])
-            motors = forager.motors_for(forager.behaviour)
-        else:
-            motors = decode_motors(*action)
-            forager.decide_on_motors(motors)
-        correct = forager.behaviour == forager.state
-        try:
-            forager.drive(motors)
-            self.world.advance()
-            forager.perceive(self.world.camera.look())
-        finally:
-            end_step(forager.episode, forager.tracker, correct, self._limit)
-        return forager
