@@ -240,13 +240,8 @@ class PreparedArenas:
         self._pool = pool
         self._place_of: dict[int, int] = {}
         self._numbers: dict[int, int] = {}
-        self._memory, self._used = np.zeros(1 << 16, np.uint8), 0
+        self.blocks, self._used = np.zeros(1 << 16, np.uint8), 0
         self.places(np.zeros(1, np.int64))
-
-    @property
-    def blocks(self) -> NDArray[np.uint8]:
-        """See the class."""
-        return self._memory
 
     def arena(self, place: int) -> Arena:
         """The arena whose block is at this place."""
@@ -269,9 +264,9 @@ class PreparedArenas:
             check_seen([arena])
             block = arena_block(arena, cable_anchor([arena]))
             end = self._used + len(block)
-            if end > len(self._memory):
-                self._memory = np.concatenate([self._memory, np.zeros(end, np.uint8)])
-            self._memory[self._used : end] = block
+            if end > len(self.blocks):
+                self.blocks = np.concatenate([self.blocks, np.zeros(end, np.uint8)])
+            self.blocks[self._used : end] = block
             self._place_of[number], self._numbers[self._used] = self._used, number
             self._used = end
         return np.array([self._place_of[number] for number in listed], np.int64)

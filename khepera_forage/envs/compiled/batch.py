@@ -99,15 +99,14 @@ class CompiledBatch:
         Raises:
             ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
         """
-        self._places[worlds] = self._next_arenas(worlds)
-        start, places = None, None
-        for place in np.unique(self._places[worlds]).tolist() if options else ():
+        arenas, start, places = self._next_arenas(worlds), None, None
+        for place in np.unique(arenas).tolist() if options else ():
             start, places = given_places(self._arenas.arena(place), self.foods, options or {})
         if start is not None:
             self.worlds.robots[["x", "y", "heading"]][worlds, 0] = tuple(start)
-        for k, place in enumerate(places or ()):
-            self.worlds.foods[["x", "y"]][worlds, k] = tuple(place)
-        count = len(worlds)
+        for k, food in enumerate(places or ()):
+            self.worlds.foods[["x", "y"]][worlds, k] = tuple(food)
+        self._places[worlds], count = arenas, len(worlds)
         self._run(worlds, np.zeros((count, 1)), np.ones(count, np.bool_), start is not None, places is not None)
 
     @property
@@ -130,12 +129,14 @@ class CompiledBatch:
             self._places[new] = self._next_arenas(new)
         self._run(np.arange(self.num_worlds), actions, waiting)
 
-    def _run(self, worlds: NDArray[np.int64], *arguments: Any) -> None:
+    def _run(
+        self, worlds: NDArray[np.int64], actions: NDArray[np.float64], waiting: NDArray[np.bool_], *given: bool
+    ) -> None:
         """One round or the start of an episode in some worlds; arguments as for `arguments`."""
         self._free[0] = True
-        share_out(_step_worlds, len(worlds), *self.arguments(worlds, *arguments), least=_LEAST)
+        share_out(_step_worlds, len(worlds), *self.arguments(worlds, actions, waiting, *given), least=_LEAST)
         if not self._free[0]:
-            raise self._arenas.no_room(self._places[worlds[arguments[1]]], self.foods)
+            raise self._arenas.no_room(self._places[worlds[waiting]], self.foods)
 
     def arguments(
         self,
@@ -222,6 +223,7 @@ class CompiledRecalls:
     def __init__(self, settings: Settings, foods: int, limit: int) -> None:
         self._batch = CompiledBatch(1, settings, foods, limit)
         self.diagonal = self._batch.largest_diagonal
+        self._actions = {count: np.zeros((1, count)) for count in (1, 4)}
 
     @property
     def arena(self) -> Arena:
@@ -266,7 +268,9 @@ class CompiledRecalls:
 
     def step(self, action: Sequence[float]) -> ForagerState:
         """One round under the number of a behaviour, or four numbers in -1..1."""
-        _step_worlds(0, 1, *self._batch.arguments(_FIRST, np.array([action], np.float64), _GOES_ON))
+        actions = self._actions[len(action)]
+        actions[0] = action
+        _step_worlds(0, 1, *self._batch.arguments(_FIRST, actions, _GOES_ON))
         return state_of(self._batch.worlds)
 
 
