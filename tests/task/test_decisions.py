@@ -112,8 +112,8 @@ def test_decisions_are_immutable_hashable_and_picklable() -> None:
 
 def test_version_0_1_names_every_field_and_does_not_follow_the_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
     assert list(FIELDS_OF_V0_1) == list(FIELDS)
-    *others, _ = (field.default for field in dataclasses.fields(Decisions))
-    monkeypatch.setattr(Decisions.__init__, "__defaults__", (*others, 1))
+    defaults = {field.name: field.default for field in dataclasses.fields(Decisions)} | {"recall_marker": 1}
+    monkeypatch.setattr(Decisions.__init__, "__defaults__", tuple(defaults.values()))
     assert Decisions().recall_marker == 1
     assert dataclasses.asdict(Decisions.v0_1()) == dict(FIELDS_OF_V0_1)
 
