@@ -13,6 +13,7 @@ push.
 """
 
 import math
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -438,11 +439,16 @@ class CompiledWorld(Simulation):
         enclosure = empty._replace(robots=robots, foods=foods, tracks=tracks)
         self._show([enclosure], [0] * len(robots), [0] * len(foods))
 
+    @cached_property
+    def _numbers(self) -> Any:
+        """`constants` as compiled functions take them."""
+        return array_of(self.constants)[0]
+
     def _begin(self, enclosure: Enclosure) -> None:
-        _begin(enclosure, array_of(self.constants)[0])
+        _begin(enclosure, self._numbers)
 
     def _sense(self, enclosure: Enclosure) -> None:
-        _sense(enclosure, array_of(self.constants)[0])
+        _sense(enclosure, self._numbers)
 
     def _advance(self, number: int, enclosure: Enclosure) -> None:
-        _advance(enclosure, *self._anchor, array_of(self.constants)[0])
+        _advance(enclosure, *self._anchor, self._numbers)
