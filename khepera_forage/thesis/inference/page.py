@@ -64,9 +64,9 @@ class Predictions(NamedTuple):
         """Median and central 95 % of a statistic."""
         return central(self.experiments[:, column], self.weights)
 
-    def rank(self, column: int) -> float:
-        """Percentile of the thesis's value of a statistic."""
-        return rank(self.experiments[:, column], self.weights, float(thesis_statistics()[column]))
+    def rank(self, column: int, value: float) -> float:
+        """Percentile of a value of a statistic."""
+        return rank(self.experiments[:, column], self.weights, value)
 
 
 def page(given: Arguments, drawn: Drawn) -> Page:
@@ -333,7 +333,7 @@ def _cells(predictions: Sequence[Predictions]) -> Table:
         use = "fitted" if ALL[k] in FITTED else "test"
         row: dict[str, Value] = {"statistic": ALL[k], "use": use, "thesis": float(thesis[k])}
         for one in predictions:
-            row |= {one.name: one.interval(k), f"percentile ({one.name})": one.rank(k)}
+            row |= {one.name: one.interval(k), f"percentile ({one.name})": one.rank(k, float(thesis[k]))}
         rows.append(row)
     return table_of(
         "cells",
@@ -380,7 +380,7 @@ def _test_set(inferred: Predictions, statistics: NDArray[np.float32], weights: F
                 "statistic": ALL[k],
                 "thesis": value,
                 "posterior": interval,
-                "percentile": inferred.rank(k),
+                "percentile": inferred.rank(k, float(thesis[k])),
                 "predicted": "yes" if interval.low <= value <= interval.high else "no",
                 "posterior sets (%)": 100 * float(weights @ hits[:, k]),
                 "admissible sets (%)": 100 * float(hits[:, k].mean()),
