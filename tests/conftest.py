@@ -2,6 +2,7 @@
 
 import fcntl
 import gc
+import os
 import signal
 import sys
 from collections.abc import Generator
@@ -12,6 +13,9 @@ import pytest
 from hypothesis import settings
 from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
+
+# Waiting threads of OpenCV spin: a quarter of the processor time of all tests of pictures. Programs inherit this.
+os.environ.setdefault("OPENCV_FOR_THREADS_NUM", "1")
 
 # The same examples on every machine and in every run: a failure in the gate is one that can be seen at home.
 settings.register_profile("khepera_forage", derandomize=True, deadline=None)
