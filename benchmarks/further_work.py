@@ -34,7 +34,7 @@ EXPERIMENTS = {
     )
 }
 """In the order of the pages. To add an experiment, add it to a file of the folder, and a line here."""
-QUICK = Size(files=2, recalls=1, generations=2, attempts=25, patience=2, steps=250, rounds=250)
+QUICK = Size(files=2, recalls=1, generations=2, patience=2, steps=250, rounds=200)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

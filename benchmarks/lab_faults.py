@@ -19,7 +19,7 @@ from io import StringIO
 from itertools import zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 from unittest.mock import patch
 
 import numpy as np
@@ -53,14 +53,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COUNT = Count("series", 10, 1, f"series of trainings, each with {len(KINDS)} faults", adds_units=True)
-QUICK = 3
-"""Every third kind of fault, with --quick."""
-EPISODES = 2
-"""Complete episodes that each training plans."""
 MAX_ROUNDS = 200
 """Rounds after which an attempt is out of time: most complete ones are shorter."""
-PAUSE, QUICK_PAUSE = 30, 10
-"""Rounds, at most, from the end of one fault to the next, and with `--quick`."""
 RECOVERED, ATTEMPT_LOST, STOPPED = "recovered", "attempt lost", "stopped"
 """Outcomes: the attempt went on; it ended, and another began; the command ended with an error, and was continued."""
 _ROUND, _COMPLETE = "round", "complete"
@@ -69,6 +63,23 @@ _SETTLED = 8
 """Rounds without a loss after which a fault that has passed counts as recovered."""
 _LASTS = (60.0, 60.0)
 """Seconds after which a fault that nothing has noticed is repaired."""
+
+
+class Size(NamedTuple):
+    """How much is done in a series.
+
+    Attributes:
+        kinds: Of faults, once each.
+        episodes: Complete ones that each training plans.
+        pause: Rounds, at most, from the end of one fault to the next.
+    """
+
+    kinds: Sequence[Kind] = KINDS
+    episodes: int = 2
+    pause: int = 30
+
+
+QUICK = Size(KINDS[::3], episodes=1, pause=10)
 
 
 @dataclass
@@ -270,10 +281,10 @@ class _Collector(logging.Handler):
         self._notices.append(record.getMessage())
 
 
-def series(number: int, kinds: Sequence[Kind], seed: int, pause: int) -> list[FaultRow | TrainingResult]:
+def series(number: int, size: Size, seed: int) -> list[FaultRow | TrainingResult]:
     """Whole trainings, one after the other, until every kind of fault has happened once."""
     rng = np.random.default_rng((seed, number))
-    injector = Injector([kinds[i] for i in rng.permutation(len(kinds))], rng, pause)
+    injector = Injector([size.kinds[i] for i in rng.permutation(len(size.kinds))], rng, size.pause)
     results: list[TrainingResult] = []
     logger = logging.getLogger("khepera_forage")
     with (
@@ -283,11 +294,11 @@ def series(number: int, kinds: Sequence[Kind], seed: int, pause: int) -> list[Fa
     ):
         while not injector.done:
             with TemporaryDirectory() as folder:
-                results.append(_training(Path(folder).resolve(), injector, rng))
+                results.append(_training(Path(folder).resolve(), size.episodes, injector, rng))
     return [*injector.rows, *results]
 
 
-def _training(folder: Path, injector: Injector, rng: np.random.Generator) -> TrainingResult:
+def _training(folder: Path, episodes: int, injector: Injector, rng: np.random.Generator) -> TrainingResult:
     """A training with the functions of `khepera-forage train --lab lab.toml`, continued after every error."""
     began, faults_before = time.perf_counter(), len(injector.rows)
     out, lab_file, attempts = folder / "experience", write_lab_file(folder), list[ObservedAttempt]()
@@ -295,7 +306,7 @@ def _training(folder: Path, injector: Injector, rng: np.random.Generator) -> Tra
     parser = OneLineParser()
     for add in train.train_command.options:
         add(parser)
-    options = ["--lab", str(lab_file), "--episodes", str(EPISODES), "--out", str(out)]
+    options = ["--lab", str(lab_file), "--episodes", str(episodes), "--out", str(out)]
     options += ["--seed", str(int(rng.integers(2**31)))]
     arguments = parser.parse_args(options)
     while files := train.files_to_record(arguments):
@@ -320,12 +331,12 @@ def _training(folder: Path, injector: Injector, rng: np.random.Generator) -> Tra
         *(len(injector.rows) - faults_before, injector.unexpected),
         *(len(attempts), sum(attempt.rounds for attempt in attempts)),
     )
-    _compare_files(result, attempts, out)
+    _compare_files(result, attempts, out, episodes)
     result.seconds = time.perf_counter() - began
     return result
 
 
-def _compare_files(result: TrainingResult, attempts: Sequence[ObservedAttempt], out: Path) -> None:
+def _compare_files(result: TrainingResult, attempts: Sequence[ObservedAttempt], out: Path, episodes: int) -> None:
     """Compare the files of a training with what the learner perceived."""
     for attempt, vectors in zip(attempts, stored_vectors(out, attempts), strict=True):
         count, perceived = len(vectors), len(attempt.perceived)
@@ -337,7 +348,7 @@ def _compare_files(result: TrainingResult, attempts: Sequence[ObservedAttempt], 
         result.outdated += sum(attempt.outdated[:count])
     rows = [own for own in read_rows(out / ATTEMPTS, TrainingRow) if own.complete]
     complete = {attempt.seed: attempt.perceived for attempt in attempts if attempt.complete}
-    files = [Experience.load(out / f"g{number}.csv") for number in range(1, EPISODES + 1)]
+    files = [Experience.load(out / f"g{number}.csv") for number in range(1, episodes + 1)]
     result.complete = all(complete.get(file.seed) == list(file) for file in files)
     result.complete &= [(own.file, own.vectors) for own in rows] == [*enumerate(map(len, files), 1)]
 
@@ -401,9 +412,9 @@ def fault_table(rows: Sequence[FaultRow]) -> Table:
     return table_of("faults", "Faults", note, lines, digits)
 
 
-def training_table(rows: Sequence[TrainingResult]) -> Table:
+def training_table(rows: Sequence[TrainingResult], episodes: int) -> Table:
     """Sums over all trainings."""
-    note = f"Whole trainings of {EPISODES} episodes, and the vectors that they stored."
+    note = f"Whole trainings, each for {episodes} complete episode(s), and the vectors that they stored."
     names = [field.name for field in fields(TrainingResult)]
     sums = {name: sum(getattr(row, name) for row in rows) for name in names}
     return table_of("trainings", "Trainings", note, [{"trainings": len(rows), **sums}], {"seconds": 0})
@@ -432,13 +443,13 @@ def picture(rows: Sequence[FaultRow]) -> "Figure":
 def main() -> int:
     """Run the benchmark."""
     given = parse("lab_faults", __doc__, COUNT)
-    kinds, pause = (KINDS[::QUICK], QUICK_PAUSE) if given.quick else (KINDS, PAUSE)
-    units = [Job(f"series {number}", series, (number, kinds, given.seed, pause)) for number in range(given.series)]
+    size = QUICK if given.quick else Size()
+    units = [Job(f"series {number}", series, (number, size, given.seed)) for number in range(given.series)]
     rows = collect(given, units, {FaultRow: "faults", TrainingResult: "trainings"})
     faults = rows.of(FaultRow)
     caption = "seconds until a fault is noticed, and wheels without control"
     parts: list[Table | Picture] = [
-        *(fault_table(faults), training_table(rows.of(TrainingResult))),
+        *(fault_table(faults), training_table(rows.of(TrainingResult), size.episodes)),
         Picture("lab_faults", caption, picture(faults)),
     ]
     return finish(given, Page("Faults in the laboratory", parts))

@@ -157,7 +157,7 @@ def test_killed_run_is_continued_with_the_same_rows_by_two_processes(
     # As a kill in the middle of a write leaves it.
     (folder / UNITS).write_bytes(b"".join(units[: 1 + done]) + units[1 + done][: len(units[1 + done]) // 2])
     # One script in a process of its own, whose workers must not print errors; the others import nothing again.
-    run = quick if script == "further_work" else quick_here
+    run = quick if script == "tracker" else quick_here
     printed = run(script, tmp_path / "killed", *arguments, "--jobs", "2")
     counts = re.findall(r"(\d+) of (\d+) units are done already", printed)
     assert [sum(map(int, part)) for part in zip(*counts, strict=True)] == [done, len(units) - 1]

@@ -8,7 +8,7 @@ from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
 
 pytest.importorskip("cv2")
-SCENES, ROUNDS = 20, 2 * 100
+SCENES, ROUNDS = 10, 2 * 60
 KINDS = {"food": 2, "1 hole": 1, "2 holes": 1}
 """And how many of each there are."""
 
