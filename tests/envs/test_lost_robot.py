@@ -184,7 +184,7 @@ def test_experience_recorded_before_a_loss_is_kept(env: Any, tmp_path: Path, cap
             unplug(env.world, 1)
 
     with caplog.at_level(logging.WARNING, training.__name__):
-        experience, rows = training.train(env, np.random.SeedSequence(1), path=path, callback=watch)
+        experience, rows = training.train(env, np.random.SeedSequence(3), path=path, callback=watch)
     assert rows[0].reason == training.ROBOT_LOST
     assert rows[-1].complete
     assert rows[0].rounds == 41
