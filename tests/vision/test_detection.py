@@ -38,7 +38,7 @@ def test_markers_are_detected_at_any_pose(name: str) -> None:
     rng, renderer = np.random.default_rng(1), SceneRenderer(APPEARANCES[name], (1500.0, 1200.0))
     tracker = Tracker()
     distances, angles = [], []
-    for _ in range(75):
+    for _ in range(50):
         markers = (random_marker(rng, 1, right=1400), random_marker(rng, 2, left=1700))
         tracker.reset()
         scene = tracker.update(renderer.frame(markers))

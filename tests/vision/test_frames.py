@@ -25,7 +25,7 @@ def centroid(weight: Floats) -> tuple[float, float]:
 
 
 @given(x=st.floats(200, 3000), y=st.floats(200, 2200), heading=st.floats(-math.pi, math.pi))
-@settings(max_examples=40)
+@settings(max_examples=20)
 def test_markers_and_food_are_exact_to_a_twentieth_of_a_pixel(x: float, y: float, heading: float) -> None:
     # With everything else black, grey levels are the coverage by white.
     appearance = replace(NONE, floor=0, black=0, body=0, gripper=0, white=250)
@@ -109,7 +109,7 @@ def test_same_seed_gives_the_same_frames() -> None:
 
 
 def test_noise_is_independent_and_has_its_size() -> None:
-    frames = np.array(render_frames(Truth((), ()), replace(NONE, grain=4.0), 60), float)
+    frames = np.array(render_frames(Truth((), ()), replace(NONE, grain=4.0), 30), float)
     assert frames.std() == pytest.approx(4.0, rel=0.03)
     assert frames.mean() == pytest.approx(NONE.floor, abs=0.05)
     # From pixel to pixel, and from frame to frame.

@@ -187,10 +187,7 @@ def test_floor_tags_of_any_size_calibrate_to_a_millimetre(width: int, height: in
             assert math.dist((5 * found[0], 5 * found[1]), (x, y)) < 1.5
 
 
-@pytest.mark.parametrize(("shift", "turn"), [((30.0, 10.0), 0.03), ((20.0, 60.0), 0.03), ((20.0, 10.0), 0.06)])
-def test_camera_that_was_knocked_is_noticed_at_the_next_frame(
-    tmp_path: Path, shift: tuple[float, float], turn: float
-) -> None:
+def test_camera_that_was_knocked_is_noticed_at_the_next_frame(tmp_path: Path) -> None:
     middles = {tag: pose[:2] for tag, pose in floor_places(2400.0).items()}
     frame = floor_scene(640, 480).frame()
     calibration = fit_to_tags(find_floor_tags(frame, sorted(middles)), middles).calibration
@@ -203,8 +200,11 @@ def test_camera_that_was_knocked_is_noticed_at_the_next_frame(
     covered[:300, :400] = 60  # somebody leans over the floor
     tracker.update(covered)
     assert "camera moved" not in tracker.warnings
-    tracker.update(floor_scene(640, 480, shift, turn).frame())
-    assert "the camera has moved since its calibration" in tracker.warnings["camera moved"]
+    for shift, turn in (((30.0, 10.0), 0.03), ((20.0, 60.0), 0.03), ((20.0, 10.0), 0.06)):
+        tracker = Tracker(calibration=Calibration.load(tmp_path / "tags.toml"))
+        tracker.update(frame)
+        tracker.update(floor_scene(640, 480, shift, turn).frame())
+        assert "the camera has moved since its calibration" in tracker.warnings["camera moved"]
 
 
 def test_too_few_floor_tags_are_refused() -> None:

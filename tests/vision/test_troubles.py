@@ -30,8 +30,12 @@ Trouble = Callable[..., Frame]
 
 def brightened(picture: Frame, x: float, y: float, amplitude: float, size: float) -> Frame:
     """The picture with the reflection of a lamp: a Gaussian of some pixels around a place in mm."""
-    squares = (COLUMN - x / 5) ** 2 + (480 - ROW - y / 5) ** 2
-    bright: Frame = (picture + amplitude * np.exp(-squares / (2 * size**2))).clip(0, 255).astype(np.uint8)
+    bright, reach = picture.copy(), 6 * size
+    left, right = (int(min(max(x / 5 + side * reach, 0), 640)) for side in (-1, 1))
+    top, bottom = (int(min(max(480 - y / 5 + side * reach, 0), 480)) for side in (-1, 1))
+    near = slice(top, bottom), slice(left, right)
+    squares = (COLUMN[near] - x / 5) ** 2 + (480 - ROW[near] - y / 5) ** 2
+    bright[near] = (picture[near] + amplitude * np.exp(-squares / (2 * size**2))).clip(0, 255)
     return bright
 
 
