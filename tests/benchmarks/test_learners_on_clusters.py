@@ -11,6 +11,8 @@ import pytest
 
 from tests.benchmarks.running import command_of, read
 
+pytest.importorskip("distributed", reason="needs the extra dask")
+
 WORK = ["--quick", "--only", "tree", "--only", "teacher", "--seeds", "3", "--seed", "1"]
 
 
@@ -35,7 +37,6 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, str]]:
 
 
 def test_two_workers_make_the_same_rows(here: list[dict[str, str]], tmp_path: Path) -> None:
-    pytest.importorskip("distributed", reason="needs the extra dask")
     printed = run(tmp_path / "learners", "--backend", "dask", "--jobs", "2")
     assert "6 units for 2 workers of Dask" in printed
     assert rows(tmp_path / "learners") == here
@@ -44,7 +45,6 @@ def test_two_workers_make_the_same_rows(here: list[dict[str, str]], tmp_path: Pa
 @pytest.fixture
 def dask_cluster(tmp_path: Path) -> Iterator[str]:
     """A scheduler and two workers, each a process of its own."""
-    pytest.importorskip("distributed", reason="needs the extra dask")
     where = tmp_path / "scheduler.json"
     told = ["--scheduler-file", str(where)]
     local = ["--host", "127.0.0.1", "--no-dashboard"]
