@@ -69,13 +69,13 @@ def test_same_seed_gives_the_same_rollout_bit_for_bit() -> None:
     runs = []
     with virtual_laboratory("corridor", 2, timeout=2.0) as lab:
         env = TrainingEnv(world=lab, noise=Noise.none())
-        runs.append(run_attempt(env, 2))
+        runs.append(run_attempt(env, 8))
         env.reset(seed=9)
         for _ in range(33):
             env.step(2)
-        runs.append(run_attempt(env, 2))
+        runs.append(run_attempt(env, 8))
     with virtual_laboratory("corridor", 2, timeout=2.0) as lab:
-        runs.append(run_attempt(TrainingEnv(world=lab, noise=Noise.none()), 2))
+        runs.append(run_attempt(TrainingEnv(world=lab, noise=Noise.none()), 8))
     assert runs[0] == runs[1] == runs[2]
     assert len(runs[0]) > 60
 

@@ -71,7 +71,7 @@ def test_labels_are_kept_while_robots_pass_each_other() -> None:
     model = OverheadCamera(lambda: renderer.truth, Noise.none())
     foods = ((700.0, 1300.0), (1300.0, 700.0))
     labels: dict[int, int] = {}
-    for i in range(300):
+    for i in range(200):
         t = i / 20
         one = (1000 + 300 * math.cos(t), 1000 + 300 * math.sin(t), t + math.pi / 2, 1)
         two = (1000 + 130 * math.cos(-t * 0.7), 1000 + 130 * math.sin(-t * 0.7), -t, 2)
