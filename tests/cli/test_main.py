@@ -68,23 +68,8 @@ def test_recall_with_another_learner_noise_and_food(experience: Path, tmp_path: 
     assert {(row.learner, row.noise, row.foods) for row in rows} == {("teacher", "none", 3)}
     still = recalled(out, "--noise", "placement")
     assert still != recalled(out, "--noise", "wheels,tracking losses")
-    assert (
-        main(
-            [
-                "watch",
-                "recall",
-                "--noise",
-                "none",
-                "--foods",
-                "2",
-                "--every",
-                "50",
-                "--out",
-                str(tmp_path / "new" / "f.gif"),
-            ]
-        )
-        == 0
-    )
+    film = tmp_path / "new" / "f.gif"
+    assert main(f"watch recall --noise none --foods 2 --every 50 --out {film}".split()) == 0
 
 
 def test_attempts_are_written_even_if_none_is_complete(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
