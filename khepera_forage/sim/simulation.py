@@ -60,9 +60,10 @@ class SimulatedKhepera:
     def sense(self) -> Senses:
         """What the robot senses since the last round."""
         senses = self.record.senses
-        near: Any = tuple(map(int, senses.proximity))
-        pulses = int(senses.left_pulses), int(senses.right_pulses)
-        return Senses(near, *pulses, int(senses.arm), int(senses.jaw), int(senses.object_presence))
+        values = (getattr(senses, name) for name in Senses._fields)
+        # Of compiled worlds they are numpy's.
+        plain = (value.tolist() if isinstance(value, np.generic | np.ndarray) else value for value in values)
+        return Senses._make(tuple(value) if isinstance(value, list) else value for value in plain)
 
     def drive(self, motors: Motors) -> Motors:
         """Command motors from the next round on; returns the command as applied."""
