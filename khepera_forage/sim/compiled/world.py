@@ -45,6 +45,7 @@ from khepera_forage.sim.simulation import Simulation
 from khepera_forage.vision import association, shapes
 from khepera_forage.vision.association import Track
 
+# The rules that Python calls become known to numba, so that compiled worlds execute the same ones.
 _1, _2, _4, _12, _27, _30, _31, _56 = map(np.uint64, (1, 2, 4, 12, 27, 30, 31, 56))
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
