@@ -105,6 +105,11 @@ class Rate:
 
 def speeds(seed: int, count: int, repeats: int) -> list[Rate]:
     """The speed of all parts on frames of a training, and on frames with two markers under cables."""
+
+    def first_look(tracker: Tracker, image: NDArray[np.uint8]) -> None:
+        tracker.reset()  # every frame shows other places
+        tracker.update(image)
+
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
     training = RenderedTraining(seed)
@@ -115,7 +120,7 @@ def speeds(seed: int, count: int, repeats: int) -> list[Rate]:
         tracker = Tracker()
         works: dict[str, list[Callable[[], object]]] = {
             TRACKER: [partial(tracker.update, image) for image in images],
-            CROSSED: [lambda image=image: Tracker().update(image) for image in crossed],  # type: ignore[misc]
+            CROSSED: [partial(first_look, tracker, image) for image in crossed],
             RENDERER: [training.renderer.frame] * count,
         }
         for part, work in works.items():
