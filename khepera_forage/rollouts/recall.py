@@ -149,8 +149,7 @@ def recall(
                 levels = neighbours.confidence_levels()
                 own.confidence = tuple(levels.get(b, 0.0) for b in list(Behaviour)[:STATES])
         else:
-            number = behaviour_number(policy.act(observation, rng), who=type(policy).__name__)
-            action = Behaviour(number)
+            action = Behaviour(behaviour_number(policy.act(observation, rng), who=type(policy).__name__))
         if callback is not None:
             callback()
         food_distance = observation["robot_food_distance"].item()

@@ -28,7 +28,7 @@ class RowWriter(Generic[RowT]):
     Args:
         path: The file; its folder is created if needed.
         row_type: The dataclass whose fields are the columns.
-        resume: Append to the complete rows of an existing file. By default an existing file is replaced.
+        resume: Append to the complete rows of an existing file. By default the first `write` replaces its rows.
 
     Raises:
         ValueError: The existing file has other columns.
@@ -37,25 +37,28 @@ class RowWriter(Generic[RowT]):
 
     def __init__(self, path: Path, row_type: type[RowT], resume: bool = False) -> None:
         self._types = get_type_hints(row_type)
-        header = _line(_names(row_type))
+        self._header = _line(_names(row_type))
         path.parent.mkdir(parents=True, exist_ok=True)
-        begin = not (resume and path.exists() and _repair(path, header))
-        self._file = open(path, "wb" if begin else "ab", buffering=0)  # noqa: SIM115  closed by close()
+        begin = not (resume and path.exists() and _repair(path, self._header))
+        self._replaces = begin and path.is_file() and path.stat().st_size > 0
+        self._file = open(path, "ab", buffering=0)  # noqa: SIM115  closed by close()
         self._path = path
-        if begin:
+        if begin and not self._replaces:
             try:
-                self._write(header)
+                self._write(self._header)
             except OSError:
                 self._file.close()
                 raise
 
     def write(self, *rows: RowT) -> None:
         """Append rows, with one write for all of them."""
-        self._write(
-            b"".join(
-                _line([_format(name, kind, getattr(row, name)) for name, kind in self._types.items()]) for row in rows
-            )
+        data = b"".join(
+            _line([_format(name, kind, getattr(row, name)) for name, kind in self._types.items()]) for row in rows
         )
+        if self._replaces:
+            self._file.truncate(0)
+            data, self._replaces = self._header + data, False
+        self._write(data)
 
     def _write(self, data: bytes) -> None:
         write_all(self._file, data, self._path)

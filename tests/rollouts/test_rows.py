@@ -98,6 +98,16 @@ def test_killed_process_loses_at_most_the_last_row(tmp_path: Path) -> None:
     assert len(read_rows(path, RecallRow)) == len(rows) + 1
 
 
+def test_earlier_rows_stay_until_the_first_new_one(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    write_rows(path, RecallRow, [recall(), recall(recall=1)])
+    with RowWriter(path, RecallRow) as writer:
+        assert len(read_rows(path, RecallRow)) == 2
+        writer.write(recall(recall=2))
+        writer.write(recall(recall=3))
+    assert read_rows(path, RecallRow) == [recall(recall=2), recall(recall=3)]
+
+
 def test_resuming_with_other_columns_is_an_error(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
     write_rows(path, RecallRow, [recall()])

@@ -59,8 +59,8 @@ def test_recall_counts_ties_of_an_imitator_and_none_of_a_teacher() -> None:
     row = recall(env, imitator, 7)
     assert 0 < row.ties <= row.steps
     assert 0 <= row.conflicts <= row.ties
-    teacher = recall(env, Teacher(), 7, learner=TEACHER)
-    assert (teacher.ties, teacher.conflicts, teacher.score) == (0, 0, 100.0)
+    teacher = recall(env, Teacher(), 7, learner=TEACHER, number=3)
+    assert (teacher.ties, teacher.conflicts, teacher.score, teacher.recall) == (0, 0, 100.0, 3)
     assert (teacher.food_x, teacher.start_x) == (row.food_x, row.start_x), "the seed determines the places"
 
 
