@@ -49,8 +49,9 @@ def replicate(number: int, recalls: int, seed: np.random.SeedSequence) -> list[R
             vectors, behaviours = arrays(files[:amount])
             imitator = NearestNeighbourImitator(env.diagonal).fit(vectors, behaviours)
             # The same places after each amount, so that only the experience differs.
-            for one in recall_seed.generate_state(recalls).tolist():
-                row = recall(env, imitator, one, replication=number, episodes=amount, experience_size=len(vectors))
+            for i, one in enumerate(recall_seed.generate_state(recalls).tolist()):
+                size = len(vectors)
+                row = recall(env, imitator, one, replication=number, number=i, episodes=amount, experience_size=size)
                 rows.append(row)
     return rows
 
