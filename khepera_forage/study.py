@@ -29,6 +29,7 @@ import os
 import platform
 import shlex
 import sys
+import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from importlib.metadata import version
@@ -40,7 +41,7 @@ from joblib import Parallel, delayed
 
 from khepera_forage.estimates import Table
 from khepera_forage.figures import save
-from khepera_forage.files import naming_file, replacing
+from khepera_forage.files import naming_file, replacing, write_all
 from khepera_forage.option_values import OneLineParser, given_path, processes, progress, whole_number
 from khepera_forage.rollouts.row_files import write_rows
 from khepera_forage.task.decision_versions import CURRENT
@@ -239,8 +240,8 @@ class RowStore:
     def add(self, key: str, rows: Sequence[Any]) -> None:
         """Keep the rows of a unit."""
         self.finished[key] = list(rows)
-        with naming_file(self._path), self._path.open("ab") as file:
-            file.write(self._line(key))
+        with open(self._path, "ab", buffering=0) as file:
+            write_all(file, self._line(key), self._path)
 
     def write_tables(self, order: Sequence[str]) -> None:
         """Write every table as CSV: units of other runs first, then some units in this order."""
@@ -265,7 +266,7 @@ class RowStore:
                 lines.extend(map(json.loads, file))
         except EOFError:
             pass  # the line that a killed process was writing
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, zlib.error) as error:
             raise ValueError(
                 f"{self._path}: {error}; allowed: as this program wrote it, another folder (--out), or --fresh, which "
                 "deletes it"

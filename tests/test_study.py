@@ -10,6 +10,7 @@ import pytest
 from khepera_forage import figures
 from khepera_forage.estimates import Column, Table
 from khepera_forage.study import UNITS, Arguments, Count, Page, Picture, RowStore, collect, parse, write
+from tests.limited_disk import largest_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,9 +110,22 @@ def test_rows_of_other_settings_are_refused(tmp_path: Path, capsys: pytest.Captu
 
 
 def test_a_file_of_another_kind_is_named(tmp_path: Path) -> None:
-    (tmp_path / UNITS).write_text("unit,number\n")
-    with pytest.raises(ValueError, match=r"units\.jsonl\.gz: .*; allowed: as this program wrote it"):
-        RowStore(tmp_path, TABLES, {})
+    store = tmp_path / UNITS
+    walk(tmp_path, "a")
+    whole = store.read_bytes()
+    for damaged in (b"unit,number\n", whole[:10] + b"\x07" + whole[11:]):
+        store.write_bytes(damaged)
+        with pytest.raises(ValueError, match=r"units\.jsonl\.gz: .*; allowed: as this program wrote it"):
+            RowStore(tmp_path, TABLES, {})
+
+
+def test_a_full_disk_keeps_whole_units(tmp_path: Path) -> None:
+    walk(tmp_path, "a")
+    size = (tmp_path / UNITS).stat().st_size
+    with largest_file(size + 1), pytest.raises(OSError, match=r"units\.jsonl\.gz"):
+        RowStore(tmp_path, TABLES, {}).add("b", [])
+    assert (tmp_path / UNITS).stat().st_size <= size
+    assert set(RowStore(tmp_path, TABLES, {}).finished) == {"a"}
 
 
 def test_a_page_has_its_parts_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -140,8 +140,10 @@ class Experience:
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write a file, and replace an existing one; an OSError leaves the existing file unchanged."""
-        about = self.arena, self.seed, self.episodes
-        with replacing(Path(path)) as partial, ExperienceWriter(partial, *about, decisions=self.decisions) as writer:
+        # Overwriting what a process that was killed may have left.
+        about: dict[str, Any] = {"decisions": self.decisions, "overwrite": True}
+        header = self.arena, self.seed, self.episodes
+        with replacing(Path(path)) as partial, ExperienceWriter(partial, *header, **about) as writer:
             for row in self:
                 writer.append(*row)
 

@@ -21,7 +21,7 @@ class GrowingMemory(ConfidenceClassifier):
     missing to 1. Above `forgetting` a node is forgotten. A node visited once lasts for
     log(habituation / (1 - forgetting)) / recovery stimuli, a node visited often a few hundred more.
 
-    The thesis gives no numbers; the defaults are ours. A node lasts for some 1,600 stimuli, the experience of about
+    The thesis gives no numbers; the defaults are ours. A node lasts for some 1,700 stimuli, the experience of about
     thirty training episodes.
 
     Args:

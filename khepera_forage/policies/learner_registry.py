@@ -32,7 +32,7 @@ from khepera_forage.policies.learners import (
 
 GROUP = "khepera_forage.learners"
 """The group of the entry points."""
-_PACKAGE = str(Path(__file__).parents[1])
+_PACKAGE = str(Path(__file__).parents[1]) + os.sep
 
 
 class LearnerError(ValueError):

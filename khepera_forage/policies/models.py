@@ -120,8 +120,9 @@ class ModelPolicy:
                 raise TypeError(
                     "rng is None; allowed for a recurrent model: a numpy.random.Generator, another one for each episode"
                 )
-        numbers = np.ravel(action)
-        return Behaviour(int(numbers[0])) if len(numbers) == 1 else numbers.astype(np.float32), state
+        if np.size(action) == 1:
+            return Behaviour(behaviour_number(np.asarray(action), who=type(self.model).__name__)), state
+        return np.ravel(action).astype(np.float32), state
 
     def __getstate__(self) -> dict[str, Any]:
         model: Any = self.model

@@ -14,6 +14,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies import Policy, Teacher, state_vector_of
 from khepera_forage.policies.classifiers import policy_of
 from khepera_forage.policies.models import completed
+from khepera_forage.rollouts.recall import stopping
 from khepera_forage.task.states import StateVector
 
 Arrays = tuple[NDArray[np.int64], NDArray[np.int64]]
@@ -97,18 +98,19 @@ def dagger(
     while queries > 0:
         count = min(queries, queries_a_round)
         agreed = delivered = episodes = 0
-        for _ in range(count):
-            label = int(teacher.act(observation, rng))
-            action = int((teacher if actor is expert else actor).act(observation, rng))
-            vectors.append(state_vector_of(observation))
-            behaviours.append(label)
-            agreed += action == label
-            observation, _, terminated, truncated, info = env.step(action)
-            if terminated or truncated:
-                delivered += info["delivered"]
-                episodes += 1
-                observation, info = env.reset()
-                teacher = completed(expert, env)
+        with stopping(env.unwrapped):
+            for _ in range(count):
+                label = int(teacher.act(observation, rng))
+                action = label if actor is expert else int(actor.act(observation, rng))
+                vectors.append(state_vector_of(observation))
+                behaviours.append(label)
+                agreed += action == label
+                observation, _, terminated, truncated, info = env.step(action)
+                if terminated or truncated:
+                    delivered += info["delivered"]
+                    episodes += 1
+                    observation, info = env.reset()
+                    teacher = completed(expert, env)
         rounds.append(DaggerRound(count, agreed, delivered, episodes))
         actor = _fitted(make, vectors, behaviours, sample)
         queries -= count

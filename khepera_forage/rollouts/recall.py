@@ -2,7 +2,8 @@
 
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, NamedTuple, TypeVar
 
 import gymnasium as gym
@@ -31,6 +32,16 @@ _Env = TypeVar("_Env", bound=gym.Env[Any, Any])
 
 class RecallInterruptedError(ConnectionError):
     """A real robot or the camera was lost, so that the episode has no result."""
+
+
+@contextmanager
+def stopping(env: Any) -> Iterator[None]:
+    """A block after whose errors and interrupts the robots of an environment stop: nobody commands them any more."""
+    try:
+        yield
+    except BaseException:
+        env.world.stop()
+        raise
 
 
 def recall_env(
@@ -134,28 +145,30 @@ def recall(
     own, seed = behaviours_env(env), whole_number("seed", seed, 0)
     rng = np.random.default_rng((seed, 1))
     observation, info = own.reset(seed=seed)
+    own.confidence = None  # that of an earlier policy
     policy = completed(policy, own)
     find_neighbours = getattr(policy, "neighbours", None)
     decisions, counts = own.decisions.values(), DecisionCounts()
     ties = conflicts = 0
     done = False
-    while not done:
-        if find_neighbours is not None:
-            neighbours: Neighbours = find_neighbours(observation)
-            ties += neighbours.tie
-            conflicts += neighbours.conflict
-            action = neighbours.draw(rng)
+    with stopping(own):
+        while not done:
+            if find_neighbours is not None:
+                neighbours: Neighbours = find_neighbours(observation)
+                ties += neighbours.tie
+                conflicts += neighbours.conflict
+                action = neighbours.draw(rng)
+                if callback is not None:
+                    levels = neighbours.confidence_levels()
+                    own.confidence = tuple(levels.get(b, 0.0) for b in list(Behaviour)[:STATES])
+            else:
+                action = Behaviour(behaviour_number(policy.act(observation, rng), who=type(policy).__name__))
             if callback is not None:
-                levels = neighbours.confidence_levels()
-                own.confidence = tuple(levels.get(b, 0.0) for b in list(Behaviour)[:STATES])
-        else:
-            action = Behaviour(behaviour_number(policy.act(observation, rng), who=type(policy).__name__))
-        if callback is not None:
-            callback()
-        food_distance = observation["robot_food_distance"].item()
-        count_decision(counts, info["state"], action, food_distance, decisions)
-        observation, _, terminated, truncated, info = own.step(action)
-        done = terminated or truncated
+                callback()
+            food_distance = observation["robot_food_distance"].item()
+            count_decision(counts, info["state"], action, food_distance, decisions)
+            observation, _, terminated, truncated, info = own.step(action)
+            done = terminated or truncated
     if callback is not None:
         callback()
     if "robot_lost" in info:
@@ -254,16 +267,18 @@ def recall_wheels(env: gym.Env[Any, Any], policy: Any, seed: int, *, callback: C
         RecallInterruptedError: A real robot or the camera was lost; the robot was stopped.
         TypeError: An environment of another kind.
     """
-    own, rng = env.unwrapped, np.random.default_rng((whole_number("seed", seed, 0), 1))
+    own, seed = env.unwrapped, whole_number("seed", seed, 0)
+    rng = np.random.default_rng((seed, 1))
     if not isinstance(own, WheelsEnv):
         raise TypeError(f"env is {env}; allowed: CorridorWheels-v1, RectangleWheels-v1, or another WheelsEnv")
     observation, _ = env.reset(seed=seed)
     done = False
-    while not done:
-        if callback is not None:
-            callback()
-        observation, _, terminated, truncated, info = env.step(policy.act(observation, rng))
-        done = terminated or truncated
+    with stopping(own):
+        while not done:
+            if callback is not None:
+                callback()
+            observation, _, terminated, truncated, info = env.step(policy.act(observation, rng))
+            done = terminated or truncated
     if callback is not None:
         callback()
     if "robot_lost" in info:

@@ -34,6 +34,7 @@ class RenderedTraining:
     Attributes:
         world: The simulated world; `world.truth()` has the true poses of the newest frame.
         anchor: Place in mm from which the cables hang.
+        renderer: Renders the frames.
         attempts: Number of attempts so far; each begins with robots and food on their marks.
     """
 
@@ -46,15 +47,10 @@ class RenderedTraining:
         self._env = TrainingEnv(world=self.world)
         walls = [wall for arena in self.world.arenas for wall in arena.segments]
         period = self.world.round_duration
-        self._renderer = FrameRenderer(self.world.truth, anchor=self.anchor, walls=walls, period=period)
+        self.renderer = FrameRenderer(self.world.truth, anchor=self.anchor, walls=walls, period=period)
         self._paced = paced
         self._due = 0.0
         self._rounds = self._train(np.random.default_rng(seed))
-
-    @property
-    def renderer(self) -> FrameRenderer:
-        """The renderer of the frames."""
-        return self._renderer
 
     def advance(self) -> None:
         """Simulate one round; the first call places robots and food on their marks."""
@@ -65,9 +61,8 @@ class RenderedTraining:
         self.advance()
         if self._paced:
             time.sleep(max(0.0, self._due - time.monotonic()))
-            period = self.world.round_duration
-            self._due = max(self._due, time.monotonic() - period) + period
-        return self._renderer.frame(), 0.0
+            self._due = max(self._due, time.monotonic()) + self.world.round_duration
+        return self.renderer.frame(), 0.0
 
     def close(self) -> None:
         """Close the simulation."""
@@ -79,7 +74,7 @@ class RenderedTraining:
         while True:
             self.attempts += 1
             env.reset(seed=int(rng.integers(2**31)))
-            self._renderer.reset(rng)
+            self.renderer.reset(rng)
             yield
             while not (env.terminations[TEACHER] or env.truncations[TEACHER]):
                 for agent in env.possible_agents:

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar, get_args, get_origin, get_type_hints
 
-from khepera_forage.files import utf8, write_all
+from khepera_forage.files import replacing, utf8, write_all
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -55,10 +55,14 @@ class RowWriter(Generic[RowT]):
         data = b"".join(
             _line([_format(name, kind, getattr(row, name)) for name, kind in self._types.items()]) for row in rows
         )
-        if self._replaces:
-            self._file.truncate(0)
-            data, self._replaces = self._header + data, False
-        self._write(data)
+        if not self._replaces:
+            self._write(data)
+            return
+        # As a whole: after an error or a kill the earlier rows are still there.
+        self._file.close()
+        with replacing(self._path) as partial:
+            partial.write_bytes(self._header + data)
+        self._file, self._replaces = open(self._path, "ab", buffering=0), False  # noqa: SIM115
 
     def _write(self, data: bytes) -> None:
         write_all(self._file, data, self._path)

@@ -31,7 +31,7 @@ class RecallRow:
 
     Attributes:
         replication: Number of the repetition of the whole design, its own training files included.
-        arena: `corridor` or `rectangle`.
+        arena: Name of the arena.
         episodes: Training episodes of the learner; 0 for a policy without training.
         file_id: The thesis's name of the training files (`g135`); `-` for a policy without training.
         recall: Number of the recall with these files, from 0.

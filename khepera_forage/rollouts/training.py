@@ -20,7 +20,7 @@ from khepera_forage.experience import Experience, ExperienceWriter
 from khepera_forage.policies import Listener, Policy, Teacher
 from khepera_forage.policies.models import completed
 from khepera_forage.policies.policy import HEARD
-from khepera_forage.rollouts.recall import Callback
+from khepera_forage.rollouts.recall import Callback, stopping
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.sim.world import LOST
 from khepera_forage.task.decisions import decisions_text
@@ -130,20 +130,21 @@ def attempt(
         env.reset(seed=seed, options=None if options is None else dict(options))
     except LOST as error:
         return Attempt(False, 0, 0, 0, ROBOT_LOST, str(error))
-    teacher = completed(teacher or Teacher(), env)  # after the reset, which chooses the arena
-    last_agent = env.possible_agents[-1]
+    # After the reset, which chooses the arena.
+    teacher = completed(Teacher() if teacher is None else teacher, env)
     resumed = 0
-    while not (env.terminations[TEACHER] or env.truncations[TEACHER]):
-        for agent in env.possible_agents:
-            observation = env.observe(agent)
-            policy: Policy = teacher if agent == TEACHER else listener
-            if agent == "learner_0" and observation[HEARD] != Behaviour.WAIT:
-                record(StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD])))
-            env.step(int(policy.act(observation, rng)))
-            if agent == last_agent and callback is not None:
+    with stopping(env):
+        while not (env.terminations[TEACHER] or env.truncations[TEACHER]):
+            for agent in env.possible_agents:
+                observation = env.observe(agent)
+                policy: Policy = teacher if agent == TEACHER else listener
+                if agent == "learner_0" and observation[HEARD] != Behaviour.WAIT:
+                    record(StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD])))
+                env.step(int(policy.act(observation, rng)))
+            if callback is not None:
                 callback()
-        if resume and not env.truncations[TEACHER]:
-            resumed += _resume_separated(env)
+            if resume and not env.truncations[TEACHER]:
+                resumed += _resume_separated(env)
     return _result(env, resumed)
 
 
@@ -253,7 +254,6 @@ def train(
             if recorder.writer is not None:
                 recorder.writer.close(complete=result.complete)
         except BaseException:
-            env.world.stop()
             if recorder.writer is not None:
                 recorder.writer.close(complete=False)
                 if not recorder.vectors:  # an empty file would prevent the next training at this path

@@ -59,6 +59,15 @@ def test_actions_that_are_no_whole_number_are_refused(answer: Any) -> None:
         as_policy(Answer(answer)).act(X[0], None)
 
 
+def test_action_of_a_model_that_is_no_behaviour_is_refused() -> None:
+    class Fraction:
+        def predict(self, observation: Any, *, deterministic: bool) -> tuple[Any, None]:
+            return np.array([2.7]), None
+
+    with pytest.raises(ValueError, match=r"action of Fraction is .*; allowed: a whole number from 0 to 10"):
+        as_policy(Fraction()).act(X[0])
+
+
 @pytest.mark.parametrize("answer", [2, np.int8(2), np.array(2), np.array([2]), np.array([[2]])])
 def test_one_whole_number_in_any_form_is_a_behaviour(answer: Any) -> None:
     assert as_policy(Answer(answer)).act(X[0], None) is Behaviour.ORIENT_WITH_FOOD

@@ -10,8 +10,9 @@ import pytest
 from sklearn.ensemble import RandomForestClassifier
 from sklearn.naive_bayes import GaussianNB
 
+import khepera_forage
 from khepera_forage.policies import as_policy, register_learner
-from khepera_forage.policies.learner_registry import installed_learners, learner_at
+from khepera_forage.policies.learner_registry import LearnerError, installed_learners, learner_at, own_errors
 from khepera_forage.policies.learners import LEARNERS, InteractiveImitation, OfflineImitation
 
 X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1, 48, 1, 215, 14]] * 3)
@@ -84,6 +85,14 @@ def test_learners_of_installed_packages_are_found(package: str) -> None:
     assert found.broken["missing"].startswith(f"{package}:missing: AttributeError")
     assert "TypeError: learner number is 7" in found.broken["number"]
     assert "its name is that of a learner of khepera_forage" in found.broken["tree"]
+
+
+def test_error_in_a_package_whose_name_begins_like_ours_shows_where_it_is() -> None:
+    names: dict[str, Any] = {}
+    place = Path(khepera_forage.__file__).parent.with_name("khepera_forage_mine") / "learner.py"
+    exec(compile("def fit(): raise IndexError('too late')", str(place), "exec"), names)
+    with pytest.raises(LearnerError, match=r"mine failed\n(.|\n)*IndexError: too late"), own_errors("mine"):
+        names["fit"]()
 
 
 def test_a_learner_is_found_by_its_place(package: str) -> None:

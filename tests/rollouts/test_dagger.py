@@ -7,7 +7,7 @@ import pytest
 from sklearn.tree import DecisionTreeClassifier
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.policies import state_vector_of
+from khepera_forage.policies import UniformPolicy, state_vector_of
 from khepera_forage.policies.features import encoded
 from khepera_forage.policies.learners import LEARNERS, InteractiveImitation, OfflineImitation
 from khepera_forage.rollouts.dagger import dagger
@@ -33,6 +33,7 @@ def test_every_query_has_the_teachers_behaviour(env: BehavioursEnv) -> None:
         assert behaviour == behaviour_for(classify(state_vector_of(row), env.home_radius, env.decisions.values()))
     assert out.rounds[0].agreed == 100, "the teacher itself acts in the first round"
     assert out.rounds[1].agreed < 100
+    assert dagger(make, env, 20, 7, expert=UniformPolicy()).rounds[0].agreed == 20, "it does what it says"
 
 
 def test_learner_agrees_with_the_teacher_after_enough_rounds(env: BehavioursEnv) -> None:

@@ -13,6 +13,7 @@ import pytest
 from khepera_forage.rollouts.row_files import RowWriter, read_rows, write_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.task.states import State
+from tests.limited_disk import largest_file
 from tests.thesis.synthetic import counts, failed, recall, training
 
 NEXT, SEARCH = State.NEXT_TO_FOOD, State.SEARCH
@@ -105,6 +106,9 @@ def test_earlier_rows_stay_until_the_first_new_one(tmp_path: Path) -> None:
         assert len(read_rows(path, RecallRow)) == 2
         writer.write(recall(recall=2))
         writer.write(recall(recall=3))
+    assert read_rows(path, RecallRow) == [recall(recall=2), recall(recall=3)]
+    with RowWriter(path, RecallRow) as writer, largest_file(5), pytest.raises(OSError, match=r"rows\.csv"):
+        writer.write(recall())
     assert read_rows(path, RecallRow) == [recall(recall=2), recall(recall=3)]
 
 

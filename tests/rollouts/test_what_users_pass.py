@@ -18,7 +18,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.policies import ModelPolicy, NearestNeighbourImitator, Neighbours, Teacher
 from khepera_forage.policies.classifiers import tree
 from khepera_forage.rollouts.dagger import dagger
-from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels
+from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels, recall_wheels_env
 from khepera_forage.rollouts.training import train
 from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.task.decisions import Decisions
@@ -105,6 +105,18 @@ class Fixed:
         return self.action, None
 
 
+class Interrupted(Fixed):
+    """Whose user presses Ctrl-C in the fourth round."""
+
+    rounds = 0
+
+    def act(self, observation: Any, rng: Any = None) -> Any:
+        self.rounds += 1
+        if self.rounds == 4:
+            raise KeyboardInterrupt
+        return self.action
+
+
 class OnlyObserves(Fixed):
     """Decides by the observation alone."""
 
@@ -115,6 +127,27 @@ class OnlyObserves(Fixed):
 def test_recall_takes_an_agent_without_rng_and_a_seed_of_numpy() -> None:
     env = recall_env("corridor", limit=5)
     assert recall(env, OnlyObserves(np.array([3])), seed=TWO) == recall(env, Fixed(3), seed=2)
+    wheels = recall_wheels_env("corridor", limit=5)
+    assert recall_wheels(wheels, Fixed(np.zeros(4)), TWO) == recall_wheels(wheels, Fixed(np.zeros(4)), 2)
+
+
+def test_robot_stops_after_an_interrupt_of_its_policy() -> None:
+    for run, env, action in (
+        (recall, recall_env("corridor", noise="none"), 0),
+        (recall_wheels, recall_wheels_env("corridor", noise="none"), np.ones(4)),
+    ):
+        with pytest.raises(KeyboardInterrupt):
+            run(env, Interrupted(action), 1)  # type: ignore[operator]
+        before = env.world.robots[0].sense()
+        env.world.advance()
+        assert env.world.robots[0].sense()[1:3] == before[1:3]
+
+
+def test_confidence_levels_of_an_earlier_policy_are_not_shown() -> None:
+    env, shown = recall_env("corridor", limit=3), []
+    for policy in (NearestNeighbourImitator().fit([(0, 60, 0, 215, 40)], [0]), Teacher()):
+        recall(env, policy, 1, callback=lambda: shown.append(env.confidence is None))
+    assert shown == [False] * 4 + [True] * 4
 
 
 WRONG: list[tuple[Callable[..., Any], tuple[Any, ...], str]] = [
