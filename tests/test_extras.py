@@ -45,6 +45,7 @@ def bare(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         ("recall --lab lab.toml", "robots,camera"),
         ("robot probe --port /dev/ttyUSB0", "robots"),
         ("camera preview", "camera"),
+        ("camera preview --out film.gif", "camera,render"),
         ("camera calibrate --points 0,0=0,0 1,0=1,0 1,1=1,1 0,1=0,1", "camera"),
         ("camera markers --out markers.png", "render"),
     ],

@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.cli.options import Group, check_ending, command, flag, option, out, refuse_ignored, seed
+from khepera_forage.envs.rendering.output import FILM_EXTRAS, save_film
 from khepera_forage.extras import require
+from khepera_forage.files import replacing
 from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.vision.calibration import DEFAULT_SIZE
@@ -39,8 +41,7 @@ _PAUSE = 0.02
 """Seconds between two pictures of the window."""
 _FILM_FRAMES = 50
 """Frames of a film without `--frames`."""
-_POLL_INTERVAL = 0.002
-"""Seconds to wait for a new frame of the camera."""
+_POLL_INTERVAL = 0.002  # s
 _IN_USE = {"holes": (1, 2), "grid": tuple(range(1, 13)), "tags": (1, 2, 3, 4)}
 """Markers without `--numbers`."""
 
@@ -66,13 +67,9 @@ def open_source(arguments: argparse.Namespace, paced: bool, size: tuple[int, int
     return VideoSource(arguments.source, settings=settings, paced=paced)
 
 
+_SOURCE = f"number of a device, film file, URL, or `{VIRTUAL}` for rendered pictures of a simulated training (0)"
 SOURCE = (
-    option(
-        "--source",
-        "number of a device, film file, URL, or `virtual` for rendered pictures of a simulated training (0)",
-        metavar="S",
-        default="0",
-    ),
+    option("--source", _SOURCE, None, "S", default="0"),
     option("--size", "pixels of the camera's frames (640x480)", _size, "WxH"),
     option("--rate", "frames a second, of a device (its own setting)", float, "N"),
     option("--exposure", "exposure, off automatic, of a device (its own setting)", float, "N"),
@@ -89,6 +86,14 @@ def _open_window() -> "Window | None":
         return Window()
     except (ImportError, OSError):
         return None
+
+
+def _is_closed(window: "Window", pause: float) -> bool:
+    """Whether the user closes the window or presses Escape, until there is no event for `pause` seconds."""
+    while event := window.wait(pause):
+        if event == ("escape", True):
+            return True
+    return False
 
 
 def _surface(picture: NDArray[np.uint8]) -> "pygame.Surface":
@@ -123,9 +128,7 @@ def _coordinates(text: str, count: int = 2) -> tuple[float, ...]:
 def _pair(text: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
     pixels, equals, mm = text.partition("=")
     if not equals:
-        raise argparse.ArgumentTypeError(
-            f"{text!r}; allowed: u,v=x,y with u, v in pixels from the upper left corner and x, y in mm"
-        )
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: u,v=x,y in pixels from the upper left corner, and in mm")
     return _coordinates(pixels), _coordinates(mm)
 
 
@@ -138,27 +141,22 @@ def _tag(text: str) -> tuple[int, tuple[float, ...]]:
 
 def _add_points(parser: argparse.ArgumentParser) -> None:
     add = parser.add_mutually_exclusive_group(required=True).add_argument
-    lens = "twelve all over the picture calibrate the lens, too"
-    text = f"four or more points: pixels from the picture's upper left corner = mm on the floor; {lens}"
-    add("--points", type=_pair, nargs="+", metavar="U,V=X,Y", help=text)
-    text = f"four or more places on the floor in mm, which you then click in a window in this order; {lens}"
-    add("--places", type=_coordinates, nargs="+", metavar="X,Y", help=text)
-    text = (
-        "four or more tags on the floor, better twelve, and the place of the middle of each in mm: nothing to click, "
-        "and the camera is watched from then on"
-    )
-    add("--tags", type=_tag, nargs="+", metavar="ID=X,Y", help=text)
+    text = "four or more points: pixels from the picture's upper left corner = mm on the floor"
+    add("--points", type=_pair, nargs="+", metavar="U,V=X,Y", help=f"{text}; {_LENS}")
+    text = "four or more places on the floor in mm, which you then click in a window in this order"
+    add("--places", type=_coordinates, nargs="+", metavar="X,Y", help=f"{text}; {_LENS}")
+    text = "four or more tags on the floor, better twelve, and the place of the middle of each in mm: nothing to click"
+    add("--tags", type=_tag, nargs="+", metavar="ID=X,Y", help=f"{text}, and the camera is watched from then on")
+
+
+_LENS = "twelve all over the picture calibrate the lens, too"
+_CAMERA = "position of the camera in mm, to correct the shift of markers above the floor (no correction)"
 
 
 @command(
     *SOURCE,
     _add_points,
-    option(
-        "--camera",
-        "position of the camera in mm, to correct the shift of markers above the floor (no correction)",
-        lambda text: _coordinates(text, 3),
-        "X,Y,HEIGHT",
-    ),
+    option("--camera", _CAMERA, lambda text: _coordinates(text, 3), "X,Y,HEIGHT"),
     flag("--check", "take a picture and print the regions found in it, in mm"),
     out("calibration.toml", "file"),
 )
@@ -169,18 +167,15 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
     from khepera_forage.vision.tags import find_floor_tags, fit_to_tags
     from khepera_forage.vision.tracker import Tracker
 
-    name = next(name for name in ("points", "places", "tags") if getattr(arguments, name))
-    given = getattr(arguments, name)
+    name, given = next((name, each) for name in ("points", "places", "tags") if (each := getattr(arguments, name)))
     tags = dict(given) if name == "tags" else {}
-    if len(tags) < len(given) and tags:
+    if tags and len(tags) < len(given):
         twice = Counter(tag for tag, _ in given).most_common(1)[0][0]
         raise ValueError(f"--tags has {twice} twice; allowed: each tag once")
     if len(given) < 4:
         raise ValueError(f"--{name} has {len(given)} points; allowed: four or more")
-    picture: Sequence[Point] = ()
-    floor: Sequence[Point] = given
-    if name == "points":
-        picture, floor = zip(*given, strict=True)
+    picture, floor = zip(*given, strict=True) if name == "points" else ((), given)
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
     by_camera = name != "points" or arguments.check
     with closing(open_source(arguments, paced=False)) if by_camera else nullcontext() as source:
         size = arguments.size or DEFAULT_SIZE
@@ -189,16 +184,14 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
             if name == "places":
                 picture = _clicked_points(source, floor)
         if source is not None and tags:
-            found = find_floor_tags(source.newest()[0], sorted(tags))
-            fit = fit_to_tags(found, tags, arguments.camera, size)
+            fit = fit_to_tags(find_floor_tags(source.newest()[0], sorted(tags)), tags, arguments.camera, size)
             seen = fit.calibration.tags
             picture, floor = list(seen.values()), [tags[tag] for tag in seen]
         else:
             fit = fit_calibration(picture, floor, arguments.camera, size)
         _print_errors(fit, picture, floor)
         if arguments.check and source is not None:
-            scene = Tracker(calibration=fit.calibration).update(source.newest()[0])
-            print(f"seen now: {described(scene)}")
+            print(f"seen now: {described(Tracker(calibration=fit.calibration).update(source.newest()[0]))}")
     fit.calibration.save(arguments.out)
     print(f"written to {arguments.out}")
 
@@ -220,12 +213,9 @@ def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequen
         print(f"held-out error {summary(fit.held_out)}: each point by the calibration from all others")
     else:
         print("held-out error unknown, because four points always fit: give at least five to measure the error")
-    if calibration.lens is not None:
+    if lens := calibration.lens:
         without = root_mean_square(fit.held_out_without_lens)
-        print(
-            f"lens: k1 {calibration.lens.k1:.4f}, k2 {calibration.lens.k2:.4f} "
-            f"(held-out error without it {without:.1f} mm)"
-        )
+        print(f"lens: k1 {lens.k1:.4f}, k2 {lens.k2:.4f} (held-out error without it {without:.1f} mm)")
     elif len(picture) < LENS_POINTS[0]:
         print(f"lens not calibrated: that takes at least {LENS_POINTS[0]} points, better 12 or more")
     else:
@@ -251,11 +241,9 @@ def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point
             for u, v in window.clicks:
                 line(picture, _CROSS_COLOUR, (u - 6, v), (u + 6, v))
                 line(picture, _CROSS_COLOUR, (u, v - 6), (u, v + 6))
-            x, y = floor[done]
-            window.show_picture(picture, f"click the place at ({x:g}, {y:g}) mm")
-            while event := window.wait(_PAUSE):
-                if event == ("escape", True):
-                    raise ValueError(f"window closed after {done} clicks; allowed: one click for each of --places")
+            window.show_picture(picture, "click the place at ({:g}, {:g}) mm".format(*floor[done]))
+            if _is_closed(window, _PAUSE):
+                raise ValueError(f"window closed after {done} clicks; allowed: one click for each of --places")
     return window.clicks[: len(floor)]
 
 
@@ -264,10 +252,14 @@ def ids(text: str) -> tuple[int, ...]:
     numbers: list[int] = []
     for part in text.replace(" ", "").split(",") if text.strip() else ():
         found = re.fullmatch(r"(\d{1,2})(?:-(\d{1,2}))?", part)
-        if not found or int(found[2] or found[1]) < int(found[1]):
+        some = range(int(found[1]), int(found[2] or found[1]) + 1) if found else ()
+        if not some:
             raise argparse.ArgumentTypeError(f"{text!r}; allowed: numbers and ranges, such as 1-4,7")
-        numbers += range(int(found[1]), int(found[2] or found[1]) + 1)
+        numbers += some
     return tuple(numbers)
+
+
+_FILM = "save the last picture (.png), or all pictures as a film (.gif, .mp4, .avi), instead of opening a window"
 
 
 @command(
@@ -278,18 +270,16 @@ def ids(text: str) -> tuple[int, ...]:
     option("--tag-size", "side of a robot's tag (80)", float, "MM", default=TrackerSettings().tag_size),
     option("--food-tags", "tags on food (none)", ids, "IDS", default=()),
     option("--frames", f"stop after N frames (no limit; {_FILM_FRAMES} with --out)", whole_number(1), "N"),
-    option(
-        "--out",
-        "save the last picture (.png), or all pictures as a film (.gif, .mp4, .avi), instead of opening a window",
-        given_path,
-        "FILE",
-    ),
+    option("--out", _FILM, given_path, "FILE"),
 )
 def preview_command(arguments: argparse.Namespace) -> None:
     """Show the camera's picture with the regions that the tracker finds."""
     path: Path | None = arguments.out
     if path is not None:
-        check_ending(path, (".png", ".gif", ".mp4", ".avi"))
+        check_ending(path, (".png", *FILM_EXTRAS))
+        needed = "camera", FILM_EXTRAS.get(path.suffix.lower(), "camera")
+        require("khepera-forage camera", *dict.fromkeys(needed))
+        path.parent.mkdir(parents=True, exist_ok=True)
     frames = _FILM_FRAMES if arguments.frames is None and path is not None else arguments.frames
     from khepera_forage.vision.calibration import Calibration
     from khepera_forage.vision.tracker import Tracker
@@ -301,12 +291,11 @@ def preview_command(arguments: argparse.Namespace) -> None:
     )
     size = None if calibration is None else calibration.size
     with closing(open_source(arguments, path is None, size)) as source:
-        is_film = Path(arguments.source).is_file()
-        pictures = _pictures(source, Tracker(settings, calibration), frames, is_film)
+        pictures = _pictures(source, Tracker(settings, calibration), frames, Path(arguments.source).is_file())
         if path is None:
             _show(pictures)
         else:
-            _save(pictures, path, arguments.source == VIRTUAL)
+            _save(pictures, path, arguments.source)
 
 
 def _pictures(
@@ -352,31 +341,28 @@ def _show(pictures: Iterator[NDArray[np.uint8]]) -> None:
     with closing(window):
         for picture in pictures:
             window.show_picture(_surface(picture), "khepera-forage camera")
-            while event := window.wait(0):
-                if event == ("escape", True):
-                    return
+            if _is_closed(window, 0):
+                return
 
 
-def _save(pictures: Iterator[NDArray[np.uint8]], path: Path, simulated: bool) -> None:
-    """Write the last picture as PNG, or all of them as a film."""
+def _save(pictures: Iterator[NDArray[np.uint8]], path: Path, source: str) -> None:
+    """Write the last picture as PNG, or all of them as a film at the speed of its source."""
+    import cv2
+
     began = time.monotonic()
-    is_film = path.suffix.lower() != ".png"
-    taken = deque(pictures, None if is_film else 1)
-    if not is_film:
-        import cv2
-
-        good, data = cv2.imencode(".png", cv2.cvtColor(taken[-1], cv2.COLOR_RGB2BGR))
-        if not good:
-            raise OSError(f"{path}: OpenCV cannot write a PNG")
-        path.write_bytes(data.tobytes())
+    if path.suffix.lower() == ".png":
+        (last,) = deque(pictures, 1)
+        with replacing(path) as partial:
+            partial.write_bytes(cv2.imencode(".png", cv2.cvtColor(last, cv2.COLOR_RGB2BGR))[1].tobytes())
         print(f"{path}: 1 picture")
         return
-    from khepera_forage.envs.rendering import save_film
-
-    # A virtual camera without a window is not paced; its film shows one frame for each round.
-    rate = len(taken) / max(time.monotonic() - began, 1e-9)
-    fps = 1 / DEFAULT_DECISIONS.round_duration if simulated else min(50.0, max(1.0, rate))
-    save_film(list(taken), path, fps)
+    taken = list(pictures)
+    fps = len(taken) / max(time.monotonic() - began, 1e-9)
+    if source == VIRTUAL:  # one frame for each round
+        fps = 1 / DEFAULT_DECISIONS.round_duration
+    elif Path(source).is_file():
+        fps = cv2.VideoCapture(source).get(cv2.CAP_PROP_FPS)
+    save_film(taken, path, min(50.0, max(1.0, fps)))
     print(f"{path}: {len(taken)} {'picture' if len(taken) == 1 else 'pictures'}")
 
 
@@ -386,9 +372,9 @@ def _save(pictures: Iterator[NDArray[np.uint8]], path: Path, simulated: bool) ->
 )
 def markers_command(arguments: argparse.Namespace) -> None:
     """Write a page with the robots' markers at true size, to print."""
-    grid = arguments.grid
-    numbers = TrackerSettings(markers="grid", numbers=grid).numbers if grid else (1, 2)
-    path = save_pages(arguments.out, marker_pages(numbers, bool(grid)))
+    is_grid = bool(arguments.grid)
+    numbers = TrackerSettings(markers="grid", numbers=arguments.grid).numbers if is_grid else (1, 2)
+    path = save_pages(arguments.out, marker_pages(numbers, is_grid))
     print(f"{path}: {len(numbers)} markers on A4; print it at 100 %")
 
 

@@ -20,7 +20,6 @@ from khepera_forage.sim.arenas.named import ARENAS
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.world import World
 from khepera_forage.task.decisions import VERSIONS, Decisions, decisions_from_words
-from khepera_forage.task.states import FoodType
 
 VIRTUAL_LAB = "virtual"
 """Value of `--lab` for the virtual laboratory; `virtual:e-puck2` and `virtual:toio` for one of other robots."""
@@ -70,18 +69,14 @@ def command(*options: Option, description: str = "", epilog: str | None = None) 
     return lambda run: Subcommand(run, options, description or run.__doc__ or "", epilog)
 
 
-def option(
-    name: str, help_text: str, read: Callable[[str], Any] | None = None, metavar: Any = None, **about: Any
-) -> Option:
+def option(name: str, help_text: str, read: Any = None, metavar: Any = None, **about: Any) -> Option:
     """One argument; `read` is its type, and `about` as for `ArgumentParser.add_argument`."""
-    about |= {} if read is None else {"type": read}
-    about |= {} if metavar is None else {"metavar": metavar}
-    return lambda parser: parser.add_argument(name, help=help_text, **about)
+    return lambda parser: parser.add_argument(name, help=help_text, type=read, metavar=metavar, **about)
 
 
 def flag(name: str, help_text: str, **about: Any) -> Option:
     """An option without a value."""
-    return option(name, help_text, action="store_true", **about)
+    return lambda parser: parser.add_argument(name, help=help_text, action="store_true", **about)
 
 
 def seed(help_text: str = "the same seed gives the same results") -> Option:
@@ -96,47 +91,26 @@ def out(default: str, help_text: str) -> Option:
 
 def episodes(default: int, help_text: str) -> Option:
     """`--episodes`: how many."""
-    text = f"{help_text} ({default})"
-    return option("--episodes", text, whole_number(1, 100_000), default=default)
+    return option("--episodes", f"{help_text} ({default})", whole_number(1, 100_000), default=default)
 
 
-def learners(help_text: str) -> Option:
-    """`--num-learners`. None stands for 1, so that a choice can be told."""
-    return option("--num-learners", help_text, whole_number(1))
-
-
-ARENA = option(
-    "--arena",
-    f"{', '.join(ARENAS)}, or a file as `khepera-forage arena write` writes it ({CORRIDOR})",
-    metavar="NAME|FILE",
-)
+_ARENA_HELP = f"{', '.join(ARENAS)}, or a file as `khepera-forage arena write` writes it ({CORRIDOR})"
+ARENA = option("--arena", _ARENA_HELP, None, "NAME|FILE")
 """None stands for the corridor, so that a choice can be told; likewise for the noise and the food types."""
-NOISE = option(
-    "--noise", f"laboratory, none, or some of {', '.join(SOURCES)}, separated by commas (laboratory)", metavar="SOURCES"
-)
-*_OTHERS, _LAST = (food_type.name for food_type in FoodType if food_type != FoodType.UNKNOWN)
-FOOD_TYPE = option(
-    "--food-type",
-    f"of all food: {', '.join(_OTHERS)} or {_LAST} ({FoodType.PICKABLE.name}; in mixed_foods all of them)",
-)
+_NOISE_HELP = f"laboratory, none, or some of {', '.join(SOURCES)}, separated by commas (laboratory)"
+NOISE = option("--noise", _NOISE_HELP, None, "SOURCES")
+FOOD_TYPE = option("--food-type", "of all food: PICKABLE, PUSHABLE or POISONOUS (PICKABLE; in mixed_foods all of them)")
 LAB = option(
     "--lab",
     f"use the real robots and the camera that this lab.toml describes; '{VIRTUAL_LAB}' uses simulated "
     f"robots behind the real drivers, '{VIRTUAL_LAB}:e-puck2' and '{VIRTUAL_LAB}:toio' other ones",
     metavar="FILE",
 )
-DECISION = option(
-    "--decision",
-    "decide otherwise what the thesis leaves open, such as next_to_food=22; may be repeated "
-    f"('khepera-forage decisions' lists all names). The first one may be a version, {' or '.join(VERSIONS)}, "
-    "which the others then change",
-    metavar="NAME=VALUE",
-    action="append",
-    default=[],
-)
-ALLOW_OTHER_DECISIONS = flag(
-    "--allow-other-decisions", "accept experience files that were recorded under other decisions"
-)
+_DECISION_HELP = f"""decide otherwise what the thesis leaves open, such as next_to_food=22; may be repeated
+('khepera-forage decisions' lists all names). The first one may be a version, {" or ".join(VERSIONS)}, which the others
+then change"""
+DECISION = option("--decision", _DECISION_HELP, None, "NAME=VALUE", action="append", default=[])
+ALLOW_OTHER_DECISIONS = flag("--allow-other-decisions", "accept experience files recorded under other decisions")
 
 
 def refuse_ignored(arguments: argparse.Namespace, options: Sequence[str], where: str) -> None:
@@ -178,10 +152,10 @@ def decisions_of(arguments: argparse.Namespace) -> Decisions:
     return decisions_from_words(arguments.decision)
 
 
-def noise_of(text: str | None) -> Noise | None:
-    """The noise of `--noise`; None without it."""
-    if text in (None, "laboratory", "none"):
-        return None if text is None else checked_noise(text)
+def noise_of(text: str | None) -> Noise:
+    """The noise of `--noise`; the laboratory's without it."""
+    if text is None or text in ("laboratory", "none"):
+        return checked_noise(text)
     try:
         return Noise.only(*(source.strip() for source in text.split(",")))
     except ValueError as error:
@@ -191,9 +165,9 @@ def noise_of(text: str | None) -> Noise | None:
 def training_env(arguments: argparse.Namespace, **kwargs: Any) -> TrainingEnv:
     """Teacher and learners in copies of `--arena`, or with `--lab` in a laboratory, whose devices are printed."""
     decisions, count, arena = decisions_of(arguments), arguments.num_learners or 1, arena_of(arguments)
-    kwargs = {"food_types": arguments.food_type, "decisions": decisions, **kwargs}
+    kwargs |= {"food_types": arguments.food_type, "decisions": decisions}
     if arguments.lab is None:
-        return raw_env(arena, num_learners=count, **kwargs)
+        return raw_env(arena, num_learners=count, noise=noise_of(getattr(arguments, "noise", None)), **kwargs)
     with _laboratory(arguments.lab, arena, count + 1, decisions) as (arena, world):
         return raw_env(arena, num_learners=len(world.markers) - 1, noise=Noise.none(), world=world, **kwargs)
 

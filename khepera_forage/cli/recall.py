@@ -32,21 +32,12 @@ EVERY = 2
 """Rounds a frame of a film, without `--every`."""
 TRIES = 20
 """Attempts at a training among which the first complete one is filmed."""
+_EXPERIENCE = "experience files of the learner, or a folder of them (without any, the teacher forages)"
+_LEARNER = """what learns from the experience: an imitator that `khepera-forage compare --list` lists, or
+package.module:name of what makes a classifier (imitator)"""
 _POLICY = (
-    option(
-        "--experience",
-        "experience files of the learner, or a folder of them (without any, the teacher forages)",
-        given_path,
-        "FILE",
-        nargs="+",
-        default=[],
-    ),
-    option(
-        "--learner",
-        "what learns from the experience: an imitator that `khepera-forage compare --list` lists, or "
-        "package.module:name of what makes a classifier (imitator)",
-        metavar="NAME|PLACE",
-    ),
+    option("--experience", _EXPERIENCE, given_path, "FILE", nargs="+", default=[]),
+    option("--learner", _LEARNER, None, "NAME|PLACE"),
     options.ARENA,
     option("--foods", "food objects (those of the arena)", whole_number(1), "N"),
     options.FOOD_TYPE,
@@ -70,10 +61,8 @@ def recall_command(arguments: argparse.Namespace) -> None:
         options.print_late_rounds(env)
     if not rows:
         raise ConnectionError("a robot or the camera was lost in every recall; there is no result")
-    print(
-        f"mean score {np.mean([row.score for row in rows]):.1f} %, food "
-        f"{sum(row.delivered for row in rows)} / {sum(row.foods for row in rows)}; rows in {arguments.out}"
-    )
+    food = f"{sum(row.delivered for row in rows)} / {sum(row.foods for row in rows)}"
+    print(f"mean score {np.mean([row.score for row in rows]):.1f} %, food {food}; rows in {arguments.out}")
 
 
 def _check_policy(arguments: argparse.Namespace) -> None:
@@ -89,8 +78,7 @@ def _rows(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow]:
     forage = _forage(env, arguments)
     seeds = np.random.SeedSequence(arguments.seed).generate_state(arguments.episodes).tolist()
     rows = []
-    # An operator of real robots answers questions on the screen that a progress bar would use.
-    hidden = arguments.lab is not None
+    hidden = arguments.lab is not None  # an operator of real robots answers questions on that screen
     print(" recall    steps  correct  penalty    score     food")
     with RowWriter(arguments.out, RecallRow) as writer:
         for number, each in enumerate(progress(seeds, hidden, unit="recall")):
@@ -101,10 +89,8 @@ def _rows(env: BehavioursEnv, arguments: argparse.Namespace) -> list[RecallRow]:
                 continue
             writer.write(row)
             rows.append(row)
-            print(
-                f"{number + 1:7d} {row.steps:8d} {row.correct:8d} {row.penalty:7d} % {row.score:6.1f} % "
-                f"{row.delivered:4d} / {row.foods}"
-            )
+            counts = f"{number + 1:7d} {row.steps:8d} {row.correct:8d} {row.penalty:7d} %"
+            print(f"{counts} {row.score:6.1f} % {row.delivered:4d} / {row.foods}")
     return rows
 
 
@@ -115,22 +101,17 @@ def _forage(env: BehavioursEnv, arguments: argparse.Namespace) -> Callable[..., 
         return partial(forage, Teacher.of(env), learner=TEACHER, experience_size=0)
     name = arguments.learner or IMITATOR
     learner = _learner(name)
+    about: dict[str, bool] = {"allow_other_decisions": arguments.allow_other_decisions, "recover": arguments.recover}
     with warnings.catch_warnings(record=True) as recovered:
         warnings.simplefilter("always", ExperienceWarning)
-        experience = Experience.load(
-            *arguments.experience,
-            decisions=env.decisions,
-            allow_other_decisions=arguments.allow_other_decisions,
-            recover=arguments.recover,
-        )
+        experience = Experience.load(*arguments.experience, decisions=env.decisions, **about)
     for warning in recovered:
         if issubclass(warning.category, ExperienceWarning):
             print(warning.message)
     vectors, behaviours = experience.arrays()
-    policy: Policy
     if name == IMITATOR:
         imitator = NearestNeighbourImitator(env.diagonal, arithmetic=env.decisions.distance_arithmetic)
-        policy = imitator.fit(vectors, behaviours)
+        policy: Policy = imitator.fit(vectors, behaviours)
     else:
         with own_errors(f"--learner {name}"):
             policy = learner.learn(vectors, behaviours, env.diagonal, arguments.seed)
@@ -158,7 +139,7 @@ def _learner(name: str) -> OfflineImitation:
 @command(
     option("phase", "what to show", choices=("training", "recall")),
     *_POLICY,
-    options.learners("learners in training (1)"),
+    option("--num-learners", "learners in training (1)", whole_number(1)),
     option("--out", "save a film (.gif, .mp4, .avi) here, without a window", given_path),
     option("--every", f"the film has one frame every N rounds ({EVERY})", whole_number(1, 1000), "N"),
 )
@@ -169,11 +150,8 @@ def watch_command(arguments: argparse.Namespace) -> None:
     film: Path | None = arguments.out
     frames: list[Any] = []
     is_training = arguments.phase == "training"
-    settings: dict[str, Any] = {"render_mode": "human" if film is None else "rgb_array"}
-    if is_training and arguments.lab is None:
-        settings["noise"] = options.noise_of(arguments.noise)
     made = options.training_env if is_training else options.recall_env
-    with closing(made(arguments, **settings)) as env:
+    with closing(made(arguments, render_mode="human" if film is None else "rgb_array")) as env:
         rounds = progress(hidden=film is None, desc="film", unit="round")
         number = itertools.count()
 
@@ -201,28 +179,23 @@ def _check_watch(arguments: argparse.Namespace) -> None:
     else:
         options.refuse_ignored(arguments, ["--num-learners"], "with `watch training`")
         _check_policy(arguments)
-    extras = ["render"]
+    extras = ["render", *(["robots", "camera"] if arguments.lab is not None else [])]
     if arguments.out is None:
         options.refuse_ignored(arguments, ["--every"], "with --out")
+        require("khepera-forage watch", *extras)
+        open_display()
     else:
         options.check_ending(arguments.out, FILM_EXTRAS)
         arguments.out.parent.mkdir(parents=True, exist_ok=True)
-        extras.append(FILM_EXTRAS[arguments.out.suffix.lower()])
-    if arguments.lab is not None:
-        extras += ["robots", "camera"]
-    require("khepera-forage watch", *dict.fromkeys(extras))
-    if arguments.out is None:
-        open_display()
+        require("khepera-forage watch", *dict.fromkeys([*extras, FILM_EXTRAS[arguments.out.suffix.lower()]]))
     arguments.every = arguments.every or EVERY
 
 
 def _watch_training(env: Any, arguments: argparse.Namespace, record: Callable[[], None]) -> str:
-    seed = arguments.seed
-    if arguments.out is not None and arguments.lab is None:
-        seed = _complete_attempt(env, seed)
+    is_chosen = arguments.out is not None and arguments.lab is None
+    seed = _complete_attempt(env, arguments.seed) if is_chosen else arguments.seed
     result = training.attempt(env, seed, _ignore, callback=record)
-    outcome = "complete" if result.complete else result.lost or result.reason
-    return f"{outcome} after {result.rounds} rounds"
+    return f"{'complete' if result.complete else result.lost or result.reason} after {result.rounds} rounds"
 
 
 def _complete_attempt(env: TrainingEnv, seed: int) -> int:

@@ -5,7 +5,7 @@ import math
 import statistics
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from khepera_forage.cli.options import Group, command, flag, option, refuse_ignored
@@ -45,8 +45,7 @@ _ROUND_TRIPS = 10
 """Measurements of each response time."""
 _NAMES = ("left 90", "left 45", "left 10", "right 10", "right 45", "right 90", "back right", "back left")
 _BAR_WIDTH = 50
-_CURSOR_UP, _CLEAR_LINE = "\x1b[{}A", "\x1b[K"
-"""Terminal escape sequences."""
+_CURSOR_UP, _CLEAR_LINE = "\x1b[{}A", "\x1b[K"  # of terminals
 _UNIT = f"in speed units of {SPEED_UNIT:g} mm/s, -{MAX_SPEED}..{MAX_SPEED}"
 _SPEED, _SECONDS = 6, 0.3
 """Speed in units and duration of the wheel test: 14 mm each way, within the 0.3 s of a cube's command."""
@@ -55,45 +54,25 @@ _LOWERED = ARM_DOWN - 15
 _ARM_TOLERANCE, _JAW_TOLERANCE = 8, 24
 """Largest deviation of a position that passes."""
 _ROUNDS = 10
+_PORT = "/dev/ttyUSB0, socket://host:port, rfc2217://host:port, or the name of a toio cube, such as toio-A1b"
+_BAUD = f"as set by a Khepera's mode switch: {', '.join(map(str, BAUD_RATES))} (38400; of an e-puck2 115200)"
+_TIMEOUT = f"that a reply may take in addition to the transmission time of its bytes ({DEFAULT_TIMEOUT})"
 PORT = (
     option("--robot", f"kind of robot ({KHEPERA.name})", choices=tuple(MODELS), default=KHEPERA.name),
-    option(
-        "--port",
-        "the robot's port: /dev/ttyUSB0, socket://host:port or rfc2217://host:port; or the name of a "
-        "toio cube, such as toio-A1b",
-        required=True,
-    ),
-    option(
-        "--baud",
-        f"as set by a Khepera's mode switch: {', '.join(map(str, BAUD_RATES))} (38400; of an e-puck2 115200)",
-        int,
-    ),
-    option(
-        "--timeout",
-        f"that a reply may take in addition to the transmission time of its bytes ({DEFAULT_TIMEOUT})",
-        real_number(0.0, MAX_TIMEOUT, "seconds"),
-        "SECONDS",
-    ),
+    option("--port", f"the robot's port: {_PORT}", required=True),
+    option("--baud", _BAUD, int),
+    option("--timeout", _TIMEOUT, real_number(0.0, MAX_TIMEOUT, "seconds"), "SECONDS"),
     flag("--no-watchdog", "start no process that stops the robot if this program is killed"),
 )
 
 
-def open_robot(arguments: argparse.Namespace) -> RealRobot:
+def open_robot(arguments: argparse.Namespace) -> Any:
     """The driver of the robot at the port, on a line with any latency: these commands have no rounds to keep."""
     if arguments.robot == TOIO.name:
         refuse_ignored(arguments, ["--baud", "--timeout", "--no-watchdog"], "for a robot with a serial line")
     timeout = DEFAULT_TIMEOUT if arguments.timeout is None else arguments.timeout
     options = {"baud": arguments.baud, "timeout": timeout, "watchdog": not arguments.no_watchdog}
     return open_any(arguments.robot, arguments.port, period=None, **options)
-
-
-def open_serial_robot(arguments: argparse.Namespace) -> SerialRobot:
-    """As `open_robot`, for a robot with a serial line."""
-    if arguments.robot not in (KHEPERA.name, E_PUCK.name):
-        raise ValueError(f"--robot {arguments.robot}; allowed: {KHEPERA.name}, {E_PUCK.name}, which have a serial line")
-    robot = open_robot(arguments)
-    assert isinstance(robot, SerialRobot)
-    return robot
 
 
 def moved(robot: SerialRobot, command: str, value: int) -> int:
@@ -115,7 +94,9 @@ def moved(robot: SerialRobot, command: str, value: int) -> int:
 def probe_command(arguments: argparse.Namespace) -> None:
     """Print the robot's versions, sensor readings and response times."""
     model = MODELS[arguments.robot]
-    with open_serial_robot(arguments) as robot:
+    if model is TOIO:
+        raise ValueError(f"--robot {model.name}; allowed: {KHEPERA.name}, {E_PUCK.name}, which have a serial line")
+    with open_robot(arguments) as robot:
         print(f"port       {robot.port}, {robot.baud} baud")
         identity = robot.protocol.identity
         version = robot.request(identity.command, *identity.values)
@@ -188,8 +169,7 @@ def sensors_command(arguments: argparse.Namespace) -> None:
         while not arguments.rounds or shown < arguments.rounds:
             robot.receive()
             proximity, left, right, arm, jaw, presence = senses = robot.sense()
-            text = f"{_numbers(proximity)} | {left} {right} | {arm} {jaw} {presence}"
-            text = bars(senses) if live else text
+            text = bars(senses) if live else f"{_numbers(proximity)} | {left} {right} | {arm} {jaw} {presence}"
             if live and shown:
                 print(_CURSOR_UP.format(text.count("\n") + 1), end="")
             print(text, flush=True)
@@ -215,9 +195,7 @@ def bars(senses: Senses) -> str:
     *PORT,
     option("--left", f"left wheel, {_UNIT} (3)", whole_number(-MAX_SPEED, MAX_SPEED), default=3),
     option("--right", f"right wheel, {_UNIT} (3)", whole_number(-MAX_SPEED, MAX_SPEED), default=3),
-    option(
-        "--seconds", f"duration, at most {_MAX_SECONDS:g} (2)", real_number(0.0, _MAX_SECONDS, "seconds"), default=2.0
-    ),
+    option("--seconds", f"duration, at most {_MAX_SECONDS:g} (2)", real_number(0, _MAX_SECONDS, "seconds"), default=2),
 )
 def drive_command(arguments: argparse.Namespace) -> None:
     """Turn the wheels for some seconds, then stop."""
@@ -248,7 +226,7 @@ def grip_command(arguments: argparse.Namespace) -> None:
     model = MODELS[arguments.robot]
     if not model.has_gripper:
         raise ValueError(f"--robot {model.name} has no gripper; allowed: {KHEPERA.name}")
-    with open_serial_robot(arguments) as robot:
+    with open_robot(arguments) as robot:
         command, value = _MOVEMENTS[arguments.action]
         position = moved(robot, command, value)
         (barrier,) = robot.request("T,1,G")
@@ -304,7 +282,7 @@ def _infra_reds(robot: SerialRobot) -> str:
     rounds = [robot.request("N") for _ in range(5)]
     highest = MAX_READING if robot.model is KHEPERA else INFRA_RED.high
     if any(set(readings) == {highest} for readings in rounds):
-        raise CheckError(f"all eight read {rounds[0][0]}")
+        raise CheckError(f"all eight read {highest}")
     medians = [int(statistics.median(map(int, column))) for column in zip(*rounds, strict=True)]
     return f"proximity {' '.join(map(str, medians))}"
 
@@ -353,30 +331,29 @@ def _counters(robot: RealRobot) -> tuple[int, int]:
 
 
 def _arm(robot: SerialRobot) -> str:
-    positions = []
-    for target in (ARM_RAISED, _LOWERED, ARM_RAISED):
-        positions.append(moved(robot, _ARM, target))
-        if abs(positions[-1] - target) > _ARM_TOLERANCE:
-            raise CheckError(f"sent to {target}, it stopped at {positions[-1]}")
-    return f"at {', '.join(map(str, positions))}"
+    return _reached(robot, _ARM, _ARM_TOLERANCE, {"raised": ARM_RAISED, "lowered": _LOWERED, "again": ARM_RAISED})
 
 
 def _jaw(robot: SerialRobot) -> str:
+    return _reached(robot, _JAW, _JAW_TOLERANCE, {"closed": JAW_CLOSED, "opened": JAW_OPEN})
+
+
+def _reached(robot: SerialRobot, command: str, tolerance: int, targets: Mapping[str, int]) -> str:
+    """Move the arm or the jaw to one position after the other."""
     positions = []
-    for closed, target in ((1, JAW_CLOSED), (0, JAW_OPEN)):
-        positions.append(moved(robot, _JAW, closed))
-        if abs(positions[-1] - target) > _JAW_TOLERANCE:
-            raise CheckError(
-                f"{'closed' if closed else 'opened'}, it stopped at {positions[-1]}; expected: about {target}"
-            )
-    return f"closed at {positions[0]}, open at {positions[1]}"
+    for name, target in targets.items():
+        positions.append(moved(robot, command, target if command == _ARM else int(target == JAW_CLOSED)))
+        if abs(positions[-1] - target) > tolerance:
+            raise CheckError(f"{name}, it stopped at {positions[-1]}; expected: about {target}")
+    return ", ".join(f"{name}: {position}" for name, position in zip(targets, positions, strict=True))
 
 
 def _barrier(robot: SerialRobot) -> str:
     (barrier,) = robot.request("T,1,G")
+    measured = f"{barrier} with nothing between the fingers"
     if int(barrier) > 100:
-        raise CheckError(f"{barrier} with nothing between the fingers")
-    return f"{barrier} with nothing between the fingers"
+        raise CheckError(measured)
+    return measured
 
 
 def _rounds(robot: RealRobot) -> str:

@@ -6,7 +6,7 @@ import warnings
 from contextlib import closing
 from itertools import count
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from khepera_forage.cli import options
 from khepera_forage.cli.options import command, flag, option
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWarning
-from khepera_forage.files import replacing
 from khepera_forage.option_values import progress, whole_number
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import RowWriter, read_rows, write_rows
@@ -45,29 +44,21 @@ def require_new(files: list[PlannedFile], otherwise: str) -> None:
             raise FileExistsError(f"{file.path} exists; {otherwise}")
 
 
+_LEARNERS = "learners, each in its own copy of the arena; the first one records (1; with --lab FILE all that it lists)"
+_PATIENCE = "rounds that a learner may stay separated before the attempt ends (that of decision patience)"
+_CONTINUE = "go on where a run with the same --seed and --out was interrupted, or add episodes to it"
+
+
 @command(
     options.episodes(10, "complete training episodes, one file each"),
     options.seed("the same seed gives the same files"),
     options.out("experience", "folder for g1.csv, g2.csv, ... and attempts.csv"),
     options.ARENA,
     options.FOOD_TYPE,
-    options.learners(
-        "learners, each in its own copy of the arena; the first one records (1; with --lab FILE as many as it lists)"
-    ),
-    option(
-        "--patience",
-        "rounds that a learner may stay separated before the attempt ends (that of decision patience)",
-        whole_number(1),
-    ),
-    flag(
-        "--resume",
-        "pause and resume (5.3.1): place a separated learner beside the teacher instead of ending the attempt",
-    ),
-    flag(
-        "--continue",
-        "go on where a run with the same --seed and --out was interrupted, or add episodes to it",
-        dest="continued",
-    ),
+    option("--num-learners", _LEARNERS, whole_number(1)),
+    option("--patience", _PATIENCE, whole_number(1)),
+    flag("--resume", "pause and resume (5.3.1): place a separated learner beside the teacher, and go on"),
+    flag("--continue", _CONTINUE, dest="continued"),
     options.LAB,
     options.DECISION,
 )
@@ -75,10 +66,9 @@ def train_command(arguments: argparse.Namespace) -> int:
     """Train a learner in the paired corridors and save its experience."""
     options.refuse_ignored_in_laboratory(arguments)
     decisions = options.decisions_of(arguments)
-    if arguments.patience is not None and decisions.patience not in (arguments.patience, DEFAULT_DECISIONS.patience):
-        raise ValueError(
-            f"--patience is {arguments.patience}, --decision patience={decisions.patience}; allowed: one of them"
-        )
+    own, decided = arguments.patience, decisions.patience
+    if own is not None and decided not in (own, DEFAULT_DECISIONS.patience):
+        raise ValueError(f"--patience is {own}, --decision patience={decided}; allowed: one of them")
     files = files_to_record(arguments)
     if not files:
         print(f"all {arguments.episodes} files are in {arguments.out} already")
@@ -108,13 +98,11 @@ def files_to_record(arguments: argparse.Namespace) -> list[PlannedFile]:
 
 def record(env: TrainingEnv, files: list[PlannedFile], arguments: argparse.Namespace) -> None:
     """Write one file for each complete episode, and one row for each attempt."""
-    # An operator of real robots answers questions on the screen that a progress bar would use.
-    hidden = arguments.lab is not None
+    hidden = arguments.lab is not None  # an operator of real robots answers questions on that screen
     with RowWriter(arguments.out / ATTEMPTS, TrainingRow, resume=arguments.continued) as attempts:
+        about: dict[str, Any] = {"resume": arguments.resume, "on_attempt": attempts.write}
         for number, path, each in progress(files, hidden, unit="episode"):
-            experience, rows = training.train(
-                env, each, file=number, path=path, resume=arguments.resume, on_attempt=attempts.write
-            )
+            experience, rows = training.train(env, each, file=number, path=path, **about)
             print(f"{path}: {len(experience)} experience vectors, {len(rows)} attempt(s), {rows[-1].rounds} rounds")
 
 
@@ -124,6 +112,8 @@ def _unfinished(folder: Path, files: list[PlannedFile], arena: str | None, decis
     The file of an interrupted episode is kept under another name, such as `g3.interrupted-1.csv`, and the rows of its
     attempts are removed from `attempts.csv`, because the episode is recorded again.
     """
+    attempts = folder / ATTEMPTS
+    rows = read_rows(attempts, TrainingRow) if attempts.exists() else []
     there = [file for file in files if file.path.exists()]
     for file in [file for file in there if not _is_complete(file, arena, decisions)]:
         names = (file.path.with_name(f"{file.path.stem}.interrupted-{n}.csv") for n in count(1))
@@ -131,11 +121,9 @@ def _unfinished(folder: Path, files: list[PlannedFile], arena: str | None, decis
         file.path.rename(kept)
         print(f"{file.path} was interrupted; its vectors are kept in {kept}")
     left = [file for file in files if not file.path.exists()]
-    attempts, numbers = folder / ATTEMPTS, {file.number for file in left}
     if attempts.exists():
-        rows = [row for row in read_rows(attempts, TrainingRow) if row.file not in numbers]
-        with replacing(attempts) as partial:
-            write_rows(partial, TrainingRow, rows)
+        numbers = {file.number for file in left}
+        write_rows(attempts, TrainingRow, [row for row in rows if row.file not in numbers])
     return left
 
 

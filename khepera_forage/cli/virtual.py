@@ -22,28 +22,16 @@ from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
+_TCP = "listen on this port of 127.0.0.1 (0 for any free port) instead of a pseudo-terminal"
+_BAUD = f"speed of the line: {', '.join(map(str, BAUD_RATES))}, or 0 for no limit (38400; of an e-puck2 115200)"
+_LATENESS = "range of the delay of a delayed reply, in seconds (0.3 1.0)"
+
 
 @command(
-    option(
-        "--tcp",
-        "listen on this port of 127.0.0.1 (0 for any free port) instead of a pseudo-terminal",
-        whole_number(0, 65535),
-        "PORT",
-    ),
-    option(
-        "--baud",
-        f"speed of the line: {', '.join(map(str, BAUD_RATES))}, or 0 for no limit (38400; of an e-puck2 115200)",
-        int,
-    ),
+    option("--tcp", _TCP, whole_number(0, 65535), "PORT"),
+    option("--baud", _BAUD, int),
     *(option(f"--{fault}", "share of replies with this fault (0)", float, "RATE", default=0.0) for fault in FAULTS),
-    option(
-        "--lateness",
-        "range of the delay of a delayed reply, in seconds (0.3 1.0)",
-        float,
-        ("FROM", "TO"),
-        nargs=2,
-        default=Faults().lateness,
-    ),
+    option("--lateness", _LATENESS, float, ("FROM", "TO"), nargs=2, default=Faults().lateness),
     option("--robot", f"kind of robot ({KHEPERA.name})", choices=tuple(FIRMWARES), default=KHEPERA.name),
     seed("seed of the simulation and of the faults"),
 )
@@ -51,20 +39,17 @@ def virtual_command(arguments: argparse.Namespace) -> None:
     """Start a virtual Khepera at a serial port."""
     faults = Faults(**{fault: getattr(arguments, fault) for fault in FAULTS}, lateness=tuple(arguments.lateness))
     world_rng, fault_rng = np.random.default_rng(arguments.seed).spawn(2)
-    decisions = DEFAULT_DECISIONS
-    arena = checked_arena(CORRIDOR, decisions)
+    arena = checked_arena(CORRIDOR, DEFAULT_DECISIONS)
     # A robot has no rounds: its firmware has a control period.
-    timing = timing_of(decisions)._replace(round_duration=CONTROL_PERIOD)
-    world = PymunkWorld([arena], (decisions.recall_marker,), timing=timing, model=MODELS[arguments.robot])
+    timing = timing_of(DEFAULT_DECISIONS)._replace(round_duration=CONTROL_PERIOD)
+    world = PymunkWorld([arena], (DEFAULT_DECISIONS.recall_marker,), timing=timing, model=MODELS[arguments.robot])
     world.reset(world_rng, Layout((arena.start,), arena.foods))
     lock = threading.RLock()
     firmware = FIRMWARES[arguments.robot](world.robots[0], lock)
     baud = arguments.baud if arguments.baud is not None else firmware.protocol.baud
     due, overruns = time.monotonic(), 0
-    with (
-        _collected_signals() as signals,
-        VirtualKhepera(firmware, tcp=arguments.tcp, baud=baud or None, faults=faults, rng=fault_rng) as khepera,
-    ):
+    virtual = VirtualKhepera(firmware, tcp=arguments.tcp, baud=baud or None, faults=faults, rng=fault_rng)
+    with _collected_signals() as signals, virtual as khepera:
         name = "Khepera" if arguments.robot == KHEPERA.name else E_PUCK.name
         print(f"a virtual {name} at {khepera.url}; Ctrl-C ends it", flush=True)
         while khepera.connected and not signals:
@@ -92,12 +77,10 @@ def virtual_command(arguments: argparse.Namespace) -> None:
 def _collected_signals() -> Iterator[list[int]]:
     """Append SIGINT and SIGTERM to a list instead of raising them: a handler must not take the world's lock."""
     signals: list[int] = []
-    before = {
-        number: signal.signal(number, lambda number, _: signals.append(number))
-        for number in (signal.SIGINT, signal.SIGTERM)
-    }
+    numbers = signal.SIGINT, signal.SIGTERM
+    before = [signal.signal(number, lambda number, _: signals.append(number)) for number in numbers]
     try:
         yield signals
     finally:
-        for number, handler in before.items():
+        for number, handler in zip(numbers, before, strict=True):
             signal.signal(number, handler)

@@ -61,6 +61,7 @@ def test_preview_saves_pictures_and_films_that_it_can_read(capsys: pytest.Captur
     assert (np.ptp(picture, axis=2) > 60).sum() > 50, "the regions are drawn in colour"
     assert preview("--out", "film.gif", "--frames", "3") == 0
     assert Path("film.gif").read_bytes().startswith(b"GIF")
+    assert preview("--out", "new/film.gif", "--frames", "1") == 0
     assert preview("--out", "film.avi", "--frames", "5") == 0
     assert "film.avi: 5 pictures" in capsys.readouterr().out
     # A film is also a source, up to its end; the tracker ignores the regions drawn on it.
@@ -69,6 +70,9 @@ def test_preview_saves_pictures_and_films_that_it_can_read(capsys: pytest.Captur
         printed = capsys.readouterr().out
         assert shown in printed
         assert "last.png: 1 picture" in printed
+    assert main(["camera", "preview", "--source", "film.avi", "--frames", "3", "--out", "copy.avi"]) == 0
+    assert cv2.VideoCapture("copy.avi").get(cv2.CAP_PROP_FPS) == 10, "the film runs at its own speed"
+    capsys.readouterr()
     assert preview("--markers", "tags", "--tag-size", "40") == 2
     assert "tags of 40 mm are 8 pixels wide in the picture" in capsys.readouterr().err
 
@@ -99,13 +103,13 @@ def test_preview_uses_the_calibration(capsys: pytest.CaptureFixture[str], tmp_pa
 
 
 def test_calibration_from_four_points_is_exact(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["camera", "calibrate", "--points", *CORNERS]) == 0
+    assert main(["camera", "calibrate", "--points", *CORNERS, "--out", "new/calibration.toml"]) == 0
     printed = capsys.readouterr().out
     assert "residual 0.0 mm" in printed
     assert "held-out error unknown, because four points always fit" in printed
     assert "lens not calibrated: that takes at least 8 points" in printed
     assert "5.00 mm wide" in printed
-    calibration = Calibration.load("calibration.toml")
+    calibration = Calibration.load("new/calibration.toml")
     assert calibration.to_region(100.5, 79.5) == pytest.approx((100.5, 400.5))
 
 

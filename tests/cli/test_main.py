@@ -153,6 +153,12 @@ def test_training_of_another_seed_arena_or_decisions_is_not_continued_and_nothin
     ):
         assert train(tmp_path, "--episodes", "3", "--continue", *option) == 2
         assert message in capsys.readouterr().err
+    (tmp_path / "g2.csv").unlink()  # so that the folder is of one seed
+    before["attempts.csv"] = before["attempts.csv"].replace(b"rounds", b"round")
+    del before["g2.csv"]
+    (tmp_path / "attempts.csv").write_bytes(before["attempts.csv"])
+    assert train(tmp_path, "--episodes", "3", "--continue") == 2
+    assert "attempts.csv:1: header is" in capsys.readouterr().err
     assert {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")} == before
 
 
