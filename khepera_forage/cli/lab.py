@@ -1,6 +1,7 @@
 """`khepera-forage lab`: find robots and camera and write `lab.toml`, and say what is wrong with a laboratory."""
 
 import argparse
+import os
 import time
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -9,22 +10,25 @@ from pathlib import Path
 from typing import Any
 
 from khepera_forage.cli.main import main
-from khepera_forage.cli.options import Group, command, option, refuse_ignored
+from khepera_forage.cli.options import Group, command, option, out, refuse_ignored
+from khepera_forage.envs.arguments import set_up_of
 from khepera_forage.envs.laboratories import TAG_SIZE, load_settings
 from khepera_forage.extras import require
 from khepera_forage.lab.settings_file import LabSettings, RobotSettings
 from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.model import MODELS, TOIO
-from khepera_forage.robots.toio.driver import ToioRobot, find_cubes
+from khepera_forage.robots.toio.driver import MAT_SIZE, ToioRobot, find_cubes
 from khepera_forage.sim.arena_file import toml
-from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.sim.arenas.named import ARENAS, named_arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR
+from khepera_forage.task.decisions import DEFAULT_DECISIONS
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.shapes import PICTURE_HEIGHT
 
-_FLOOR, _MAT = (600, 600, 300), (30, 20, 236)
-"""Offset of the first arena, and mm from one to the next: under a camera, and on a mat."""
+_FLOOR, _MAT = (600, 600, 70, PICTURE_HEIGHT * MM_PER_PIXEL), (30, 20, 6, MAT_SIZE[1])
+"""Offset of the first arena, mm between two arenas, and room for all: under a camera, and on a mat."""
 _WARM_UP, _POLL = 2.0, 0.05
-"""Seconds within which a camera must show all markers, because its first frames may be dark; and from one to the next.
-"""
+"""Seconds within which a camera must show all markers: its first frames may be dark; and from one to the next."""
 
 
 @command(
@@ -34,15 +38,15 @@ _WARM_UP, _POLL = 2.0, 0.05
     option("--camera", "the camera: a number, a file or a URL; not for toio cubes"),
     option("--calibration", "file written by `khepera-forage camera calibrate`"),
     option("--arena", f"the arena ({CORRIDOR})", choices=tuple(ARENAS), default=CORRIDOR),
-    option("--out", "the file to write (lab.toml)", Path, default=Path("lab.toml")),
+    out("lab.toml", "the file to write"),
 )
 def new_command(arguments: argparse.Namespace) -> int:
     """Find robots and camera, check each, and write lab.toml."""
-    out = arguments.out
-    if out.exists():
-        raise FileExistsError(f"{out} is there already; allowed: another --out")
-    if not out.absolute().parent.is_dir():
-        raise FileNotFoundError(f"--out is {out}; allowed: a file in a folder that exists")
+    file: Path = arguments.out
+    if file.exists():
+        raise FileExistsError(f"{file} is there already; allowed: another --out")
+    if not file.absolute().parent.is_dir():
+        raise FileNotFoundError(f"--out is {file}; allowed: a file in a folder that exists")
     kind = arguments.robot or _answer(f"Kind of robots ({', '.join(MODELS)}): ")
     if kind not in MODELS:
         raise ValueError(f"robot {kind!r}; allowed: {', '.join(MODELS)}")
@@ -51,10 +55,10 @@ def new_command(arguments: argparse.Namespace) -> int:
         refuse_ignored(arguments, ["--camera", "--calibration"], "for robots under a camera, not for toio cubes")
     else:
         refuse_ignored(arguments, ["--food-cube"], "with --robot toio")
-    ports = arguments.port or _answer(
-        f"{_found(is_mat)}\n{'Names' if is_mat else 'Ports'}, the teacher first, separated by spaces: "
-    )
-    ports = ports.split() if isinstance(ports, str) else ports
+    ports = arguments.port
+    if not ports:
+        what = "Names" if is_mat else "Ports"
+        ports = _answer(f"{_found(is_mat)}\n{what}, the teacher first, separated by spaces: ").split()
     works = [_passes(f"robot {port}", _check_robot, RobotSettings(port, "", type=kind)) for port in ports]
     foods, camera, calibration = arguments.food_cube, arguments.camera, arguments.calibration
     if is_mat:
@@ -63,28 +67,29 @@ def new_command(arguments: argparse.Namespace) -> int:
         works += [_passes(f"food cube {port}", _check_robot, RobotSettings(port, "", type=kind)) for port in foods]
     elif camera is None:
         camera = _answer("Camera (a number, a file or a URL): ")
-    text = partial(lab_text, kind, ports, foods or (), camera or "", arena=arguments.arena)
-    settings = _written(out, text(calibration))
+    about = partial(lab_text, kind, ports, foods or (), camera or "", arena=arguments.arena)
+    settings = _written(file, about, calibration)
     if not is_mat:
-        picture = out.with_suffix(".png")
-        if _passes("picture", _save_picture, settings, picture) and calibration is None:
-            calibration = _calibrated(camera, settings)
-            settings = _written(out, text(calibration))
+        if _passes("picture", _save_picture, settings, file.with_suffix(".png")) and calibration is None:
+            calibration = _calibrated(camera, settings, file.with_name("calibration.toml"))
+            settings = _written(file, about, calibration)
         works.append(_passes("camera", _check_camera, settings))
         if calibration is None:
             print("next: khepera-forage camera calibrate; name its file as calibration under [camera]")
-    print(f"{out} is written")
-    print(f"then: khepera-forage lab check {out}; khepera-forage train --lab {out}")
+    print(f"{file} is written")
+    print(f"then: khepera-forage lab check {file}; khepera-forage train --lab {file}")
     return 0 if all(works) else 1
 
 
-def _written(out: Path, text: str) -> LabSettings:
-    """The settings of a new file; none is left that is not allowed."""
-    out.write_text(text, encoding="utf-8")
+def _written(file: Path, about: Callable[[str | None], str], calibration: str | None) -> LabSettings:
+    """The settings of a new file; none is left that is not allowed. The file names others as from its own folder."""
+    if calibration and not Path(calibration).is_absolute():
+        calibration = os.path.relpath(calibration, file.parent)
+    file.write_text(about(calibration), encoding="utf-8")
     try:
-        return load_settings(out)
+        return load_settings(file)
     except ValueError:
-        out.unlink()
+        file.unlink()
         raise
 
 
@@ -102,27 +107,27 @@ def _save_picture(settings: LabSettings, file: Path) -> str:
     return f"{file}: look whether it shows all arenas, without glare"
 
 
-def _calibrated(camera: str, settings: LabSettings) -> str | None:
-    """The file of a calibration by clicks on the corners of all arenas; None if the user wants none now."""
-    corners = [
-        f"{x:g},{y:g}" for arena in settings.arenas for x1, y1, x2, y2 in [arena.bounds]
-        for x, y in ((x1, y1), (x2, y1), (x2, y2), (x1, y2))
-    ]  # fmt: skip
+def _calibrated(camera: str, settings: LabSettings, file: Path) -> str | None:
+    """Let the user click on the corners of all arenas; the file of the calibration, None if there is none now."""
+    bounds = [arena.bounds for arena in settings.arenas]
+    corners = [f"{b[i]:g},{b[j]:g}" for b in bounds for i, j in ((0, 1), (2, 1), (2, 3), (0, 3))]
     question = f"Calibrate now, by clicks on the {len(corners)} inner corners of the arenas in a window? (y, n) "
     if _answer(question, "n").lower() not in ("y", "yes"):
         return None
-    file = "calibration.toml"
-    words = ["camera", "calibrate", "--source", camera, "--out", file, "--places", *corners]
+    words = ["camera", "calibrate", "--source", camera, "--out", str(file), "--places", *corners]
     if settings.camera.size is not None:
         words += ["--size", "x".join(map(str, settings.camera.size))]
-    return None if main(words) else file
+    return None if main(words) else str(file)
 
 
 def lab_text(
     kind: str, ports: Sequence[str], foods: Sequence[str], camera: str, calibration: str | None, arena: str
 ) -> str:
     """The text of a `lab.toml` with arenas side by side."""
-    x, y, step = _MAT if kind == TOIO.name else _FLOOR
+    x, y, gap, room = _MAT if kind == TOIO.name else _FLOOR
+    _, low, _, high = named_arena(arena, set_up_of(DEFAULT_DECISIONS)).bounds
+    step = high - low + gap
+    y = min(y, (room + gap - step * len(ports)) / 2)
     lines = [f"food_cubes = {toml(tuple(foods))}"] if foods else []
     # Only the slowest speeds at first: what a robot does then can be stopped by hand.
     lines += ["safe_speed = 6", "", "[arena]", f"name = {toml(arena)}"]
@@ -166,15 +171,11 @@ def check_command(arguments: argparse.Namespace) -> int:
     """Check a laboratory in order: file, robots, camera."""
     settings = load_settings(arguments.file)
     print(f"{arguments.file}: {len(settings.robots)} robots, arena {settings.arena.name}", flush=True)
-    results = [_passes(f"robot {r.name}", _check_robot, r, settings.period) for r in settings.robots]
-    for port in settings.food_cubes:
-        food = RobotSettings(port, "food", type=settings.robots[0].type)
-        results.append(_passes(f"food cube {port}", _check_robot, food, settings.period))
-    if settings.has_mat:
-        results.append(_passes("food", _check_food, settings))
-    else:
-        results.append(_passes("camera", _check_camera, settings))
-    failed = results.count(False)
+    foods = [RobotSettings(port, "food", type=settings.robots[0].type) for port in settings.food_cubes]
+    results = [_passes(f"robot {robot.name}", _check_robot, robot, settings.period) for robot in settings.robots]
+    results += [_passes(f"food cube {food.port}", _check_robot, food, settings.period) for food in foods]
+    name, check = ("food", _check_food) if settings.has_mat else ("camera", _check_camera)
+    failed = [*results, _passes(name, check, settings)].count(False)
     print("all is well" if not failed else f"{failed} to repair; begin with the first", flush=True)
     return 1 if failed else 0
 

@@ -45,12 +45,15 @@ def plot_command(arguments: argparse.Namespace) -> None:
 
 
 def drawn(paths: Sequence[Path]) -> "Figure":
-    """The figure of some files, which must be of one kind."""
+    """The figure of some files, which must be of one kind; a file that is given twice counts once."""
+    paths = list(dict.fromkeys(paths))
     kinds, contents = zip(*map(_read, paths), strict=True)
     if len(set(kinds)) > 1:
         files = " and ".join(map(str, dict(zip(kinds, paths, strict=True)).values()))
         raise ValueError(f"{files} are of different kinds; allowed: one kind")
-    figure: Figure = kinds[0](paths, contents)
+    forms = [path.stem for path in paths], [path.resolve().parent.name for path in paths], list(map(str, paths))
+    names = next((form for form in forms if len(set(form)) == len(paths)), forms[-1]) if len(paths) > 1 else [""]
+    figure: Figure = kinds[0](names, contents)
     return figure
 
 
@@ -67,24 +70,22 @@ def _read(path: Path) -> tuple[Any, Any]:
     raise ValueError(f"{path}: its first line is {header[:60]!r}; allowed: {FILES}")
 
 
-def _recalls(paths: Sequence[Path], contents: Sequence[list[RecallRow]]) -> "Figure":
+def _recalls(names: Sequence[str], contents: Sequence[list[RecallRow]]) -> "Figure":
     """The share of the food that each learner delivers, and the score of every recall."""
     groups: dict[str, list[RecallRow]] = {}
-    for path, rows in zip(paths, contents, strict=True):
+    for name, rows in zip(names, contents, strict=True):
         for row in rows:
-            label = f"{row.learner}, {row.arena}" + (f" ({path.stem})" if len(paths) > 1 else "")
-            groups.setdefault(label, []).append(row)
+            groups.setdefault(f"{row.learner}, {row.arena}" + f" ({name})" * bool(name), []).append(row)
     figure = new_figure(WIDTH, 1.2 + _LINE * len(groups))
     food, score = figure.subplots(1, 2)
-    shares = {
-        label: [percent(sum(row.delivered for row in rows), sum(row.foods for row in rows))]
-        for label, rows in groups.items()
-    }
-    levels(food, shares, "food delivered (%)")
+    shares = {}
+    for place, (label, rows) in enumerate(reversed(groups.items())):
+        shares[label] = [percent(sum(row.delivered for row in rows), sum(row.foods for row in rows))]
+        scores = [row.score for row in rows]
+        score.plot(scores, [place] * len(rows), "|", ms=12, color=GREY)
+        score.plot(np.mean(scores), place, "o", ms=7, mec="white", color=OURS)
+    levels(food, dict(reversed(shares.items())), "food delivered (%)")
     food.set_xlim(-3, 103)
-    for place, rows in enumerate(reversed(list(groups.values()))):
-        score.plot([row.score for row in rows], [place] * len(rows), "|", ms=12, color=GREY)
-        score.plot(np.mean([row.score for row in rows]), place, "o", ms=7, mec="white", color=OURS)
     score.set_yticks([])
     score.set_ylim(food.get_ylim())
     score.set_xlim(right=103)
@@ -94,13 +95,12 @@ def _recalls(paths: Sequence[Path], contents: Sequence[list[RecallRow]]) -> "Fig
     return figure
 
 
-def _trainings(paths: Sequence[Path], contents: Sequence[list[TrainingRow]]) -> "Figure":
+def _trainings(names: Sequence[str], contents: Sequence[list[TrainingRow]]) -> "Figure":
     """The rounds of every attempt at each experience file, by outcome."""
     groups: dict[str, list[TrainingRow]] = {}
-    for path, rows in zip(paths, contents, strict=True):
+    for name, rows in zip(names, contents, strict=True):
         for row in rows:
-            folder = f"{path.parent.name or path.stem}/" if len(paths) > 1 else ""
-            groups.setdefault(f"{folder}g{row.file}", []).append(row)
+            groups.setdefault(f"{name}/g{row.file}".removeprefix("/"), []).append(row)
     reasons = {row.reason or "complete" for rows in groups.values() for row in rows}
     markers = OUTCOMES | dict.fromkeys(sorted(reasons - OUTCOMES.keys()), "^")
     colours = dict(zip(markers, COLOURS, strict=False))
@@ -132,14 +132,13 @@ def _results(rows: Sequence[Any]) -> Results:
     return Results("", unknown | described(all_learners()), curves(rows, 0))
 
 
-def _comparison(paths: Sequence[Path], contents: Sequence[Results]) -> "Figure":
-    """The learning curves of comparisons, each with the name of its folder if there are several."""
-    found = list(contents[0].curves)
-    learners: dict[str, Any] = dict(contents[0].learners)
-    if len(paths) > 1:
+def _comparison(names: Sequence[str], contents: Sequence[Results]) -> "Figure":
+    """The learning curves of comparisons, each with the name of its file or folder if there are several."""
+    found, learners = list(contents[0].curves), dict(contents[0].learners)
+    if len(names) > 1:
         found, learners = [], {}
-        for path, content in zip(paths, contents, strict=True):
-            found, learners = merged(found, learners, content._replace(origin=path.resolve().parent.name))
+        for name, content in zip(names, contents, strict=True):
+            found, learners = merged(found, learners, content._replace(origin=name))
     shown = [curve for curve in found if curve.arena in STYLES]
     if not shown:
         raise ValueError(f"no recalls in {' or '.join(STYLES)}; allowed: results with at least one of them")

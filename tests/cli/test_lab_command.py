@@ -13,6 +13,7 @@ from khepera_forage.cli.main import main
 from khepera_forage.cli.options import Group
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.robots.virtual.firmware import EPuckFirmware
+from khepera_forage.sim.arenas.named import ARENAS
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import Truth
 from tests.robots.rig import make_rig
@@ -66,17 +67,28 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
     monkeypatch.setattr("khepera_forage.cli.camera.camera_command", Group("", {"calibrate": clicked}))
     monkeypatch.setattr("builtins.input", lambda question: "y")
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "labs").mkdir()
+    new = ["lab", "new", "--robot", "e-puck2", "--camera", str(film), "--out", "labs/lab.toml"]
     with make_rig(kind=EPuckFirmware) as rig:
-        assert main(["lab", "new", "--robot", "e-puck2", "--port", rig.url, "--camera", str(film)]) == 1
+        assert main([*new, "--port", rig.url]) == 1
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[2 if line.startswith("robot") else 1] for line in lines[:3]] == ["pass", "pass", "FAIL"]
     assert "no marker of teacher is seen in its arena" in lines[2]
-    assert (tmp_path / "lab.png").stat().st_size > 0
+    assert (tmp_path / "labs" / "lab.png").stat().st_size > 0
     assert places == [(600, 600), (1250, 600), (1250, 830), (600, 830)], "the corners of the corridor"
-    settings = load_settings("lab.toml")
+    settings = load_settings("labs/lab.toml")
     assert settings.camera.calibration is not None
+    assert settings.camera.calibration.exists()
     assert settings.camera.size is None, "frames have the size of the calibration"
     assert settings.tracker.markers == "tags", "a larger marker would hide the food that an e-puck2 pushes"
+
+
+@pytest.mark.parametrize("arena", ARENAS)
+def test_arenas_of_any_size_stand_side_by_side(arena: str, tmp_path: Path) -> None:
+    file = tmp_path / "lab.toml"
+    file.write_text(lab_text("khepera", ["a", "b"], (), "0", None, arena))
+    first, second = load_settings(file).arenas
+    assert second.bounds[1] - first.bounds[3] == 70
 
 
 def test_check_says_what_is_wrong_in_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

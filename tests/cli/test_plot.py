@@ -44,6 +44,15 @@ def test_rows_of_other_commands_are_drawn(files: list[str], results: Path, tmp_p
     check_readable(lay_out(drawn([results / file for file in files])))
 
 
+def test_files_of_one_name_stay_apart(results: Path, tmp_path: Path) -> None:
+    paths = [tmp_path / folder / "recall.csv" for folder in "ab"]
+    for path in paths:
+        path.parent.mkdir()
+        path.write_bytes((results / "teacher.csv").read_bytes())
+    labels = [label.get_text() for label in drawn([*paths, paths[0]]).axes[0].get_yticklabels()]
+    assert labels == ["teacher, corridor (b)", "teacher, corridor (a)"]
+
+
 @pytest.mark.parametrize(
     ("files", "message"),
     [
