@@ -22,9 +22,9 @@ from khepera_forage.experience.text_format import header_decisions_text
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
 from khepera_forage.option_values import given_path, progress, whole_number
-from khepera_forage.rollouts.raw_episodes import RawEpisode, recorded
+from khepera_forage.rollouts.raw_episodes import recorded
 from khepera_forage.sim.arena import Arena
-from khepera_forage.task.states import FoodType, StateVector
+from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
 CARD = "README.md"
 """Name of the card's file in the folder of the dataset."""
@@ -68,17 +68,14 @@ def _dataset_name(text: str) -> str:
     return text
 
 
+_EXPERIENCE = """files of 'khepera-forage train' or of real robots, one episode each, or a folder of them, instead of
+new episodes"""
+
+
 @command(
     option("--name", "Minari's name of the dataset (khepera_forage/ARENA-v1, or ARENA-wheels-v1)", _dataset_name),
     option("--episodes", f"complete training episodes ({EPISODES})", whole_number(1)),
-    option(
-        "--experience",
-        "files of 'khepera-forage train' or of real robots, one episode each, or a folder of them, instead of "
-        "new episodes",
-        given_path,
-        "FILE",
-        nargs="+",
-    ),
+    option("--experience", _EXPERIENCE, given_path, "FILE", nargs="+"),
     flag("--wheels", "raw data and motors of every round, in place of state vectors and behaviours"),
     flag("--alone", "the teacher forages alone, from random places, in place of training episodes"),
     flag("--protocol", "the datasets of the protocol forage-bench-1: those that its learners learn from"),
@@ -98,27 +95,30 @@ def dataset_command(arguments: argparse.Namespace) -> None:
         _write_protocol(arguments)
         return
     arena = options.arena_of(arguments)
-    more: dict[str, Any] = {}
     if arguments.experience:
-        ignored = ["--episodes", "--food-type", "--wheels", "--alone"]
+        ignored = ["--episodes", "--food-type", "--wheels", "--alone", "--decision"]
         options.refuse_ignored(arguments, ignored, "without --experience")
         files = experience_files(arguments.experience)
         parts = [Experience.load(path) for path in files]
-        name = _new_name(arguments, _default_name(arguments, {part.arena for part in parts}))
+        name = _new_name(arguments, {part.arena for part in parts})
         procedure = f"The experience was read from {', '.join(path.name for path in files)}."
-    else:
-        arena_name = arena if isinstance(arena, str) else arena.name
-        name = _new_name(arguments, _default_name(arguments, {arena_name}))
-        text = TEACHER_ONLY if arguments.alone else SIMULATED
-        procedure = text.format(arena=arena_name, food=food_in_training(arguments, arena))
-        parts, raw = zip(*_recorded(arguments, arena), strict=True)
-        if arguments.wheels:
-            more["episodes"] = raw
-        else:
-            more["rewards"] = [episode.rewards_of_vectors for episode in raw]
-            more["truncated"] = [episode.truncated for episode in raw]
-    known = None if arguments.experience and not arguments.arena else arena
-    _write(arguments, name, parts, procedure, arguments.alone, arena=known, **more)
+        _write(arguments, name, parts, procedure, alone=False, arena=arena if arguments.arena else None)
+        return
+    arena_name = arena if isinstance(arena, str) else arena.name
+    name = _new_name(arguments, {arena_name})
+    given: dict[str, Any] = {"decisions": options.decisions_of(arguments)}
+    if arguments.food_type:
+        given["food_types"] = arguments.food_type
+    env = WheelsEnv(**(settings_of(arena) | given)) if arguments.alone else raw_env(arena, **given)
+    seeds = np.random.SeedSequence(arguments.seed).spawn(arguments.episodes or EPISODES)
+    parts, raw = map(list, zip(*recorded(env, progress(seeds, unit="episode")), strict=True))
+    text = TEACHER_ONLY if arguments.alone else SIMULATED
+    procedure = text.format(arena=arena_name, food=food_in_training(arguments, arena))
+    more: dict[str, Any] = {"episodes": raw}
+    if not arguments.wheels:
+        rewards = [episode.rewards_of_vectors for episode in raw]
+        more = {"rewards": rewards, "truncated": [episode.truncated for episode in raw]}
+    _write(arguments, name, parts, procedure, arguments.alone, arena=arena, **more)
 
 
 def _write_protocol(arguments: argparse.Namespace) -> None:
@@ -129,9 +129,11 @@ def _write_protocol(arguments: argparse.Namespace) -> None:
     options.refuse_ignored(arguments, ["--decision"], "without --protocol")
     from khepera_forage.comparison.protocol import datasets
 
-    for name, made in datasets(arguments.seed, arguments.episodes).items():
-        _new_name(arguments, name)
-        about, parts, more = made()
+    made = datasets(arguments.seed, arguments.episodes)
+    for name in made:
+        _require_new(arguments, name)
+    for name, make in made.items():
+        about, parts, more = make()
         procedure = f"Data of the protocol {name.split('/')[0]}: {about}"
         _write(arguments, name, parts, procedure, "alone" in name, **more)
 
@@ -145,19 +147,19 @@ def _write(
     os.environ[FOLDER_VARIABLE] = str(folder)
     from khepera_forage.experience.minari import to_minari
 
-    has_wheels = "episodes" in more
-    steps = [len(episode.actions) for episode in more["episodes"]] if has_wheels else [*map(len, parts)]
+    raw = more.get("episodes", ())
+    heard = [episode.heard.tolist() for episode in raw] or [part.behaviours for part in parts]
     folder /= name
     about = {"author": arguments.author, "description": procedure, **more}
     try:
         to_minari(parts, name, allow_other_decisions=arguments.allow_other_decisions, **about)
         with replacing(folder / CARD) as path:
-            text = _card(arguments, name, parts, procedure, steps, has_wheels, alone)
+            text = _card(arguments, name, parts, procedure, heard, bool(raw), alone)
             path.write_text(text, encoding="utf-8")
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)  # Minari leaves an incomplete dataset.
         raise
-    print(f"{name}: {len(parts)} episodes, {sum(steps):,} steps, in {arguments.out}")
+    print(f"{name}: {len(parts)} episodes, {sum(map(len, heard)):,} steps, in {arguments.out}")
     print(f"data card: {arguments.out / name / CARD}")
     print(f"to load it: {FOLDER_VARIABLE}={arguments.out} and minari.load_dataset({name!r})")
 
@@ -167,17 +169,20 @@ def _card(
     name: str,
     parts: Sequence[Experience],
     procedure: str,
-    steps: Sequence[int],
+    heard: Sequence[Sequence[int]],
     has_wheels: bool,
     alone: bool,
 ) -> str:
-    """The data card: what a dataset contains, how it was made, and under which licence, as Markdown."""
-    heard = Counter(behaviour for part in parts for behaviour in part.behaviours)
+    """The data card: what a dataset contains, how it was made, and under which licence, as Markdown.
+
+    `heard` has the behaviour of each step of each episode.
+    """
+    steps, counts = list(map(len, heard)), Counter(behaviour for each in heard for behaviour in each)
     decisions = " and ".join(sorted({header_decisions_text(part.decisions) for part in parts}))
     seeds = ", ".join(str(part.seed) for part in parts)
     behaviours = "\n".join(
-        f"| {int(behaviour)} | {behaviour.name} | {count:,} | {100 * count / heard.total():.1f} |"
-        for behaviour, count in sorted(heard.items())
+        f"| {behaviour:d} | {Behaviour(behaviour).name} | {count:,} | {100 * count / counts.total():.1f} |"
+        for behaviour, count in sorted(counts.items())
     )
     loading = "episodes = from_minari(dataset)  # or dataset.iterate_episodes()"
     rewards = UNKNOWN_REWARDS if arguments.experience else REWARDS
@@ -208,7 +213,7 @@ def _card(
 
 {observed}
 
-| action | behaviour | steps | % |
+| number | behaviour | steps | % |
 |---|---|---:|---:|
 {behaviours}
 
@@ -237,16 +242,14 @@ env = dataset.recover_environment()  # where a learner can forage alone
 """
 
 
-def _default_name(arguments: argparse.Namespace, arenas: Set[str]) -> str:
-    """Minari's name of a dataset without `--name`, which says the arena."""
+def _new_name(arguments: argparse.Namespace, arenas: Set[str]) -> str:
+    """Minari's name of a dataset, which must be new; without `--name` it says the arena."""
     arena = re.sub(r"[^\w-]", "_", min(arenas)) if len(arenas) == 1 else "procedural"
     kind = "-alone" * arguments.alone + "-wheels" * arguments.wheels
-    return f"khepera_forage/{arena}{kind}-v1"
+    return _require_new(arguments, arguments.name or f"khepera_forage/{arena}{kind}-v1")
 
 
-def _new_name(arguments: argparse.Namespace, default: str) -> str:
-    """The name of the dataset, which must be new."""
-    name: str = arguments.name or default
+def _require_new(arguments: argparse.Namespace, name: str) -> str:
     if (arguments.out / name).exists():
         raise ValueError(f"--name is {name!r}; allowed: a name that is not in {arguments.out} yet")
     return name
@@ -257,12 +260,3 @@ def food_in_training(arguments: argparse.Namespace, arena: str | Arena) -> str:
     odds = {} if arguments.food_type else settings_of(arena).get("food_types", {})
     shares = ", ".join(f"{100 * share:g} % {name}" for name, share in odds.items())
     return f"food ({shares})" if shares else f"{arguments.food_type or FoodType.PICKABLE.name} food"
-
-
-def _recorded(arguments: argparse.Namespace, arena: str | Arena) -> list[tuple[Experience, RawEpisode]]:
-    given: dict[str, Any] = {"decisions": options.decisions_of(arguments)}
-    if arguments.food_type:
-        given["food_types"] = arguments.food_type
-    env = WheelsEnv(**(settings_of(arena) | given)) if arguments.alone else raw_env(arena, **given)
-    seeds = np.random.SeedSequence(arguments.seed).spawn(arguments.episodes or EPISODES)
-    return recorded(env, progress(seeds, unit="episode"))

@@ -2,6 +2,7 @@
 
 import argparse
 import re
+from collections import Counter
 from importlib import import_module
 from pathlib import Path
 
@@ -73,6 +74,16 @@ def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from() -
     learner = as_policy(DecisionTreeClassifier(random_state=0).fit(vectors, behaviours))
     env = recall_env("corridor")
     assert sum(recall(env, learner, seed).delivered for seed in range(10)) >= 9
+
+
+@pytest.mark.usefixtures("minari")
+def test_card_of_a_dataset_on_wheels_counts_every_round() -> None:
+    assert main(["dataset", "--wheels", "--episodes", "1", "--decision", "separation=6", "--out", "data"]) == 0
+    (episode,) = import_module("minari").load_dataset("khepera_forage/corridor-wheels-v1").iterate_episodes()
+    card = Path("data/khepera_forage/corridor-wheels-v1/README.md").read_text(encoding="utf-8")
+    counted = {int(number): int(count) for number, count in re.findall(r"^\| (\d+) \| [A-Z_]+ \| (\d+) \|", card, re.M)}
+    assert counted == Counter(episode.infos["heard"][:-1].tolist())
+    assert counted[10] > 0, "silence"
 
 
 @pytest.mark.usefixtures("minari")

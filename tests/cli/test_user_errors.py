@@ -93,6 +93,7 @@ def folder_without_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> N
         ("dataset --name mine", "--name: 'mine'; allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER"),
         ("dataset --name ../mine-v1", "--name: '../mine-v1'; allowed: NAME-vNUMBER"),
         ("dataset --experience g.csv --episodes 2", f"--episodes {NOTHING}without --experience"),
+        ("dataset --experience g.csv --decision v1", f"--decision {NOTHING}without --experience"),
         ("dataset --experience nowhere.csv", "nowhere.csv"),
         ("dataset --protocol --decision v1", f"--decision {NOTHING}without --protocol"),
         ("dataset --arena nowhere", "arena is 'nowhere'; allowed: corridor, rectangle, t_maze"),
