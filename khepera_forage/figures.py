@@ -122,11 +122,11 @@ def grid(axes: "Axes", axis: str = "y") -> None:
 
 
 def legend(figure: "Figure", axes: "Axes", title: str = "", columns: int = 4) -> None:
-    """One legend below all panels, with the lines of one of them."""
-    handles, labels = axes.get_legend_handles_labels()
+    """One legend below all panels, with the labels of one of them, each once."""
+    entries = {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
     figure.legend(
-        handles,
-        labels,
+        entries.values(),
+        entries.keys(),
         loc="outside lower center",
         ncols=columns,
         frameon=False,

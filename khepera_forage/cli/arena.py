@@ -6,14 +6,14 @@ import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from khepera_forage.cli.options import ARENA_FILES, Group, check_ending, command, option, out, refuse_ignored
 from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.arguments import checked_arena, set_up_of
 from khepera_forage.envs.rendering import palette
 from khepera_forage.extras import require
-from khepera_forage.figures import OURS, SMALL, THESIS, new_figure, save
+from khepera_forage.figures import OURS, SMALL, THESIS, legend, new_figure, save
 from khepera_forage.geometry import polygon
 from khepera_forage.option_values import given_path, whole_number
 from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, RADIUS
@@ -32,23 +32,17 @@ _MARGIN = 30.0
 """mm beside the walls."""
 Paths = Sequence[tuple[Point, ...]]
 
+_ALLOWED = f"{', '.join(ARENAS)}, {PROCEDURAL}, or a file *{ARENA_FILES}"
+_LEVEL = f"number of a {PROCEDURAL} arena (0); below {LEVELS:,} for training, from there on for the test"
 _CHOICE = (
-    option("arena", f"{', '.join(ARENAS)}, {PROCEDURAL}, or a file *{ARENA_FILES}", metavar="NAME|FILE"),
+    option("arena", _ALLOWED, metavar="NAME|FILE"),
     option("--difficulty", f"of a {PROCEDURAL} arena (medium)", choices=tuple(DIFFICULTIES)),
-    option(
-        "--level",
-        f"number of a {PROCEDURAL} arena (0); below {LEVELS:,} for training, from there on for the test",
-        whole_number(0),
-    ),
+    option("--level", _LEVEL, whole_number(0)),
 )
 
 
 class Findings(NamedTuple):
-    """What environments find in an arena.
-
-    The refusal is empty if they accept it. There are shortest paths from the start to each food object that can be
-    reached, and from there to the home, and the parts of the floor in which a robot cannot turn.
-    """
+    """Why environments refuse an arena, if they do; paths to food and home; and floor in which a robot cannot turn."""
 
     refusal: str = ""
     to_food: Paths = ()
@@ -63,10 +57,8 @@ def list_command(arguments: argparse.Namespace) -> None:
     for name in ARENAS:
         arena, settings = checked_arena(name, DEFAULT_DECISIONS), settings_of(name)
         left, bottom, right, top = arena.bounds
-        print(
-            f"{name:12} {environment_name(name) + '-v1':15} {right - left:4g} x {top - bottom:4g}   "
-            f"{len(arena.segments):6d} {settings['foods']:5d} {settings['limit']:7d}"
-        )
+        size = f"{environment_name(name) + '-v1':15} {right - left:4g} x {top - bottom:4g}"
+        print(f"{name:12} {size}   {len(arena.segments):6d} {settings['foods']:5d} {settings['limit']:7d}")
     print("\nProcedural-v1   size in mm                walls  food   limit")
     for name, difficulty in DIFFICULTIES.items():
         (short, long), (narrow, wide) = difficulty.length, difficulty.width
@@ -119,7 +111,7 @@ def _chosen_plan(arguments: argparse.Namespace) -> ArenaPlan:
         return ArenaPlan.of(named_arena(name, set_up_of(DEFAULT_DECISIONS)))
     if name.endswith(ARENA_FILES):
         return read_plan(name)
-    raise ValueError(f"arena is {name!r}; allowed: {', '.join(ARENAS)}, {PROCEDURAL}, or a file *{ARENA_FILES}")
+    raise ValueError(f"arena is {name!r}; allowed: {_ALLOWED}")
 
 
 def _limit(arguments: argparse.Namespace, arena: Arena) -> int:
@@ -137,11 +129,9 @@ def _find(plan: ArenaPlan) -> Findings:
         arena = plan.arena()
         check_seen((arena,))
         start = Point(arena.start.x, arena.start.y)
-        found = Findings(
-            to_food=_paths(arena, [(start, food) for food in arena.foods]),
-            to_home=_paths(arena, [(food, arena.home) for food in arena.foods]),
-            narrow=too_narrow(arena),
-        )
+        to_food = _paths(arena, [(start, food) for food in arena.foods])
+        to_home = _paths(arena, [(food, arena.home) for food in arena.foods])
+        found = Findings("", to_food, to_home, too_narrow(arena))
         check_apart(Layout((arena.start,), arena.foods))
         check_paths(arena)
     except ValueError as error:
@@ -190,14 +180,11 @@ def _draw(plan: ArenaPlan, findings: Findings, picture: Path) -> None:
         axes.plot(*zip(*path, strict=True), "-", color=OURS, lw=1.6, zorder=3, label="start to food")
     for path in findings.to_home:
         axes.plot(*zip(*path, strict=True), "--", color=THESIS, lw=1.6, zorder=3, label="food to home")
+    red = _colour(palette.LOST)
     for part in findings.narrow:
-        red = _colour(palette.LOST)
         axes.fill(*zip(*part, strict=True), color=red, alpha=0.7, lw=0, zorder=2, label="too narrow")
     axes.set_title(f"{plan.name}: not allowed" if findings.refusal else plan.name, fontsize=10)
-    handles, labels = axes.get_legend_handles_labels()
-    entries = dict(zip(labels, handles, strict=True))
-    place: dict[str, Any] = {"loc": "outside lower center", "ncols": 3, "frameon": False, "fontsize": SMALL}
-    figure.legend(entries.values(), entries.keys(), **place)
+    legend(figure, axes, columns=3)
     save(figure, picture)
 
 

@@ -23,35 +23,24 @@ minutes, and --against published shows the published results beside it. --quick 
 continues."""
 
 
+_LEARNER = """a learner of your own, package.module:name of what makes a classifier; beside those of --only (teacher and
+imitator)"""
+_AGAINST = "a results.json to show beside this run's results, or 'published' for those of the package"
+_ARENAS = "where learners are tested: named arenas, or procedural arenas of a difficulty (corridor rectangle)"
+_BACKEND = "where the work is done: loky is this machine (loky)"
+
+
 @command(
     lambda parser: add_study_arguments(parser, "learners", *COUNTS),
     flag("--list", "list the learners that are known here, and end"),
     option("--only", "one learner of --list; may be given several times (all)", metavar="NAME", action="append"),
-    option(
-        "--learner",
-        "a learner of your own, package.module:name of what makes a classifier; beside those of --only "
-        "(teacher and imitator)",
-        metavar="PLACE",
-        action="append",
-    ),
-    option(
-        "--against",
-        "a results.json to show beside this run's results, or 'published' for those of the package",
-        metavar="FILE",
-    ),
-    option(
-        "--arenas",
-        "where learners are tested: named arenas, or procedural arenas of a difficulty (corridor rectangle)",
-        metavar="NAME",
-        nargs="+",
-        choices=(*ARENAS, *DIFFICULTIES),
-    ),
+    option("--learner", _LEARNER, metavar="PLACE", action="append"),
+    option("--against", _AGAINST, metavar="FILE"),
+    option("--arenas", _ARENAS, None, "NAME", nargs="+", choices=(*ARENAS, *DIFFICULTIES)),
     flag("--tune", "compare settings of each learner instead"),
     flag("--protocol", "the protocol forage-bench-1 (docs/protocol.md): fixed tracks, amounts, places and seeds"),
     option("--track", "one track of the protocol; may be given several times (all)", action="append", choices=TRACKS),
-    option(
-        "--backend", "where the work is done: loky is this machine (loky)", choices=("loky", "dask"), default="loky"
-    ),
+    option("--backend", _BACKEND, choices=("loky", "dask"), default="loky"),
     option("--address", "of a Dask cluster (by default a temporary one on this machine)"),
     description=DESCRIPTION,
     epilog="example: khepera-forage compare --learner my_module:make_forest --against published",

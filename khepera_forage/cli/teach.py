@@ -40,14 +40,11 @@ LETTERS = {
     Behaviour.RELEASE_FOOD: "r",
 }
 """The key of each behaviour: a letter of its name. The digit of its number in table 4.1 works too."""
-BEHAVIOUR_OF = {
-    **{letter: behaviour for behaviour, letter in LETTERS.items()},
-    **{str(int(behaviour)): behaviour for behaviour in LETTERS},
-}
-REPEAT, RESTART, QUIT, CONFIRM = "space", "backspace", "escape", ("return", "enter")
+BEHAVIOUR_OF = {key: behaviour for behaviour, letter in LETTERS.items() for key in (letter, str(int(behaviour)))}
+REPEAT, RESTART, QUIT, CONFIRM = "space", ("backspace", True), ("escape", True), (("return", True), ("enter", True))
+"""A key, and events of `Window.wait`."""
 _KEYS = ", ".join(f"{letter} or {int(b)} {b.name.replace('_', ' ').lower()}" for b, letter in LETTERS.items())
-
-
+_PACE = "rounds a second while a key is held (5: half the speed of real robots)"
 CHOOSE = "Press the key of a behaviour: a tap is one round, a held key repeats it."
 SEPARATED_WARNING = "The learner is separated: wait until it is back; keys have no effect."
 
@@ -117,12 +114,9 @@ class HumanTeacher:
     def after_round(self) -> None:
         """Remember why an attempt failed; the next attempt begins with that message."""
         if self._env.truncations[TEACHER]:
-            out_of_time = self._env.infos[TEACHER]["steps"] >= self._env.max_cycles
-            reason = (
-                f"{self._env.max_cycles} rounds were not enough"
-                if out_of_time
-                else f"the learner was separated for {self._env.patience} rounds"
-            )
+            reason = f"the learner was separated for {self._env.patience} rounds"
+            if self._env.infos[TEACHER]["steps"] >= self._env.max_cycles:
+                reason = f"{self._env.max_cycles} rounds were not enough"
             self.news = f"That attempt is discarded: {reason}."
 
     def show_end(self) -> None:
@@ -144,7 +138,7 @@ class HumanTeacher:
 
     def _confirm(self) -> None:
         """Wait for Enter, and forget the keys pressed before it."""
-        while self._event() not in ((CONFIRM[0], True), (CONFIRM[1], True)):
+        while self._event() not in CONFIRM:
             pass
         self._pressed.clear()
         self._caption = self._caption._replace(held=None, last=None)
@@ -152,7 +146,7 @@ class HumanTeacher:
     def _event(self, timeout: float | None = None) -> tuple[str, bool] | None:
         """The next key, and whether it goes down; None if there is none in time."""
         event = self._window.wait(timeout)
-        if event == (QUIT, True):
+        if event == QUIT:
             raise QuitRequest
         return event
 
@@ -161,7 +155,7 @@ class HumanTeacher:
         event = self._event(None if waits else max(0.0, self._due - time.monotonic()))
         if event is None:
             return None
-        if event == (RESTART, True):
+        if event == RESTART:
             raise RestartRequest
         key, down = event
         self._pressed.pop(key, None)
@@ -191,12 +185,7 @@ class HumanTeacher:
     options.episodes(1, "complete training episodes, one file each"),
     options.out("taught", "folder for g1.csv, g2.csv, ..."),
     options.seed("the same seed gives the same episodes"),
-    option(
-        "--pace",
-        "rounds a second while a key is held (5: half the speed of real robots)",
-        real_number(0.0, 1000.0, "rounds a second"),
-        default=5.0,
-    ),
+    option("--pace", _PACE, real_number(0.0, 1000.0, "rounds a second"), default=5.0),
     flag("--hints", "also show the state of table 4.1, which determines what the hand-coded teacher would do"),
     options.DECISION,
     description="You are the teacher: choose behaviours with keys. The learner records each one, executes it too, and "
@@ -232,9 +221,7 @@ def _teach(env: TrainingEnv, teacher: HumanTeacher, files: list[PlannedFile], ar
             path.unlink(missing_ok=True)  # the file of an incomplete attempt
             break
         recorded.append(path)
-        vectors += len(experience)
-        choices += teacher.choices
-        agreed += teacher.agreed
+        vectors, choices, agreed = vectors + len(experience), choices + teacher.choices, agreed + teacher.agreed
         summary = f"{len(experience)} experience vectors, {_agreement(teacher.agreed, teacher.choices)}"
         print(f"{path}: {summary}", flush=True)
         teacher.news = f"Episode {number} is complete: {summary}."
@@ -242,11 +229,9 @@ def _teach(env: TrainingEnv, teacher: HumanTeacher, files: list[PlannedFile], ar
         print("no episode is complete, so no file is kept")
         return
     print(f"{len(recorded)} episode(s), {vectors} experience vectors, {_agreement(agreed, choices)}")
-    command = ["khepera-forage", "recall", "--arena", arguments.arena or CORRIDOR, "--experience"]
-    command += map(str, recorded)
-    for assignment in arguments.decision:
-        command += ["--decision", assignment]
-    print(f"next: {shlex.join(command)}", flush=True)
+    decisions = [word for assignment in arguments.decision for word in ("--decision", assignment)]
+    words = ["recall", "--arena", arguments.arena or CORRIDOR, "--experience", *map(str, recorded), *decisions]
+    print(f"next: khepera-forage {shlex.join(words)}", flush=True)
     if len(recorded) == len(files):
         teacher.show_end()
 

@@ -30,42 +30,32 @@ writes its page to a folder of the results' folder. Such an experiment, a pseudo
     khepera-forage infer --tables pseudo/recalls.csv"""
 
 
+_BACKEND = f"{COMPILED}: thousands of worlds at once, needs numba; {PYMUNK}: one world at a time ({COMPILED})"
+_NUMBERS = f"{REPLICATIONS[COMPILED]} with {COMPILED}, {REPLICATIONS[PYMUNK]} with {PYMUNK}"
+_ALONE = """only the chosen decisions; without this option, the thesis's cells are also repeated under those of version
+0.1, in a fifth of the replications"""
+
+
 @command(
-    option(
-        "--backend",
-        f"{COMPILED}: thousands of worlds at once, needs numba; {PYMUNK}: one world at a time ({COMPILED})",
-        choices=BACKENDS,
-        default=COMPILED,
-    ),
-    option(
-        "--replications",
-        "repetitions of the whole design "
-        f"({REPLICATIONS[COMPILED]} with {COMPILED}, {REPLICATIONS[PYMUNK]} with {PYMUNK})",
-        whole_number(1, 100_000),
-    ),
+    option("--backend", _BACKEND, choices=BACKENDS, default=COMPILED),
+    option("--replications", f"repetitions of the whole design ({_NUMBERS})", whole_number(1, 100_000)),
     seed(),
     out("results/thesis", "folder for the report, its tables, figures and rows"),
     option("--jobs", f"processes with {PYMUNK}; -1 uses all cores (-1)", processes),
     flag("--quick", "a small version of all experiments, under a minute"),
     flag("--fresh", "do not continue a run that was killed in the folder"),
     DECISION,
-    flag(
-        "--no-comparison",
-        "only the chosen decisions; without this option, the thesis's cells are also repeated under those of "
-        "version 0.1, in a fifth of the replications",
-    ),
+    flag("--no-comparison", _ALONE),
 )
 def reproduce_command(arguments: argparse.Namespace) -> None:
     """Run the thesis's experiments and compare the results with its tables."""
     backend = arguments.backend
-    replications = arguments.replications
-    if replications is None:
-        replications = QUICK_REPLICATIONS if arguments.quick else REPLICATIONS[backend]
+    replications = QUICK_REPLICATIONS if arguments.quick else REPLICATIONS[backend]
     if backend == COMPILED:
         refuse_ignored(arguments, ["--jobs"], f"with --backend {PYMUNK}; {COMPILED} worlds always use all cores")
     page = reproduce(
         arguments.seed,
-        replications,
+        arguments.replications or replications,
         arguments.out,
         n_jobs=-1 if arguments.jobs is None else arguments.jobs,
         quick=arguments.quick,
@@ -80,16 +70,13 @@ def reproduce_command(arguments: argparse.Namespace) -> None:
     print(f"Page ({page.name}), tables, figures and rows are in {arguments.out}")
 
 
+_TABLES = """infer from these tables of the corridor, with the simulated sets of the package: recalls.csv of
+'khepera-forage reproduce', a file like the package's thesis/appendix_a.csv, or 'thesis' for the thesis's own"""
+
+
 @command(
     lambda parser: add_study_arguments(parser, "decisions", *COUNTS),
-    option(
-        "--tables",
-        "infer from these tables of the corridor, with the simulated sets of the package: recalls.csv of "
-        "'khepera-forage reproduce', a file like the package's thesis/appendix_a.csv, or 'thesis' for the thesis's "
-        "own",
-        given_path,
-        "FILE",
-    ),
+    option("--tables", _TABLES, given_path, "FILE"),
     description=INFER,
 )
 def infer_command(arguments: argparse.Namespace) -> int:
@@ -120,13 +107,8 @@ def infer_command(arguments: argparse.Namespace) -> int:
 )
 def decisions_command(arguments: argparse.Namespace) -> None:
     """List what the thesis leaves open, with our decisions and their reasons."""
-    rows = decision_table()
-    lines = [
-        ("decision", "default", "thesis", "allowed"),
-        *((row.name, row.default, row.section, row.allowed) for row in rows),
-    ]
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    for number, line in enumerate(lines):
-        print("  ".join(map(str.ljust, line, widths)).rstrip())
-        if number:
-            print(f"    {rows[number - 1].meaning}")
+    table = {("decision", "default", "thesis", "allowed"): ""}
+    table |= {(row.name, row.default, row.section, row.allowed): f"\n    {row.meaning}" for row in decision_table()}
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    for line, meaning in table.items():
+        print("  ".join(map(str.ljust, line, widths)).rstrip() + meaning)

@@ -59,9 +59,8 @@ class Window:
             if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1:
                 place = self._place()
                 scale = self._picture.get_width() / place.width
-                self.clicks.append(
-                    (scale * (event.pos[0] + 0.5 - place.left), scale * (event.pos[1] + 0.5 - place.top))
-                )
+                u, v = event.pos[0] + 0.5 - place.left, event.pos[1] + 0.5 - place.top
+                self.clicks.append((scale * u, scale * v))
             if event.type in (pygame.WINDOWEXPOSED, pygame.WINDOWSIZECHANGED):
                 self._refresh()
             if event.type == pygame.NOEVENT and until is not None and time.monotonic() >= until:

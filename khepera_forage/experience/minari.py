@@ -89,6 +89,9 @@ def to_minari(
             raw = episodes[number]
             given, recorded = raw.rewards, {"actions": raw.actions, "observations": raw.observations}
             recorded["infos"] = {"heard": np.append(raw.heard, Behaviour.WAIT)}
+        if len(given) != len(recorded["actions"]):
+            found = f"{len(given)} rewards with {len(recorded['actions'])} actions"
+            raise ExperienceError(f"experience {number}: {found}; allowed: equal numbers")
         before, cut = [False] * (len(recorded["actions"]) - 1), bool(truncated[number])
         options = {
             "arena": part.arena,

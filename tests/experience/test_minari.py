@@ -176,6 +176,11 @@ def test_experience_that_has_no_environment_is_an_error(parts: list[Experience],
         to_minari(parts, "khepera/bad-v0")
 
 
+def test_rewards_of_another_number_are_an_error() -> None:
+    with pytest.raises(ExperienceError, match="experience 0: 1 rewards with 2 actions; allowed: equal numbers"):
+        to_minari([SOME], "khepera/bad-v0", rewards=[[0.5]])
+
+
 @pytest.mark.parametrize("name", ARENAS)
 def test_recovered_environment_has_the_named_arena(name: str) -> None:
     part = Experience(SOME.vectors, SOME.behaviours, name, decisions=OTHER)
