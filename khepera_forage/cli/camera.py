@@ -174,7 +174,10 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
         raise ValueError(f"--tags has {twice} twice; allowed: each tag once")
     if len(given) < 4:
         raise ValueError(f"--{name} has {len(given)} points; allowed: four or more")
-    picture, floor = zip(*given, strict=True) if name == "points" else ((), given)
+    picture: Sequence[Point] = ()
+    floor: Sequence[Point] = given
+    if name == "points":
+        picture, floor = zip(*given, strict=True)
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     by_camera = name != "points" or arguments.check
     with closing(open_source(arguments, paced=False)) if by_camera else nullcontext() as source:

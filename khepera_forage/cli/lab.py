@@ -127,12 +127,12 @@ def lab_text(
     x, y, gap, room = _MAT if kind == TOIO.name else _FLOOR
     _, low, _, high = named_arena(arena, set_up_of(DEFAULT_DECISIONS)).bounds
     step = high - low + gap
-    y = min(y, (room + gap - step * len(ports)) / 2)
+    low = min(y, (room + gap - step * len(ports)) / 2)
     lines = [f"food_cubes = {toml(tuple(foods))}"] if foods else []
     # Only the slowest speeds at first: what a robot does then can be stopped by hand.
     lines += ["safe_speed = 6", "", "[arena]", f"name = {toml(arena)}"]
     for number, port in enumerate(ports):
-        offset = toml((x, y + number * step))
+        offset = toml((x, low + number * step))
         lines += ["", "[[robots]]", f"type = {toml(kind)}", f"port = {toml(port)}", f"offset = {offset}"]
     if camera:
         lines += ["", "[camera]", f"source = {camera if camera.isdigit() else toml(camera)}"]

@@ -204,10 +204,7 @@ def print_late_rounds(env: TrainingEnv | BehavioursEnv) -> None:
 
 
 def _opened(lab: str, arena: str | Arena, robots: int, decisions: Decisions) -> World:
-    """The laboratory of `--lab`; one robot means the one that forages in a recall.
-
-    The decisions say how long rounds last and where start, food and home are, where the file leaves this open.
-    """
+    """The laboratory of `--lab`, under decisions where its file leaves them open; one robot is that of a recall."""
     require("--lab", "robots", "camera")
     name, _, kind = lab.partition(":")
     if name == VIRTUAL_LAB:

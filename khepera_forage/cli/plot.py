@@ -64,8 +64,13 @@ def _read(path: Path) -> tuple[Any, Any]:
     header = utf8(path.read_bytes()).partition(b"\n")[0].decode(errors="replace").strip()
     for kind, draw in ((RecallRow, _recalls), (TrainingRow, _trainings), (RecallBatch, _comparison)):
         if header == ",".join(field.name for field in fields(kind)):
-            if rows := read_rows(path, kind):
-                return draw, rows if draw is not _comparison else _results(rows)
+            rows: Any = read_rows(path, kind)
+            if rows and draw is _comparison:
+                # A learner that is not known here is drawn among the imitators.
+                unknown = {row.learner: ReadLearner(row.learner, Supervision.VECTORS, "") for row in rows}
+                rows = Results("", unknown | described(all_learners()), curves(rows, 0))
+            if rows:
+                return draw, rows
             raise ValueError(f"{path} has no rows; allowed: at least one")
     raise ValueError(f"{path}: its first line is {header[:60]!r}; allowed: {FILES}")
 
@@ -124,12 +129,6 @@ def _trainings(names: Sequence[str], contents: Sequence[list[TrainingRow]]) -> "
     legend(figure, axes)
     figure.suptitle("Training: attempts and how they ended", fontsize=SMALL + 2)
     return figure
-
-
-def _results(rows: Sequence[Any]) -> Results:
-    """The curves of a comparison's rows; a learner that is not known here is drawn among the imitators."""
-    unknown = {row.learner: ReadLearner(row.learner, Supervision.VECTORS, "") for row in rows}
-    return Results("", unknown | described(all_learners()), curves(rows, 0))
 
 
 def _comparison(names: Sequence[str], contents: Sequence[Results]) -> "Figure":

@@ -101,7 +101,7 @@ def _forage(env: BehavioursEnv, arguments: argparse.Namespace) -> Callable[..., 
         return partial(forage, Teacher.of(env), learner=TEACHER, experience_size=0)
     name = arguments.learner or IMITATOR
     learner = _learner(name)
-    about: dict[str, bool] = {"allow_other_decisions": arguments.allow_other_decisions, "recover": arguments.recover}
+    about: dict[str, Any] = {"allow_other_decisions": arguments.allow_other_decisions, "recover": arguments.recover}
     with warnings.catch_warnings(record=True) as recovered:
         warnings.simplefilter("always", ExperienceWarning)
         experience = Experience.load(*arguments.experience, decisions=env.decisions, **about)
@@ -150,7 +150,7 @@ def watch_command(arguments: argparse.Namespace) -> None:
     film: Path | None = arguments.out
     frames: list[Any] = []
     is_training = arguments.phase == "training"
-    made = options.training_env if is_training else options.recall_env
+    made: Any = options.training_env if is_training else options.recall_env
     with closing(made(arguments, render_mode="human" if film is None else "rgb_array")) as env:
         rounds = progress(hidden=film is None, desc="film", unit="round")
         number = itertools.count()
@@ -161,8 +161,11 @@ def watch_command(arguments: argparse.Namespace) -> None:
                 frames.append(env.render())
             rounds.update()
 
-        watch = _watch_training if is_training else _watch_recall
-        print(watch(env, arguments, record))
+        if is_training:
+            print(_watch_training(env, arguments, record))
+        else:
+            row = _forage(env, arguments)(arguments.seed, callback=record)
+            print(f"score {row.score:.1f} % in {row.steps} steps, food {row.delivered} / {row.foods}")
         if film is not None and (next(number) - 1) % arguments.every:
             frames.append(env.render())  # how it ended, also between two frames
     if film is not None:
@@ -212,8 +215,3 @@ def _complete_attempt(env: TrainingEnv, seed: int) -> int:
 
 def _ignore(vector: object, behaviour: object) -> None:
     """A recording of which nothing is kept."""
-
-
-def _watch_recall(env: Any, arguments: argparse.Namespace, record: Callable[[], None]) -> str:
-    row = _forage(env, arguments)(arguments.seed, callback=record)
-    return f"score {row.score:.1f} % in {row.steps} steps, food {row.delivered} / {row.foods}"

@@ -6,6 +6,8 @@ import statistics
 import sys
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
+from itertools import count
 from typing import Any
 
 from khepera_forage.cli.options import Group, command, flag, option, refuse_ignored
@@ -112,16 +114,13 @@ def probe_command(arguments: argparse.Namespace) -> None:
         print(f"counters   {_numbers(robot.request(counters))}   (left, right; {model.pulse:.3g} mm each)")
         timed: list[tuple[Any, ...]] = [(identity.command,), ("N",), (counters,)]
         for command in [*timed, ("T,1,G",), ("T,1,H", 1)] if model.has_gripper else timed:
-            try:
+            with suppress(RequestRejected):
                 print(f"{','.join(map(str, command)):10s} {_round_trips(robot, *command)}")
-            except RequestRejected:
-                continue
         timing, counts = robot.timing, robot.statistics
-        print(
-            f"latency    {1000 * timing.latency:.1f} ms in addition to the transmission; a round takes "
-            f"{1000 * timing.round_time:.0f} ms: at most {1 / timing.round_time:.1f} rounds a second"
-            f"{'' if timing.pipelined else ', because the robot answers only one request at a time'}"
-        )
+        latency, taken, rate = 1000 * timing.latency, 1000 * timing.round_time, 1 / timing.round_time
+        why = "" if timing.pipelined else ", because the robot answers only one request at a time"
+        print(f"latency    {latency:.1f} ms in addition to the transmission; a round takes {taken:.0f} ms: ", end="")
+        print(f"at most {rate:.1f} rounds a second{why}")
         print(f"line       {counts.sent} requests, {counts.timeouts} unanswered, {counts.garbled} garbled")
 
 
@@ -164,16 +163,14 @@ def sensors_command(arguments: argparse.Namespace) -> None:
     with open_robot(arguments) as robot:
         if not live:
             print("L90 L45 L10 R10 R45 R90 backR backL | left right pulses | arm jaw present")
-        shown = 0
         due = time.monotonic()
-        while not arguments.rounds or shown < arguments.rounds:
+        for number in range(arguments.rounds) if arguments.rounds else count():
             robot.receive()
             proximity, left, right, arm, jaw, presence = senses = robot.sense()
             text = bars(senses) if live else f"{_numbers(proximity)} | {left} {right} | {arm} {jaw} {presence}"
-            if live and shown:
+            if live and number:
                 print(_CURSOR_UP.format(text.count("\n") + 1), end="")
             print(text, flush=True)
-            shown += 1
             due = max(due + CONTROL_PERIOD, time.monotonic())
             time.sleep(max(0.0, due - time.monotonic()))
 
@@ -211,13 +208,12 @@ def drive_command(arguments: argparse.Namespace) -> None:
         robot.stop()
         robot.receive()
         after = robot.sense()
-        restarts = robot.statistics.restarts if isinstance(robot, SerialRobot) else 0
-        scale = robot.model.scale
-    left, right = after.left_pulses - before.left_pulses, after.right_pulses - before.right_pulses
+    restarts = robot.statistics.restarts if isinstance(robot, SerialRobot) else 0
     if restarts:
         print(f"the robot restarted {restarts} time{'s' * (restarts > 1)}: check its power supply")
-    left_mm, right_mm = (pulses * PULSE * scale for pulses in (left, right))
-    print(f"left {left} pulses, {left_mm:.0f} mm; right {right} pulses, {right_mm:.0f} mm")
+    left, right = after.left_pulses - before.left_pulses, after.right_pulses - before.right_pulses
+    mm = PULSE * robot.model.scale
+    print(f"left {left} pulses, {mm * left:.0f} mm; right {right} pulses, {mm * right:.0f} mm")
 
 
 @command(*PORT, option("action", "the movement", choices=tuple(_MOVEMENTS)))
@@ -308,8 +304,7 @@ def _wheels(robot: RealRobot) -> str:
 def _travel(robot: RealRobot, speed: int) -> list[int]:
     """Turn both wheels and return their pulses; half to one and a half times the expected number passes.
 
-    The range is wide because a low supply voltage slows the motors, and a cube has few speeds. A wheel that turns the
-    wrong way fails.
+    The range is wide because a low supply voltage slows the motors, and a cube has few speeds.
     """
     before = _counters(robot)
     begin = time.monotonic()

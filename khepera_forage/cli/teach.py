@@ -69,8 +69,7 @@ class QuitRequest(Exception):  # noqa: N818 (a wish of the person, not an error)
 class HumanTeacher:
     """A teacher policy whose behaviours a person chooses: a tap is one round, a held key repeats.
 
-    While the learner is separated the teacher WAITs (4.5) and keys have no effect. Every attempt begins with Enter,
-    so that a key held since the previous attempt chooses nothing.
+    Every attempt begins with Enter, so that a key held since the previous attempt chooses nothing.
 
     Attributes:
         episode: Number of the current episode, from 1.

@@ -137,7 +137,7 @@ def test_robot_stops_after_an_interrupt_of_its_policy() -> None:
         (recall_wheels, recall_wheels_env("corridor", noise="none"), np.ones(4)),
     ):
         with pytest.raises(KeyboardInterrupt):
-            run(env, Interrupted(action), 1)  # type: ignore[operator]
+            run(env, Interrupted(action), 1)
         before = env.world.robots[0].sense()
         env.world.advance()
         assert env.world.robots[0].sense()[1:3] == before[1:3]
