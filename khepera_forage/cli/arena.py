@@ -81,10 +81,14 @@ def show_command(arguments: argparse.Namespace) -> int:
     arena = plan.arena()
     left, bottom, right, top = arena.bounds
     length = max(map(path_length, (*findings.to_food, *findings.to_home)))
+    limit = settings_of(arguments.arena if arguments.arena in ARENAS else arena)["limit"]
+    if arguments.arena == PROCEDURAL:
+        limit = checked_difficulty(arguments.difficulty or "medium").limit
     print(
-        f"{right - left:g} x {top - bottom:g} mm, {len(arena.segments)} walls, food objects: {len(arena.foods)}, "
-        f"longest way {length:.0f} mm, step limit {_limit(arguments, arena)}"
+        f"{right - left:g} x {top - bottom:g} mm, {len(arena.segments)} walls, food objects: {len(arena.foods)}, ",
+        end="",
     )
+    print(f"longest way {length:.0f} mm, step limit {limit}")
     return 0
 
 
@@ -112,14 +116,6 @@ def _chosen_plan(arguments: argparse.Namespace) -> ArenaPlan:
     if name.endswith(ARENA_FILES):
         return read_plan(name)
     raise ValueError(f"arena is {name!r}; allowed: {_ALLOWED}")
-
-
-def _limit(arguments: argparse.Namespace, arena: Arena) -> int:
-    """Steps of an episode in the environments of the arena."""
-    if arguments.arena == PROCEDURAL:
-        return checked_difficulty(arguments.difficulty or "medium").limit
-    limit: int = settings_of(arguments.arena if arguments.arena in ARENAS else arena)["limit"]
-    return limit
 
 
 def _find(plan: ArenaPlan) -> Findings:
@@ -192,6 +188,4 @@ def _colour(colour: palette.Colour) -> str:
     return "#" + bytes(colour).hex()
 
 
-arena_command = Group(
-    "List, draw and write arenas.", {"list": list_command, "show": show_command, "write": write_command}
-)
+arena_command = Group("List, draw and write arenas.", (list_command, show_command, write_command))

@@ -400,5 +400,5 @@ def tags_command(arguments: argparse.Namespace) -> None:
 
 camera_command = Group(
     "Calibrate the overhead camera, show its picture, or print the markers.",
-    {"calibrate": calibrate_command, "preview": preview_command, "markers": markers_command, "tags": tags_command},
+    (calibrate_command, preview_command, markers_command, tags_command),
 )

@@ -234,4 +234,4 @@ def _check_camera(settings: LabSettings) -> str:
     return f"source {settings.camera.source}, {calibrated}; all markers seen"
 
 
-lab_command = Group("Set up a laboratory with real robots, and check it.", {"new": new_command, "check": check_command})
+lab_command = Group("Set up a laboratory with real robots, and check it.", (new_command, check_command))

@@ -1,7 +1,7 @@
 """Commands as data, the options that several commands share, and what these options choose."""
 
 import argparse
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -50,18 +50,18 @@ class Subcommand(NamedTuple):
 
 
 class Group(NamedTuple):
-    """Commands about one thing, by what the user types."""
+    """Commands about one thing. What the user types is the name of each function, without `_command`."""
 
     description: str
-    commands: Mapping[str, Subcommand]
+    commands: Sequence[Subcommand]
 
     def add_to(self, parser: argparse.ArgumentParser) -> None:
         """Add the commands, of which the user must choose one."""
         parser.description = self.description
         tasks = parser.add_subparsers(dest="task", required=True, metavar="task")
-        for name, each in self.commands.items():
+        for each in self.commands:
             line = each.description[0].lower() + each.description[1:].rstrip(".")
-            each.add_to(tasks.add_parser(name, help=line))
+            each.add_to(tasks.add_parser(each.run.__name__.removesuffix("_command"), help=line))
 
 
 def command(*options: Option, description: str = "", epilog: str | None = None) -> Callable[[Run], Subcommand]:

@@ -373,22 +373,10 @@ def _line(robot: SerialRobot) -> str:
     return f"{counts.sent} requests, all answered"
 
 
-_SERIAL: dict[str, Callable[[Any], str]] = {
-    "infra-reds": _infra_reds,
-    "ambient light": _light,
-    "wheels": _wheels,
-    "a round": _rounds,
-    "line": _line,
-}
-CHECKS: dict[str, dict[str, Callable[[Any], str]]] = {
-    KHEPERA.name: {
-        "versions": _versions,
-        "lamps": _lamps,
-        "arm": _arm,
-        "jaw": _jaw,
-        "optical barrier": _barrier,
-        **_SERIAL,
-    },
+_SERIAL = {"infra-reds": _infra_reds, "ambient light": _light, "wheels": _wheels, "a round": _rounds, "line": _line}
+_GRIPPER = {"arm": _arm, "jaw": _jaw, "optical barrier": _barrier}
+CHECKS: dict[str, Mapping[str, Callable[[Any], str]]] = {
+    KHEPERA.name: {"versions": _versions, "lamps": _lamps, **_GRIPPER, **_SERIAL},
     E_PUCK.name: {"version": _versions, "lamps": _lamps, **_SERIAL},
     TOIO.name: {"mat": _mat, "wheels": _wheels, "a round": _rounds},
 }
@@ -400,12 +388,5 @@ The arm comes before the infra-reds: raised, it does not cover them.
 
 robot_command = Group(
     "Test a real robot, or start a virtual one.",
-    {
-        "probe": probe_command,
-        "sensors": sensors_command,
-        "drive": drive_command,
-        "grip": grip_command,
-        "selftest": selftest_command,
-        "virtual": virtual_command,
-    },
+    (probe_command, sensors_command, drive_command, grip_command, selftest_command, virtual_command),
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from khepera_forage.cli.camera import calibrate_command
+from khepera_forage.cli import camera
 from khepera_forage.cli.lab import lab_text
 from khepera_forage.cli.main import main
 from khepera_forage.cli.options import Group
@@ -58,13 +58,13 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
     writer.release()
     places: list[tuple[float, float]] = []
 
-    def calibrated(arguments: argparse.Namespace) -> int:
+    def calibrate_command(arguments: argparse.Namespace) -> int:
         places.extend(arguments.places)
         Calibration.identity((1000.0, 1000.0, 2000.0), arguments.size).save(arguments.out)
         return 0
 
-    clicked = calibrate_command._replace(run=calibrated)
-    monkeypatch.setattr("khepera_forage.cli.camera.camera_command", Group("", {"calibrate": clicked}))
+    clicked = camera.calibrate_command._replace(run=calibrate_command)
+    monkeypatch.setattr("khepera_forage.cli.camera.camera_command", Group("", [clicked]))
     monkeypatch.setattr("builtins.input", lambda question: "y")
     monkeypatch.chdir(tmp_path)
     (tmp_path / "labs").mkdir()
