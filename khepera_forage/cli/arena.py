@@ -84,11 +84,8 @@ def show_command(arguments: argparse.Namespace) -> int:
     limit = settings_of(arguments.arena if arguments.arena in ARENAS else arena)["limit"]
     if arguments.arena == PROCEDURAL:
         limit = checked_difficulty(arguments.difficulty or "medium").limit
-    print(
-        f"{right - left:g} x {top - bottom:g} mm, {len(arena.segments)} walls, food objects: {len(arena.foods)}, ",
-        end="",
-    )
-    print(f"longest way {length:.0f} mm, step limit {limit}")
+    size = f"{right - left:g} x {top - bottom:g} mm, {len(arena.segments)} walls"
+    print(f"{size}, food objects: {len(arena.foods)}, longest way {length:.0f} mm, step limit {limit}")
     return 0
 
 
