@@ -31,6 +31,7 @@ import shlex
 import sys
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields
 from importlib.metadata import version
 from pathlib import Path
@@ -262,21 +263,19 @@ class RowStore:
         """Read all whole lines; the settings of the first one."""
         lines: list[Any] = []
         try:
-            with gzip.open(self._path, "rt", encoding="utf-8") as file:
-                lines.extend(map(json.loads, file))
-        except EOFError:
-            pass  # the line that a killed process was writing
-        except (OSError, ValueError, zlib.error) as error:
+            with suppress(EOFError), gzip.open(self._path, "rt", encoding="utf-8") as file:
+                lines.extend(map(json.loads, file))  # without the line that a killed process was writing
+            for line in lines[1:]:
+                self.finished[line["unit"]] = [
+                    kind(*(tuple(value) if isinstance(value, list) else value for value in values))
+                    for kind, name in self._tables.items()
+                    for values in line["rows"][name]
+                ]
+        except (OSError, ValueError, KeyError, TypeError, zlib.error) as error:
             raise ValueError(
-                f"{self._path}: {error}; allowed: as this program wrote it, another folder (--out), or --fresh, which "
+                f"{self._path}: {error}; allowed: as this version wrote it, another folder (--out), or --fresh, which "
                 "deletes it"
             ) from None
-        for line in lines[1:]:
-            self.finished[line["unit"]] = [
-                kind(*(tuple(value) if isinstance(value, list) else value for value in values))
-                for kind, name in self._tables.items()
-                for values in line["rows"][name]
-            ]
         settings: dict[str, str] = lines[0] if lines else {}
         return settings
 

@@ -1,5 +1,6 @@
 """Studies: rows of runs that were killed, values with intervals, and pages."""
 
+import gzip
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -113,9 +114,10 @@ def test_a_file_of_another_kind_is_named(tmp_path: Path) -> None:
     store = tmp_path / UNITS
     walk(tmp_path, "a")
     whole = store.read_bytes()
-    for damaged in (b"unit,number\n", whole[:10] + b"\x07" + whole[11:]):
+    other_version = gzip.compress(b'{}\n{"unit": "a", "rows": {"steps": [[1, 2, 3]], "falls": []}}\n')
+    for damaged in (b"unit,number\n", whole[:10] + b"\x07" + whole[11:], other_version):
         store.write_bytes(damaged)
-        with pytest.raises(ValueError, match=r"units\.jsonl\.gz: .*; allowed: as this program wrote it"):
+        with pytest.raises(ValueError, match=r"units\.jsonl\.gz: .*; allowed: as this version wrote it"):
             RowStore(tmp_path, TABLES, {})
 
 
