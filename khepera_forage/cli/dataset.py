@@ -24,7 +24,7 @@ from khepera_forage.files import replacing
 from khepera_forage.option_values import given_path, progress, whole_number
 from khepera_forage.rollouts.raw_episodes import recorded
 from khepera_forage.sim.arena import Arena
-from khepera_forage.task.states import Behaviour, FoodType, StateVector
+from khepera_forage.task.states import Behaviour, FoodType
 
 CARD = "README.md"
 """Name of the card's file in the folder of the dataset."""
@@ -34,14 +34,6 @@ SIMULATED = """Teacher and learner were simulated in copies of the arena {arena}
 thesis's laboratory. The teacher of section 4.4 foraged for {food}, and the learner listened."""
 TEACHER_ONLY = """The teacher of section 4.4 was simulated alone in the arena {arena}, with pymunk and the noise of the
 thesis's laboratory. It foraged for {food}, from random places."""
-MEANINGS = {
-    "object_presence": "1 if an object is in the gripper's light barrier, else 0",
-    "robot_home_distance": "distance from home, in pixels of 5 mm",
-    "food_type": "0 unknown, 1 pickable, 2 pushable, 3 poisonous",
-    "arms_height": "position of the arm: 255 is down, 215 is raised",
-    "robot_food_distance": "distance from the nearest food, in pixels of 5 mm",
-}
-"""Of the attributes of `StateVector`."""
 TAUGHT = """Experience of a learner robot that was taught to forage by imitation: at every step what it perceived, and
 what it heard of the teacher, or did."""
 ALONE = "Episodes of the teacher, which forages alone."
@@ -54,7 +46,11 @@ VECTORS = """An observation is the state vector (thesis, 4.3):
 
 | attribute | meaning |
 |---|---|
-{attributes}
+| `object_presence` | 1 if an object is in the gripper's light barrier, else 0 |
+| `robot_home_distance` | distance from home, in pixels of 5 mm |
+| `food_type` | 0 unknown, 1 pickable, 2 pushable, 3 poisonous |
+| `arms_height` | position of the arm: 255 is down, 215 is raised |
+| `robot_food_distance` | distance from the nearest food, in pixels of 5 mm |
 
 An action is a behaviour (thesis, table 4.1). Those that occur:"""
 STEERS = "The learner steers to stay beside the teacher: the data are not those of a robot that forages alone."
@@ -187,15 +183,13 @@ def _card(
     loading = "episodes = from_minari(dataset)  # or dataset.iterate_episodes()"
     rewards = UNKNOWN_REWARDS if arguments.experience else REWARDS
     if has_wheels:
-        observed = RAW
-        loading = f'episodes = minari.load_dataset("{name}").iterate_episodes()  # observations, actions, rewards'
+        loading = "episodes = dataset.iterate_episodes()  # observations, actions, rewards"
     else:
-        attributes = "\n".join(f"| `{name}` | {MEANINGS[name]} |" for name in StateVector._fields)
-        observed = VECTORS.format(attributes=attributes)
         rewards += "\nThe last observation of each episode is repeated."
     rewards += "\nThe last step of an episode terminates, or truncates where it was out of time."
     if not alone:
         rewards += f"\n{STEERS}"
+        procedure += "\nEpisodes that were not completed are not in the data (thesis, 5.2)."
     return f"""# {name}
 
 {ALONE if alone else TAUGHT} The task is that of Gatsoulis, *Learning Through Imitation for Mobile Robots*
@@ -211,7 +205,7 @@ def _card(
 | author | {arguments.author} |
 | licence | {arguments.licence} |
 
-{observed}
+{RAW if has_wheels else VECTORS}
 
 | number | behaviour | steps | % |
 |---|---|---:|---:|
@@ -222,7 +216,6 @@ def _card(
 ## Procedure
 
 {procedure}
-Episodes that were not completed are not in the data (thesis, 5.2).
 
 - Decisions, that is, readings of what the thesis leaves open: `{decisions}`.
 - Seed: {"that of each file" if arguments.experience else arguments.seed}. Seeds of the episodes: {seeds}.

@@ -16,6 +16,7 @@ from khepera_forage.experience import Experience
 from khepera_forage.rollouts.training import arrays
 from khepera_forage.sim.arena_file import write_arena
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.states import StateVector
 from tests.arenas import BLOCKS
 
 SOME = Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (0, 59, 0, 215, 39)], [0, 2, 0], seed=7)
@@ -42,6 +43,8 @@ def test_new_episodes_are_a_dataset_with_a_card(capsys: pytest.CaptureFixture[st
     assert f"khepera_forage/corridor-v1: 2 episodes, {steps} steps, in data\n" in printed
     card = Path("data/khepera_forage/corridor-v1/README.md").read_text(encoding="utf-8")
     for line in (
+        *(f"| `{name}` | " for name in StateVector._fields),
+        "Episodes that were not completed are not in the data",
         f"| steps | {steps}; {min(map(len, parts))} to {max(map(len, parts))} an episode |",
         "| author | me |",
         "| licence | CC0-1.0 |",
@@ -70,6 +73,7 @@ def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from() -
     card = Path("data/khepera_forage/corridor-alone-v1/README.md").read_text(encoding="utf-8")
     assert "Episodes of the teacher, which forages alone." in card
     assert "dataset --alone --episodes 5 --out data`" in card
+    assert "not completed" not in card, "an episode that is out of time is in the data"
     vectors, behaviours = arrays(parts)
     learner = as_policy(DecisionTreeClassifier(random_state=0).fit(vectors, behaviours))
     env = recall_env("corridor")
