@@ -259,7 +259,11 @@ class Detector:
                 rest.append(piece)
                 continue
             markers.append(marker)
-            trouble = marker.reading.trouble or ("glare" if self._is_saturated(patch, area) else "")
+            # While white is unknown, the border of a saturated shape tells: that of a reflection is soft.
+            is_glare = self._is_saturated(patch, area) and (
+                self._knows_white(patch) or self._softness(patch) > BLUR_LIMIT
+            )
+            trouble = marker.reading.trouble or ("glare" if is_glare else "")
             if not trouble:
                 self._measure_white(patch)
                 found.append(self._detection(piece, patch.edge, marker.moments, marker.reading))
@@ -423,18 +427,23 @@ class Detector:
     def _trouble(self, patch: ImagePatch, food: ShapeMoments) -> str:
         """Why a disc may be a reflection, with a soft border or brighter than white: a key of `TROUBLES`."""
         scale = self._calibration.scale(food.u, food.v, self._settings.food_height)
-        if self._is_saturated(patch, math.pi * self._radius**2 / scale**2):
+        if self._knows_white(patch) and self._is_saturated(patch, math.pi * self._radius**2 / scale**2):
             return "bright food"
-        # Whatever is darker than the floor, such as a cable, has borders of its own.
-        bright = np.maximum(patch.grey, patch.floor)
-        _, softness = white_and_blur(bright, patch.filled > 0, max(patch.floor, 1))
-        return "reflection" if softness > _SOFTNESS * (self._blur or BLUR_LIMIT) + _SPREAD else ""
+        return "reflection" if self._softness(patch) > _SOFTNESS * (self._blur or BLUR_LIMIT) + _SPREAD else ""
+
+    def _knows_white(self, patch: ImagePatch) -> bool:
+        """Whether white was measured, and is not saturated where a shape is: saturated pixels are then brighter."""
+        return 0 < self._white * patch.floor < _NOT_SATURATED
 
     def _is_saturated(self, patch: ImagePatch, area: float) -> bool:
-        """Whether a shape, of some pixels, is brighter than white paper."""
-        if not 0 < self._white * patch.floor < _NOT_SATURATED:
-            return False
+        """Whether more than a few pixels of a shape are saturated."""
         return bool(np.count_nonzero((patch.grey == 255) & (patch.filled > 0)) > _SATURATED * area)
+
+    def _softness(self, patch: ImagePatch) -> float:
+        """Blur in pixels of a shape's border with the floor."""
+        # Whatever is darker than the floor, such as a cable, has borders of its own.
+        bright = np.maximum(patch.grey, patch.floor)
+        return white_and_blur(bright, patch.filled > 0, max(patch.floor, 1))[1]
 
     def _rim(self, u: float, v: float, level: float) -> tuple[float, float, float, int] | None:
         """The centre of the disc around a place in the picture, growth of its radius, and number of rays to its rim.

@@ -184,6 +184,17 @@ def test_reflection_on_the_floor_is_not_food(size: float) -> None:
     assert phantoms <= 1
 
 
+@pytest.mark.parametrize("size", [4.8, 5.0, 5.2])
+def test_saturated_reflection_in_the_first_frame_is_no_robot(size: float) -> None:
+    """No marker has shown yet how bright white is."""
+    renderer = SceneRenderer(seed=5)
+    floor = renderer.frame(())
+    for _ in range(40):
+        x, y, amplitude = renderer.rng.uniform((300, 300, 340), (2900, 2100, 380)).tolist()
+        found = Tracker().detect(brightened(floor, x, y, amplitude, size))
+        assert [d for d in found if d.holes] == [], (x, y, amplitude)
+
+
 @pytest.mark.parametrize("size", [4.5, 5.0, 5.5, 6.0])
 def test_reflection_on_the_floor_is_no_robot(size: float) -> None:
     renderer, tracker = SceneRenderer(seed=5), Tracker()
