@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -128,19 +128,23 @@ class TagDetector:
     def detect(self, grey: Frame) -> tuple[list[Detection], dict[str, str]]:
         """The tags in a frame, and warnings by the name of their cause."""
         found = dict[int, list[Corners]]()
+
+        def search(picture: Frame, ids: Sequence[int], side: float, wanted: Collection[int]) -> None:
+            for tag, corners in find_tags(picture, ids, side):
+                if tag in wanted:
+                    found.setdefault(tag, []).append(corners)
+
         for ids, side, kernel in self._kinds:
-            for tag, corners in find_tags(grey, ids, side):
-                found.setdefault(tag, []).append(corners)
-            if not found.keys() >= set(ids):
+            search(grey, ids, side, ids)
+            missing = set(ids) - found.keys()
+            if missing:
                 # Closing removes dark cables that cross a tag.
                 closed = cv2.morphologyEx(grey, cv2.MORPH_CLOSE, kernel)
-                again = find_tags(closed, ids, side)  # type: ignore[arg-type] # uint8
-                found |= {tag: [corners] for tag, corners in again if tag not in found}
+                search(closed, ids, side, missing)  # type: ignore[arg-type] # uint8
         self._never_seen -= found.keys()
         if self._never_seen:
             # Tags far smaller than the settings say, which the search above leaves out.
-            small = find_tags(grey, MARKER_NUMBERS["tags"], _LEAST_PIXELS)
-            found |= {tag: [corners] for tag, corners in small if tag in self._never_seen}
+            search(grey, MARKER_NUMBERS["tags"], _LEAST_PIXELS, self._never_seen)
         warnings, detections = {}, []
         for tag, places in found.items():
             seen = [self._detection(tag, corners) for corners in places]

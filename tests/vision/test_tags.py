@@ -103,13 +103,18 @@ def test_tagged_food_is_food_and_tags_contain_none() -> None:
     assert [(d.holes, round(5 * d.x), round(5 * d.y)) for d in found] == [(0, 500, 400), (3, 1000, 900)]
 
 
-def test_tag_that_is_seen_twice_is_not_reported() -> None:
+@pytest.mark.parametrize("cable", [0.0, 6.0])
+def test_tag_that_is_seen_twice_is_not_reported(cable: float) -> None:
     scene, tracker = Scene(1280, 720), Tracker(TAGS)
     for x, y in ((500.0, 500.0), (1500.0, 1000.0)):
         scene.put(tag_sheet(5, 100.0), (x, y, 0.0))
+        if cable:
+            scene.cable(x, y, 0.3, cable)
     frame = scene.frame()
     assert tracker.detect(frame) == []
     assert "tag 5 is seen twice, at (" in tracker.warnings["tag twice"]
+    if cable:
+        return
     with pytest.raises(ValueError, match="tag 5 is seen twice; allowed: each id once"):
         find_floor_tags(frame, (5, 6))
 
