@@ -110,7 +110,7 @@ def tag_pages(
         if not 10 <= size <= 170:
             raise ValueError(f"size of a {kind}'s tag is {size:g} mm; allowed: 10 to 170 mm")
         step = size + 2 * max(5.5, size / 10)
-        columns, rows = int(200 // step), max(1, int(262 // (step + 7)))
+        columns, rows = max(1, int(200 // step)), max(1, int(262 // (step + 7)))
         for first in range(0, len(group), columns * rows):
             page: Page = [_text(7, "ArUco tags, 4 x 4. Print at 100 %, on matt paper, and check:")]
             page += _ruler(12, f"this line is 100 mm long, and a black square {size:g} mm wide.")

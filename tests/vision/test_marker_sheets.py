@@ -85,6 +85,10 @@ def test_printed_tags_have_their_true_size(tmp_path: Path) -> None:
         assert sides == pytest.approx(80.0, abs=0.5)
 
 
+def test_greatest_tag_has_a_page_of_its_own() -> None:
+    assert len(tag_pages((1, 2), (), (), 170.0, 24.0)) == 2
+
+
 @pytest.mark.parametrize(
     ("ids", "size", "message"),
     [
