@@ -116,7 +116,7 @@ class VideoSource:
     A context manager: leaving it closes the source.
 
     Args:
-        source: Number of a device, path of a file, or URL (http, rtsp).
+        source: Number or path of a device, path of a file, or URL (http, rtsp).
         timeout: Seconds without a new frame after which the camera is lost; the first frame may take ten times as
             long.
         settings: Of the camera device.
@@ -217,7 +217,7 @@ class VideoSource:
         capture = cv2.VideoCapture(source if isinstance(source, int) else str(source))
         if not capture.isOpened():
             raise CameraLost(self._name, "cannot be opened", None)
-        if isinstance(source, int):
+        if isinstance(source, int) or Path(source).is_char_device():
             _configure(capture, self._settings, self._name)
         return capture
 

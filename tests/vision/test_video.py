@@ -215,7 +215,7 @@ class Device:
         self.height, self.broken, self.failures = 480, False, 0
         self.values: dict[int, float] = {}
 
-    def __call__(self, source: int) -> "Device":
+    def __call__(self, source: int | str) -> "Device":
         return self
 
     def isOpened(self) -> bool:  # noqa: N802 (OpenCV's name)
@@ -268,15 +268,16 @@ def test_failed_reads_are_repeated_until_the_timeout(device: Device) -> None:
         )
 
 
-def test_settings_reach_the_device(device: Device, caplog: pytest.LogCaptureFixture) -> None:
+@pytest.mark.parametrize("source", [0, "/dev/null"])
+def test_settings_reach_the_device(source: int | str, device: Device, caplog: pytest.LogCaptureFixture) -> None:
     device.height = 360
     settings = VideoSettings(size=(1280, 720), rate=30.0, exposure=150.0, focus=20.0)
-    with VideoSource(0, settings=settings) as source:
-        assert source.newest()[0].shape == (720, 1280)
+    with VideoSource(source, settings=settings) as video_source:
+        assert video_source.newest()[0].shape == (720, 1280)
     expected = {cv2.CAP_PROP_FRAME_WIDTH: 1280, cv2.CAP_PROP_FPS: 30, cv2.CAP_PROP_EXPOSURE: 150}
     assert expected.items() <= device.values.items()
     assert device.values[cv2.CAP_PROP_AUTO_EXPOSURE] == 1
-    assert "camera 0 does not accept focus 20" in caplog.text
+    assert f"camera {source} does not accept focus 20" in caplog.text
 
 
 def test_error_of_the_driver_loses_the_camera(device: Device) -> None:
