@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.files import replacing
 from khepera_forage.toml_table import Reader, anything, content_of, list_of, naming, numbers, table, text_of
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
@@ -250,7 +251,8 @@ class Calibration:
             values["tags"] = [(tag, *pixel) for tag, pixel in sorted(self.tags.items())]
             lines.append("# tags: id of each floor tag, and the pixel of its middle.")
         lines += [f"{key} = {json.dumps(value)}" for key, value in values.items()]
-        Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+        with replacing(Path(path)) as file:
+            file.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
     @classmethod
     def load(cls, path: str | Path) -> "Calibration":
@@ -460,11 +462,11 @@ def _lens_of(key: str, value: object) -> Lens:
 
 
 _KEYS: dict[str, Reader] = {
-    "picture": anything,  # `Calibration` checks the first three
+    "picture": anything,  # `Calibration` checks these three, and the size
     "floor": anything,
     "camera": anything,
     "lens": _lens_of,
-    "size": lambda key, value: tuple(map(int, numbers("[width, height]")(key, value))),
+    "size": list_of(anything, 0),
     "tags": lambda key, value: {int(tag): (u, v) for tag, u, v in list_of(numbers("[id, u, v]"), 0)(key, value)},
 }
 """Of a calibration file."""

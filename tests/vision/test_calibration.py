@@ -66,6 +66,19 @@ def test_saved_calibration_is_loaded_unchanged(tmp_path: Path, calibration: Cali
     assert ("lens =" in path.read_text(encoding="utf-8")) == (calibration.lens is not None)
 
 
+def test_write_that_fails_leaves_the_calibration_of_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    TILTED.save(tmp_path / "calibration.toml")
+
+    def on_full_disk(path: Path, *_: object, **__: object) -> None:
+        path.write_bytes(b"pict")
+        raise OSError("No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", on_full_disk)
+    with pytest.raises(OSError, match="No space left"):
+        PLAIN.save(tmp_path / "calibration.toml")
+    assert Calibration.load(tmp_path / "calibration.toml") == TILTED
+
+
 def load(path: Path, table: dict[str, object]) -> Calibration:
     path.write_text("\n".join(f"{key} = {json.dumps(value)}" for key, value in table.items()))
     return Calibration.load(path)
@@ -103,6 +116,7 @@ def test_impossible_points_are_refused(picture: Any, floor: Any, camera: Any, me
     [
         ({"hight": 2.0}, r"bad\.toml: calibration\.hight is unknown"),
         ({"floor": None}, r"calibration\.floor is missing"),
+        ({"size": [640.5, 480]}, r"size is \(640.5, 480\); allowed: width and height in pixels"),
         ({"size": [8, 8]}, r"size is \(8, 8\); allowed: width and height in pixels, at least 16"),
         ({"tags": 3}, r"calibration\.tags is 3; allowed: a list"),
         ({"lens": [1]}, r"calibration\.lens is \[1\]; allowed: \[k1, k2\]"),
