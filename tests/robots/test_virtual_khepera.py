@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import serial
 
+from khepera_forage.robots.epuck.driver import PROTOCOL as E_PUCK
 from khepera_forage.robots.serial.protocol import KHEPERA, Reply, TextLine
 from khepera_forage.robots.virtual.virtual_khepera import FAULTS, Faults, VirtualKhepera, garbled, is_undetectable
 from tests.robots.driver_process import wait_for
@@ -268,3 +269,6 @@ def test_garbled_replies_differ_in_at_most_three_bytes_and_some_are_undetectable
         undetectable += is_undetectable(data, reply, KHEPERA)
     assert 100 < undetectable < 1000
     assert not is_undetectable(reply, reply, KHEPERA)
+    version = b"v,Version 2.0\r\nHW version: E\r\n"
+    assert is_undetectable(version.replace(b"2", b"3"), version, E_PUCK)
+    assert not is_undetectable(b"?", b"".join(line.encode() + b"\r\n" for line in KHEPERA.banner), KHEPERA)

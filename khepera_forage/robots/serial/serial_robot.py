@@ -242,7 +242,7 @@ class SerialRobot(RealRobot):
 
 
 class Counters:
-    """Counts of two wheels since the first reading, continued across wrap-around and restarts of the robot.
+    """Counts of two wheels from the first reading on, continued across wrap-around and restarts of the robot.
 
     The counts between the last reading and a restart are lost: less than one round's worth. `restarted` is set when the
     robot has sent its banner: its counters begin at zero again.

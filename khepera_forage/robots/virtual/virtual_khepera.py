@@ -238,7 +238,7 @@ def garbled(reply: bytes, rng: np.random.Generator) -> bytes:
 
 def is_undetectable(data: bytes, reply: bytes, protocol: Protocol) -> bool:
     """Whether a garbled reply decodes to another reply to the same command: the protocol has no checksum."""
-    original = protocol.decode_reply(reply)
+    original = protocol.decode_reply(reply.partition(b"\n")[0])  # the banner, and a version, have further lines
     for line in LineSplitter().feed(data):
         with contextlib.suppress(ProtocolError):
             decoded = protocol.decode_reply(line)
