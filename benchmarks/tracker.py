@@ -233,7 +233,7 @@ def accuracy_table(rows: Sequence[Observation]) -> Table:
             {
                 "appearance": appearance,
                 "region": kind,
-                "frames": len(own),
+                "things": len(own),
                 "found (%)": percent(sum(row.found for row in own), len(own)),
                 "centre: median (px)": centre[0],
                 "99 % (px)": centre[1],

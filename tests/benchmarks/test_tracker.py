@@ -29,7 +29,7 @@ def test_the_tracker_meets_its_requirements(
     accuracy: dict[tuple[str, str], dict[str, str]], appearance: str, kind: str
 ) -> None:
     row = accuracy[appearance, kind]
-    assert int(row["frames"]) == SCENES * KINDS[kind]
+    assert int(row["things"]) == SCENES * KINDS[kind]
     assert float(row["found (%)"]) > 90
     assert float(row["within 1 px (%)"]) >= 99
     if kind != "food":
