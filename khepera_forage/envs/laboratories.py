@@ -63,7 +63,7 @@ def virtual_laboratory(
         robot: Kind of the robots: khepera or e-puck2.
         **options: Arguments of `VirtualLaboratory`.
     """
-    original, timing = _arena(arena, decisions), timing_of(decisions)
+    original, timing = _arena(arena, decisions), timing_of(decisions)._asdict()
     placed = copies(original, robots)
     if isinstance(arena, str):
         x, y = cable_anchor(placed)
@@ -73,8 +73,8 @@ def virtual_laboratory(
     entries = _entries(original, placed, ports, decisions, type=robot, timeout=timeout)
     tags: dict[str, Any] = {} if model_of(robot).has_gripper else {"markers": "tags", "tag_size": TAG_SIZE}
     camera, tracker = CameraSettings(source="rendered frames"), TrackerSettings(**tags)
-    settings = LabSettings(original, entries, camera, timing.round_duration, tracker)
-    return VirtualLaboratory(settings, arm_speed=timing.arm_speed, jaw_speed=timing.jaw_speed, **options)
+    settings = LabSettings(original, entries, camera, timing.pop("round_duration"), tracker)
+    return VirtualLaboratory(settings, **timing, **options)
 
 
 def virtual_cubes(

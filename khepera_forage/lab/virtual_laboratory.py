@@ -14,7 +14,7 @@ from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import Operator, OperatorGaveUp, OperatorRequest
 from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.noise import Noise, checked_noise
-from khepera_forage.robots.khepera import CONTROL_PERIOD
+from khepera_forage.robots.khepera import CONTROL_PERIOD, WHEEL_DELAY
 from khepera_forage.robots.model import MODELS
 from khepera_forage.robots.virtual.firmware import FIRMWARES, Firmware
 from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
@@ -24,7 +24,7 @@ from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout, Timing
 from khepera_forage.vision.calibration import DEFAULT_SIZE, Calibration
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
-from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.video import FrameSource
 
@@ -49,6 +49,7 @@ class VirtualLaboratory(Laboratory):
         settings: Arena, robots, tolerance, tracker and period; ports, camera source and calibration are replaced.
         arm_speed: Of all robots, positions a second.
         jaw_speed: Of all robots, positions a second.
+        wheel_delay: Of all robots; see `Timing`.
         noise: Noise of robots and operator (not of the camera); the laboratory's by default.
         appearance: Appearance and disturbances of the frames; the laboratory's by default.
         paced: Whether bytes take the transmission time of each robot's baud rate.
@@ -73,6 +74,7 @@ class VirtualLaboratory(Laboratory):
         *,
         arm_speed: float,
         jaw_speed: float,
+        wheel_delay: float = WHEEL_DELAY,
         noise: Noise | str | None = None,
         appearance: CameraAppearance | None = None,
         paced: bool = False,
@@ -87,10 +89,11 @@ class VirtualLaboratory(Laboratory):
         arenas = settings.arenas
         # Rounds of the simulation last about as long as a control period of the firmware.
         self._rounds_per_period = max(1, round(settings.period / CONTROL_PERIOD))
-        timing = Timing(settings.period / self._rounds_per_period, arm_speed, jaw_speed)
-        markers = [robot.holes for robot in settings.robots]
+        timing = Timing(settings.period / self._rounds_per_period, arm_speed, jaw_speed, wheel_delay)
+        # A simulated world has markers with one or two holes; the frames show their numbers.
+        holes = [min(robot.holes, 2) for robot in settings.robots]
         model = MODELS[settings.robots[0].type]
-        self.simulation = PymunkWorld(arenas, markers, noise, timing=timing, model=model)
+        self.simulation = PymunkWorld(arenas, holes, noise, timing=timing, model=model)
         layout = Layout(tuple(a.start for a in arenas), tuple(food for a in arenas for food in a.foods))
         self.simulation.reset(np.random.default_rng(fault_seed), layout)
         # One lock for all, because they share one simulated world.
@@ -99,21 +102,20 @@ class VirtualLaboratory(Laboratory):
             FIRMWARES[robot.type](body, self._lock, timing.round_duration)
             for robot, body in zip(settings.robots, self.simulation.robots, strict=True)
         ]
-        has_tags, gripper = settings.tracker.markers == "tags", model.has_gripper
-        size = _TAG_FRAMES if has_tags else DEFAULT_SIZE
+        size = _TAG_FRAMES if settings.tracker.markers == "tags" else DEFAULT_SIZE
         self.frame_source = FrameRenderer(
-            self.simulation.truth,
+            self._truth,
             appearance,
-            cable_anchor(arenas) if gripper else None,  # an e-puck2 has none
+            cable_anchor(arenas) if model.has_gripper else None,  # an e-puck2 has none
             walls=[wall for arena in arenas for wall in arena.segments],
             period=settings.period,
             size=size,
-            tag_size=settings.tracker.tag_size if has_tags else None,
-            gripper=gripper,
+            tracker=settings.tracker,
+            gripper=model.has_gripper,
         )
         self.virtual_operator = VirtualOperator(self, noise)
         self._paced, self._faults, self._real_time, self._now = paced, faults, real_time, 0.0
-        self._rngs = np.random.default_rng(fault_seed).spawn(len(markers))
+        self._rngs = np.random.default_rng(fault_seed).spawn(len(holes))
         self.virtual_kheperas: list[VirtualKhepera] = []
         middle = PICTURE_WIDTH / 2 * MM_PER_PIXEL, PICTURE_HEIGHT / 2 * MM_PER_PIXEL
         above = None if appearance.height is None else (*middle, appearance.height)
@@ -150,6 +152,12 @@ class VirtualLaboratory(Laboratory):
             super().close()
         finally:
             self._close_lines()
+
+    def _truth(self) -> Truth:
+        """What the camera shows: the simulated world, with the markers of the settings."""
+        truth = self.simulation.truth()
+        numbered = zip(truth.markers, self.settings.robots, strict=True)
+        return truth._replace(markers=tuple((*pose, robot.holes) for (*pose, _), robot in numbered))  # type: ignore[misc]
 
     def _sleep(self, seconds: float) -> None:
         """Advance the simulation by a round."""

@@ -39,7 +39,7 @@ class Timing(NamedTuple):
     round_duration: float
     arm_speed: float
     jaw_speed: float
-    wheel_delay: float = 0.2
+    wheel_delay: float
 
 
 class FoodPlace(NamedTuple):

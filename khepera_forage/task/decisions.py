@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
+from khepera_forage.robots.khepera import WHEEL_DELAY
 from khepera_forage.task.decision_versions import CURRENT, V0_1
 
 
@@ -263,7 +264,7 @@ class Decisions:
     # Devices.
     recall_marker: int = _count(2, 1, 2, "holes", "3.5", "Of the marker of a robot that forages alone.")
     wheel_delay: float = _number(
-        0.2,
+        WHEEL_DELAY,
         0.0,
         0.2,
         "rounds",

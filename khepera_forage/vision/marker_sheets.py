@@ -1,13 +1,13 @@
 """Pages with markers and tags at true size, to print and cut out."""
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from khepera_forage.extras import require
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
-from khepera_forage.vision.shapes import GRID_HOLES, GRID_SIDE, HOLE_SIDE, MARKER_FRAME, MARKER_HOLES
+from khepera_forage.vision.shapes import ARRANGEMENTS, MARKER_FRAME
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -152,8 +152,7 @@ def _marker(number: int, grid: bool, x: float, y: float) -> Iterator[Element]:
     for grow, black in ((MARKER_FRAME, True), (0.0, False)):
         length, width = MARKER_LENGTH + 2 * grow, MARKER_WIDTH + 2 * grow
         yield _rectangle(x - length / 2, y - width / 2, length, width, black)
-    arrangements: Mapping[int, Sequence[tuple[float, float]]] = GRID_HOLES if grid else MARKER_HOLES
-    side = GRID_SIDE if grid else HOLE_SIDE
+    arrangements, side = ARRANGEMENTS["grid" if grid else "holes"]
     for forward, left in arrangements[number]:
         yield _rectangle(x + forward - side / 2, y - left - side / 2, side, side, True)
     front = x + MARKER_LENGTH / 2 + MARKER_FRAME + 3

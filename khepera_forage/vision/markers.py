@@ -20,7 +20,7 @@ from khepera_forage.robots.khepera import MARKER_LENGTH
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.segmentation import ImagePatch, ShapeMoments, shape_moments
-from khepera_forage.vision.shapes import GRID_HOLES, GRID_SIDE, HOLE_SIDE, MARKER_HOLES
+from khepera_forage.vision.shapes import ARRANGEMENTS, HOLE_SIDE
 from khepera_forage.vision.tracker_settings import TrackerSettings
 from khepera_forage.vision.video import Frame
 
@@ -354,8 +354,7 @@ class _HolePattern:
 
     def __init__(self, settings: TrackerSettings) -> None:
         self.shape = shape = round(settings.marker_width / _SAMPLE), round(settings.marker_length / _SAMPLE)
-        grid = settings.markers == "grid"
-        arrangements, side = (GRID_HOLES, GRID_SIDE) if grid else (MARKER_HOLES, HOLE_SIDE)
+        arrangements, side = ARRANGEMENTS.get(settings.markers, ARRANGEMENTS["holes"])
         side *= settings.hole_side / HOLE_SIDE
         stretch = settings.marker_length / MARKER_LENGTH
         self._readings: list[Reading] = []

@@ -24,8 +24,9 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.vision.calibration import DEFAULT_SIZE
 from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
-from khepera_forage.vision.shapes import HOLE_SIDE, MARKER_FRAME, MARKER_HOLES
+from khepera_forage.vision.shapes import ARRANGEMENTS, MARKER_FRAME
 from khepera_forage.vision.tags import CELLS, white_cells
+from khepera_forage.vision.tracker_settings import TrackerSettings
 from khepera_forage.vision.video import Frame
 
 _GREYS = ("white", "black", "floor", "wall", "body", "gripper", "cable")
@@ -185,7 +186,7 @@ class FrameRenderer:
         walls: Segments (x1, y1, x2, y2) in mm, as in `Arena.segments`.
         period: Seconds from one frame to the next, in which light and cables move.
         size: Width and height of the frames in pixels.
-        tag_size: Side in mm of the tags that replace the markers; their ids are the numbers of the markers.
+        tracker: What robots carry, and the size of tags; None for the thesis's markers.
         gripper: Whether the robots have one.
 
     Raises:
@@ -205,7 +206,7 @@ class FrameRenderer:
         walls: Sequence[Wall] = (),
         period: float = CONTROL_PERIOD,
         size: tuple[int, int] = DEFAULT_SIZE,
-        tag_size: float | None = None,
+        tracker: TrackerSettings | None = None,
         gripper: bool = True,
     ) -> None:
         if not (math.isfinite(period) and period >= 0):
@@ -220,7 +221,7 @@ class FrameRenderer:
         self._sway: SlowNoise | None = None
         self.cables: list[Floats] = []
         self._size, self._mm = size, DEFAULT_SIZE[0] * MM_PER_PIXEL / size[0]
-        self._tag_size, self._gripper = tag_size, gripper
+        self._tracker, self._gripper = tracker or TrackerSettings(), gripper
 
     def reset(self, rng: np.random.Generator) -> None:
         """Restart at time zero with another floor, other light and other cables.
@@ -274,7 +275,7 @@ class FrameRenderer:
             draw_shapes(picture, self._image_pose(x, y, heading, _ROBOT_HEIGHT), robot)
         for x, y, heading, number in truth.markers:
             pose = self._image_pose(x, y, heading, self._appearance.marker_height)
-            draw_shapes(picture, pose, _marker_shapes(self._appearance, number, self._tag_size))
+            draw_shapes(picture, pose, _marker_shapes(self._appearance, number, self._tracker))
         return picture
 
     def _draw_cables(self, picture: Frame, truth: Truth, sway: Floats) -> None:
@@ -290,7 +291,7 @@ class FrameRenderer:
         full, width = _FULL_SAG_LENGTH / self._mm, appearance.cable_width / self._mm
         self.cables = [_cable(start, pose, float(sag), full) for pose, sag in zip(poses, sags, strict=True)]
         for pose, curve, (*_, number) in zip(poses, self.cables, truth.markers, strict=True):
-            sheet, *_ = _marker_shapes(appearance, number, self._tag_size)
+            sheet, *_ = _marker_shapes(appearance, number, self._tracker)
             draw_cable(picture, curve, width, appearance.cable, (sheet, pose))
 
     def _image_pose(self, x: float, y: float, heading: float, height: float) -> ImagePose:
@@ -379,17 +380,18 @@ def _robot_shapes(appearance: CameraAppearance, gripper: bool) -> tuple[Box | Di
     )[: None if gripper else 1]
 
 
-def _marker_shapes(appearance: CameraAppearance, number: int, tag_size: float | None) -> tuple[Box, ...]:
+def _marker_shapes(appearance: CameraAppearance, number: int, tracker: TrackerSettings) -> tuple[Box, ...]:
     """Frame, white sheet and holes of a marker, or sheet, square and white cells of a tag, whose top is the front."""
     white, black = appearance.white, appearance.black
-    if tag_size is None:
-        length, width, frame, hole = MARKER_LENGTH / 2, MARKER_WIDTH / 2, MARKER_FRAME, HOLE_SIDE / 2
+    if tracker.markers != "tags":
+        holes, side = ARRANGEMENTS[tracker.markers]
+        length, width, frame, hole = MARKER_LENGTH / 2, MARKER_WIDTH / 2, MARKER_FRAME, side / 2
         return (
             Box(-length - frame, -width - frame, length + frame, width + frame, black),
             Box(-length, -width, length, width, white),
-            *(Box(x - hole, y - hole, x + hole, y + hole, black) for x, y in MARKER_HOLES[number]),
+            *(Box(x - hole, y - hole, x + hole, y + hole, black) for x, y in holes[number]),
         )
-    half, cell = tag_size / 2, tag_size / CELLS
+    half, cell = tracker.tag_size / 2, tracker.tag_size / CELLS
     sheet = half + _TAG_MARGIN * cell
     return (
         Box(-sheet, -sheet, sheet, sheet, white),

@@ -55,8 +55,8 @@ class Truth(NamedTuple):
     """Where everything under the camera really is: what a simulated camera looks at, and frames are rendered from.
 
     Attributes:
-        markers: For each robot x and y of its centre in mm, its heading in radians, and the number of holes
-            in its marker (1 or 2).
+        markers: For each robot x and y of its centre in mm, its heading in radians, and the number of its marker:
+            that of its holes, or the id of a tag.
         foods: Centre of each food object in mm, hidden ones included.
     """
 

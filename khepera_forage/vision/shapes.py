@@ -47,6 +47,8 @@ def _grid_holes() -> dict[int, tuple[tuple[float, float], ...]]:
 
 GRID_HOLES = _grid_holes()
 """Centres in mm of the holes of twelve markers, by their number."""
+ARRANGEMENTS = {"holes": (MARKER_HOLES, HOLE_SIDE), "grid": (GRID_HOLES, GRID_SIDE)}
+"""Centres of the holes of all markers of a kind, by their number, and the side of a hole."""
 MARKER_FRAME = 8.0
 """Width in mm of the black frame around a marker's white sheet (figure 3.8 shows one)."""
 

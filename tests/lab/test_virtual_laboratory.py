@@ -18,7 +18,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
-from khepera_forage.lab.settings_file import LabSettings
+from khepera_forage.lab.settings_file import LabSettings, parse
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
@@ -33,7 +33,7 @@ from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.vision.rendering import CameraAppearance
-from tests.version_0_1 import V0_1
+from tests.version_0_1 import SET_UP, V0_1
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -132,6 +132,17 @@ def test_recorded_experience_is_correct_on_disturbed_lines() -> None:
         assert len(recorded) >= result.rounds - 5
 
 
+@pytest.mark.parametrize(("markers", "numbers"), [("grid", (3, 12)), ("tags", (7, 4))])
+def test_laboratory_of_a_file_shows_its_markers(markers: str, numbers: tuple[int, int]) -> None:
+    robots = [f'[[robots]]\nport = "{n}"\nholes = {n}\noffset = [600, {400 + 100 * n}]\n' for n in numbers]
+    settings = parse(f'[camera]\nsource = 0\n[tracker]\nmarkers = "{markers}"\n' + "".join(robots), SET_UP, 0.1)
+    with VirtualLaboratory(settings, arm_speed=40, jaw_speed=333, noise="none") as lab:
+        starts = tuple(arena.start for arena in lab.arenas)
+        lab.reset(np.random.default_rng(0), Layout(starts, tuple(f for a in lab.arenas for f in a.foods)))
+        for pose, start in zip(lab.poses(), starts, strict=True):
+            assert math.dist(pose[:2], start[:2]) < 5
+
+
 def test_laboratory_of_e_puck2s_is_sensed_and_driven() -> None:
     with virtual_laboratory("corridor", 2, V0_1, robot="e-puck2", noise=Noise.none()) as lab:
         starts = tuple(arena.start for arena in lab.arenas)
@@ -212,12 +223,13 @@ def test_errors_in_the_file_are_reported_in_one_line(tmp_path: Path, capsys: pyt
 
 
 def test_rounds_set_up_and_arm_follow_the_decisions() -> None:
-    decisions = Decisions(round_duration=0.2, arm_travel_time=0.8, food_to_home=200, start_to_wall=120)
+    decisions = Decisions(round_duration=0.2, arm_travel_time=0.8, food_to_home=200, start_to_wall=120, wheel_delay=0.1)
     with virtual_laboratory("corridor", 2, decisions, **QUIET) as lab:
         for arena in lab.arenas:
             assert arena.home.x - arena.foods[0].x == pytest.approx(200)
             assert arena.start.x - arena.bounds[0] == pytest.approx(120)
         assert lab.round_duration == 0.2
+        assert lab.simulation.constants.timing.wheel_delay == 0.1
         lab.reset(np.random.default_rng(0), Layout(tuple(a.start for a in lab.arenas), ()))
         lab.robots[0].drive(Motors(0, 0, 255, 200))
         arms = []
