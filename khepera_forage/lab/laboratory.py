@@ -208,7 +208,9 @@ class Laboratory:
             robots = [opened.enter_context(r.open(settings.period, settings.safe_speed)) for r in settings.robots]
             self._fleet = Fleet(robots)
             self._cubes = [robot for robot in robots if isinstance(robot, ToioRobot)]
-            self._food_cubes = [opened.enter_context(ToioRobot(port)) for port in settings.food_cubes]
+            self._food_cubes = [
+                opened.enter_context(ToioRobot(port, max_speed=settings.safe_speed)) for port in settings.food_cubes
+            ]
             if settings.has_mat:
                 self._frames = self.camera = MatCamera(self._cubes, self.markers, self._food_cubes)
             else:

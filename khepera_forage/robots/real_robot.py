@@ -139,9 +139,12 @@ class RealRobot(ABC):
         left, right, arm, jaw = applicable(motors)
         if not self.model.has_gripper:
             arm, jaw = ARM_DOWN, JAW_OPEN
-        limit = self._max_speed
-        self._command = Motors(max(-limit, min(limit, left)), max(-limit, min(limit, right)), arm, jaw)
+        self._command = Motors(self._limited(left), self._limited(right), arm, jaw)
         return self._command
+
+    def _limited(self, speed: float) -> float:
+        """A wheel speed within `max_speed`."""
+        return max(-self._max_speed, min(self._max_speed, speed))
 
     @abstractmethod
     def flash(self) -> None:

@@ -15,6 +15,7 @@ from khepera_forage.lab.operator import OperatorGaveUp
 from khepera_forage.lab.settings_file import parse
 from khepera_forage.lab.virtual_laboratory import VirtualCubeLaboratory
 from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.toio import virtual
 from khepera_forage.robots.toio.driver import CubePose
 from khepera_forage.sim.world import Layout
 from tests.version_0_1 import SET_UP, V0_1
@@ -63,6 +64,23 @@ def test_cubes_drive_to_their_places_for_every_episode_and_are_sensed(lab: Virtu
         assert max(max(own.proximity[2:4]) for own in senses) > 0, "as the map shows the food"
         lab.stop()
         assert not any(lab.table.cube(name).turning for name in ("robot 0", "robot 1"))
+
+
+@pytest.mark.parametrize(("safe_speed", "fastest"), [(1, 8), (6, 10)])
+def test_cubes_drive_to_their_places_within_the_safe_speed(
+    safe_speed: int, fastest: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In units of a cube's motors, of which one speed unit has 1.66, and the slowest speed 8."""
+    units, effective = list[int](), virtual._effective
+
+    def recorded(direction: int, unit: int) -> int:
+        units.append(effective(direction, unit))
+        return units[-1]
+
+    monkeypatch.setattr(virtual, "_effective", recorded)
+    with VirtualCubeLaboratory(parse(f"safe_speed = {safe_speed}\n{FILE}", SET_UP, 0.1)) as lab:
+        lab.reset(np.random.default_rng(0), layout_of(lab))
+    assert max(map(abs, units)) == fastest
 
 
 def test_spare_food_cube_leaves_the_arena_of_a_recall() -> None:

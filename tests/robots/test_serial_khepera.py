@@ -35,6 +35,8 @@ def test_drive_sends_nothing_and_returns_the_applied_command() -> None:
             robot.drive(Motors(float("nan"), 0, 215, 200))
         robot.transmit()
         assert rig.wheel_pulses() == (80, -30)
+        robot.turn_wheels(20, -9)
+        assert rig.wheel_pulses() == (80, -80)
 
 
 def test_round_sends_only_necessary_requests() -> None:

@@ -35,7 +35,7 @@ class SerialKhepera(SerialRobot):
 
     def turn_wheels(self, left: int, right: int) -> None:
         """See `RealRobot`."""
-        self.request("D", left, right)
+        self.request("D", int(self._limited(left)), int(self._limited(right)))
 
     def _begin_session(self) -> None:
         self._arm = Reading(max_change=8, can_stall=False, phase=0)

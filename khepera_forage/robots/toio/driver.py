@@ -121,8 +121,13 @@ class ToioRobot(RealRobot):
         return _MAX_SILENCE
 
     def turn_for(self, left: float, right: float, milliseconds: int) -> None:
-        """Turn the wheels at speeds in speed units for a short time."""
-        self.begin(lambda: self._write_motors(left, right, milliseconds)).result()
+        """Turn the wheels for a short time, at speeds in speed units or slower, within `max_speed`.
+
+        Below the slowest speed of a cube, 4.8, the limit is this speed.
+        """
+        limit = max(float(self._max_speed), SLOWEST_UNIT / self.model.unit)
+        factor = limit / max(abs(left), abs(right), limit)
+        self.begin(lambda: self._write_motors(factor * left, factor * right, milliseconds)).result()
 
     def flash(self) -> None:
         """See `RealRobot`."""
