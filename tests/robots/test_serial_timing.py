@@ -240,6 +240,21 @@ def test_object_is_sensed_at_once_even_in_a_late_round(late: float, monkeypatch:
             assert robot.sense().object_presence == 255 * present
 
 
+@pytest.mark.parametrize("pause", [0.6, 3.0])
+def test_counters_continue_after_a_pause_at_full_speed(pause: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    def script(request: bytes, number: int) -> list[Action]:
+        if request != b"H":
+            return NumberedReplies({})(request, number)
+        count = round(2000 * line.now)
+        return [b"h,%d,%d\r\n" % (count, count)]
+
+    with opened(monkeypatch, script, period=None) as (robot, line):
+        for _ in range(4):
+            line.sleep(line.now + pause)
+            robot.receive()
+        assert robot.sense().left_pulses == pytest.approx(2000 * line.now, abs=200)
+
+
 @pytest.mark.parametrize("wrong", [b"h,5000,5000", b"h,1,900", b"h,-490,490", b"h,20500,500"])
 def test_wrong_counters_are_corrected_by_the_next_ones(wrong: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
     """A reply whose digits were changed may be well-formed: no wrong count lasts, and none counts as a restart."""

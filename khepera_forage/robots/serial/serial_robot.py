@@ -5,7 +5,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import ClassVar, TypeVar
 
-from khepera_forage.robots.khepera import CONTROL_PERIOD, Motors, RobotLost, Senses
+from khepera_forage.robots.khepera import CONTROL_PERIOD, SPEED_UNIT, Motors, RobotLost, Senses
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, FAST, Line, LineTiming, RobotRestarted
 from khepera_forage.robots.serial.protocol import Protocol, Reply, Request, wrap_counter
@@ -27,8 +27,9 @@ _MAX_RESTARTS = 5
 """Restarts tolerated within one call; after more, the robot counts as lost: its power supply is unusable."""
 _FLASH = 0.3
 """Seconds."""
-_RESTART_JUMP = 1000
-"""Counts by which a counter does not change in a round: it was reset, or the reading is wrong."""
+_RESTART_JUMP, _RESERVE = 1000, 1.5
+"""Counts by which a counter does not change in a round: it was reset, or the reading is wrong. After a longer time
+it is what the wheels turn at most, with this factor."""
 
 
 class SerialRobot(RealRobot):
@@ -88,7 +89,8 @@ class SerialRobot(RealRobot):
             check=self._check,
         )
         self.statistics = self._line.statistics
-        self._counters = Counters(self.protocol.counters[1])
+        fastest = self.model.max_speed * SPEED_UNIT * self.model.scale / self.model.pulse
+        self._counters = Counters(self.protocol.counters[1], fastest, self._line.now)
         self._open(self._begin_session)
         if watchdog:
             self._watchdog = start_watchdog(port, self._line.descriptor, self.protocol.encode_request(STOP))
@@ -245,12 +247,13 @@ class Counters:
     """Counts of two wheels from the first reading on, continued across wrap-around and restarts of the robot.
 
     The counts between the last reading and a restart are lost: less than one round's worth. `restarted` is set when the
-    robot has sent its banner: its counters begin at zero again.
+    robot has sent its banner: its counters begin at zero again. Wheels turn by `fastest` counts a second at most.
     """
 
-    def __init__(self, bits: int) -> None:
+    def __init__(self, bits: int, fastest: float, now: Callable[[], float]) -> None:
         self.total = (0, 0)
-        self._bits = bits
+        self._bits, self._fastest, self._now = bits, fastest, now
+        self._read_at = now()
         self._raw: tuple[int, int] | None = None
         self._doubt: tuple[int, int] | None = None
         self.restarted = False
@@ -260,23 +263,24 @@ class Counters:
 
         Returns whether it shows a restart whose banner was not received: a jump to near zero.
         """
-        raw = left, right
+        raw, now = (left, right), self._now()
         if self._raw is None:
-            self._raw = self.total = raw
+            self._raw, self.total, self._read_at = raw, raw, now
             return False
-        jumped = self._is_far(raw, self._raw)
-        if jumped and not self.restarted and (self._doubt is None or self._is_far(raw, self._doubt)):
+        most = max(_RESTART_JUMP, _RESERVE * self._fastest * (now - self._read_at))
+        jumped = self._jump(raw, self._raw) > most
+        if jumped and not self.restarted and (self._doubt is None or self._jump(raw, self._doubt) > most):
             self._doubt = raw
             return False
-        was_reset = (self.restarted or jumped) and not self._is_far(raw, (0, 0))
+        was_reset = (self.restarted or jumped) and self._jump(raw, (0, 0)) <= most
         noticed = was_reset and not self.restarted
         left_change, right_change = raw if was_reset else self._changes(raw, self._raw)
         self.total = self.total[0] + left_change, self.total[1] + right_change
-        self._raw, self._doubt, self.restarted = raw, None, False
+        self._raw, self._read_at, self._doubt, self.restarted = raw, now, None, False
         return noticed
 
     def _changes(self, new: tuple[int, int], old: tuple[int, int]) -> tuple[int, int]:
         return wrap_counter(new[0] - old[0], self._bits), wrap_counter(new[1] - old[1], self._bits)
 
-    def _is_far(self, new: tuple[int, int], old: tuple[int, int]) -> bool:
-        return max(map(abs, self._changes(new, old))) > _RESTART_JUMP
+    def _jump(self, new: tuple[int, int], old: tuple[int, int]) -> int:
+        return max(map(abs, self._changes(new, old)))
