@@ -171,13 +171,6 @@ def _source(key: str, value: Any) -> int | str:
     raise refusal(key, value, "the number of a device, the name of a file, or a URL")
 
 
-def _size(key: str, value: Any) -> tuple[int, int]:
-    is_pair = isinstance(value, list) and len(value) == 2
-    if not is_pair or not all(type(n) is int and 16 <= n <= 16384 for n in value):
-        raise refusal(key, value, "[width, height] in pixels")
-    return value[0], value[1]
-
-
 def _tracker(key: str, value: Any) -> TrackerSettings:
     """Any field of `TrackerSettings` but the numbers in use, as a key of the same name."""
     readers: dict[type, Reader] = {bool: true_or_false, str: text, tuple: list_of(one_of(MARKER_NUMBERS["tags"]), 0)}
@@ -272,7 +265,7 @@ _CAMERA_KEYS: dict[str, Reader] = {
     "source": _source,
     "calibration": text,
     "oldest": number(0.05, 10.0, "seconds"),
-    "size": _size,
+    "size": list_of(anything, 0, "[width, height] in pixels"),  # `VideoSettings` checks the numbers
     "rate": number(0.1, 1000.0, "frames a second"),
     "exposure": number(-1e6, 1e6, "the driver's unit"),
     "focus": number(-1e6, 1e6, "the driver's unit"),

@@ -103,12 +103,9 @@ def applicable(motors: Motors) -> Motors:
     Args:
         motors: Finite numbers; see `check_finite`.
     """
-    left, right = math.floor(motors.left + 0.5), math.floor(motors.right + 0.5)
-    if not (-MAX_SPEED <= left <= MAX_SPEED and -MAX_SPEED <= right <= MAX_SPEED):
-        left, right = max(-MAX_SPEED, min(MAX_SPEED, left)), max(-MAX_SPEED, min(MAX_SPEED, right))
-    arm = math.floor(motors.arm + 0.5)
-    if not ARM_RAISED <= arm <= ARM_DOWN:
-        arm = ARM_DOWN if arm > ARM_DOWN else ARM_RAISED
+    left = max(-MAX_SPEED, min(MAX_SPEED, math.floor(motors.left + 0.5)))
+    right = max(-MAX_SPEED, min(MAX_SPEED, math.floor(motors.right + 0.5)))
+    arm = max(ARM_RAISED, min(ARM_DOWN, math.floor(motors.arm + 0.5)))
     return Motors(left, right, arm, JAW_OPEN if motors.jaw > JAW_OPEN / 2 else JAW_CLOSED)
 
 

@@ -456,16 +456,11 @@ def _held_out(picture: Sequence[Point], floor: Sequence[Point], coefficients: in
     return tuple(errors)
 
 
-def _lens_of(key: str, value: object) -> Lens:
-    k1, k2 = numbers("[k1, k2]")(key, value)
-    return Lens(k1, k2)
-
-
 _KEYS: dict[str, Reader] = {
     "picture": anything,  # `Calibration` checks these three, and the size
     "floor": anything,
     "camera": anything,
-    "lens": _lens_of,
+    "lens": lambda key, value: Lens(*numbers("[k1, k2]")(key, value)),
     "size": list_of(anything, 0),
     "tags": lambda key, value: {int(tag): (u, v) for tag, u, v in list_of(numbers("[id, u, v]"), 0)(key, value)},
 }
