@@ -84,6 +84,8 @@ class VirtualLaboratory(Laboratory):
         operator: Operator | None = None,
         camera: Callable[[FrameSource], FrameSource] | None = None,
     ) -> None:
+        if others := {robot.type for robot in settings.robots} - FIRMWARES.keys():
+            raise ValueError(f"robots are of type {others.pop()!r}; allowed: {', '.join(FIRMWARES)}")
         noise = checked_noise(noise)
         appearance = CameraAppearance.laboratory() if appearance is None else appearance
         arenas = settings.arenas

@@ -279,6 +279,11 @@ def test_period_of_the_file_must_be_the_decided_round_duration(
         assert row.decisions == decisions_text(Decisions(round_duration=0.2, food_to_home=200))
 
 
+def test_robot_without_a_serial_line_is_refused() -> None:
+    with pytest.raises(ValueError, match="robots are of type 'toio'; allowed: khepera, e-puck2"):
+        virtual_laboratory("corridor", 1, robot="toio")
+
+
 @pytest.mark.parametrize("period", [0.05, 0.1, 0.18, 0.2, 0.5])
 def test_simulation_advances_by_the_period(period: float) -> None:
     with virtual_laboratory("corridor", 1, replace(V0_1, round_duration=period), **QUIET) as lab:
