@@ -281,37 +281,33 @@ def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[Measurement
 
 def end_processes(ending: str, processes: int) -> list[Measurement]:
     """Processes that end in one way: milliseconds until the wheels stand."""
-    seconds = [seconds_until_stopped(ending) for _ in range(processes)]
-    return [Measurement("endings", ending, "wheels turn on", 1000 * s) for s in seconds]
-
-
-def seconds_until_stopped(ending: str) -> float:
-    """Seconds from the end of a process in this way until the wheels stand."""
-    with (
-        virtual_fleet(BAUD, 1, 0) as ((port,), (firmware,), _, _),
-        subprocess.Popen(
-            [sys.executable, "-c", _PROGRAM, port.url],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            process_group=0,
-        ) as process,
-    ):
-        assert process.stdin is not None
-        assert process.stdout is not None
-        process.stdout.readline()
-        begin = time.perf_counter()
-        number = ENDINGS[ending]
-        if number is None:
-            process.stdin.write(b"\n")
-            process.stdin.flush()
-        else:
-            process.send_signal(number)
-        while firmware.turning and time.perf_counter() < begin + _TIMEOUT:
-            time.sleep(0.0005)
-        taken = math.inf if firmware.turning else time.perf_counter() - begin
-        process.kill()
-    return taken
+    rows, number = [], ENDINGS[ending]
+    for _ in range(processes):
+        with (
+            virtual_fleet(BAUD, 1, 0) as ((port,), (firmware,), _, _),
+            subprocess.Popen(
+                [sys.executable, "-c", _PROGRAM, port.url],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                process_group=0,
+            ) as process,
+        ):
+            assert process.stdin is not None
+            assert process.stdout is not None
+            process.stdout.readline()
+            begin = time.perf_counter()
+            if number is None:
+                process.stdin.write(b"\n")
+                process.stdin.flush()
+            else:
+                process.send_signal(number)
+            while firmware.turning and time.perf_counter() < begin + _TIMEOUT:
+                time.sleep(0.0005)
+            taken = math.inf if firmware.turning else 1000 * (time.perf_counter() - begin)
+            process.kill()
+        rows.append(Measurement("endings", ending, "wheels turn on", taken))
+    return rows
 
 
 def table(part: str, rows: Sequence[Measurement]) -> Table:

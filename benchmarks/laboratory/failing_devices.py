@@ -98,8 +98,8 @@ class Capture:
         return self._open
 
     def get(self, what: int) -> float:
-        """A property: a device has no number of frames."""
-        return -1.0 if what == cv2.CAP_PROP_FRAME_COUNT else 1 / FRAME_INTERVAL
+        """Its rate, the only property that is read."""
+        return 1 / FRAME_INTERVAL
 
     def set(self, what: int, value: float) -> bool:
         """Accept no property."""
@@ -303,9 +303,13 @@ def _folder_gone(target: Target) -> Repair:
 
 def _redirected(path: Path, target: int) -> Repair:
     """Let the open descriptors of a file refer to another one, which is closed by the returned function."""
-    wanted = os.fstat(target)
+    wanted, found = os.fstat(target), list[int]()
+    for name in os.listdir("/proc/self/fd"):
+        with suppress(OSError):  # the descriptor of the listing itself
+            if os.readlink(f"/proc/self/fd/{name}") == str(path):
+                found.append(int(name))
     # All are found before any is copied: a copy may get the number of the descriptor of the listing.
-    kept = [(descriptor, os.dup(descriptor)) for descriptor in _descriptors(path)]
+    kept = [(descriptor, os.dup(descriptor)) for descriptor in found]
     for descriptor, _ in kept:
         os.dup2(target, descriptor)
 
@@ -320,16 +324,6 @@ def _redirected(path: Path, target: int) -> Repair:
         os.close(target)
 
     return restore
-
-
-def _descriptors(path: Path) -> list[int]:
-    """The open descriptors of a file."""
-    found = []
-    for name in os.listdir("/proc/self/fd"):
-        with suppress(OSError):  # the descriptor of the listing itself
-            if os.readlink(f"/proc/self/fd/{name}") == str(path):
-                found.append(int(name))
-    return found
 
 
 _NO_SPACE, _INPUT_OUTPUT = "No space left", "Input/output"

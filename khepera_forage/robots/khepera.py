@@ -115,8 +115,7 @@ def check_finite(motors: Motors) -> None:
     Raises:
         ValueError: A value is not finite.
     """
-    left, right, arm, jaw = motors
-    if not (left - left == 0 and right - right == 0 and arm - arm == 0 and jaw - jaw == 0):
+    if not all(map(math.isfinite, motors)):
         raise ValueError(f"{motors} is not a motor command; allowed: finite numbers")
 
 

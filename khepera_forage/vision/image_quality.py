@@ -200,7 +200,7 @@ def why_unusable(frame: Frame, tracker: "Tracker", strict: bool) -> str:
     darkest, brightest = int(squares.min()), int(squares.max())
     if brightest - darkest < _LEAST_RANGE:
         return f"shows nothing: all grey levels are {darkest} to {brightest}"
-    if is_well_exposed(frame) or not (strict or not any(found.holes for found in tracker.detect(frame))):
+    if is_well_exposed(frame) or (not strict and any(found.holes for found in tracker.detect(frame))):
         return ""
     warning = measure_quality(tracker.reduced(frame)).warnings(tracker.settings).get("exposure", "")
     return warning and f"is {warning}"
