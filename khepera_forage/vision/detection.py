@@ -1,7 +1,7 @@
 """From a frame to detections: tags, markers, food, food beside a marker, and shapes split by a cable."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import cv2
 import numpy as np
@@ -281,36 +281,30 @@ class Detector:
         return found, rest
 
     def _foods_among(self, pieces: list[Contour]) -> tuple[list[Detection], list[Contour]]:
-        """Detections of the food among some pieces, and the other pieces."""
-        found: list[Detection] = []
-        rest = []
+        """Detections of the food among some pieces, and the other pieces; reflections are reported."""
+        found, rest = list[Detection](), list[Contour]()
         for piece in pieces:
-            foods = list(self._foods_in(piece))
-            found += [food for food in foods if food is not None]
-            if not foods:
+            edge, discs = self._discs_in(piece)
+            for contour, food in discs:
+                trouble = self._trouble(cut_patch(self._picture, contour), food)
+                if trouble:
+                    self._report(trouble, food.u, food.v, self._settings.food_height)
+                else:
+                    found.append(self._detection(contour, edge, food))
+            if not discs:
                 rest.append(piece)
         return found, rest
 
-    def _foods_in(self, piece: Contour) -> Iterator[Detection | None]:
-        """The food objects that one contour encloses: a disc, or several that touch each other or a bright wall.
-
-        None for a reflection, which is reported.
-        """
+    def _discs_in(self, piece: Contour) -> tuple[bool, list[tuple[Contour, ShapeMoments]]]:
+        """Whether a piece touches the picture's edge; and its discs, which may touch each other or a bright wall."""
         area = filled_area(piece) / self._food_area
         if area < _MIN_FOOD_AREA:
-            return
+            return False, []
         patch = cut_patch(self._picture, piece)
         food = self._disc(patch)
-        discs: Iterable[tuple[Contour, ShapeMoments]] = () if food is None else [(piece, food)]
-        if food is None and area >= _AREA[0]:
-            discs = self._touching_discs(patch, piece)
-        for contour, food in discs:
-            trouble = self._trouble(cut_patch(self._picture, contour), food)
-            if trouble:
-                self._report(trouble, food.u, food.v, self._settings.food_height)
-                yield None
-            else:
-                yield self._detection(contour, patch.edge, food)
+        if food is not None:
+            return patch.edge, [(piece, food)]
+        return patch.edge, list(self._touching_discs(patch, piece)) if area >= _AREA[0] else []
 
     def _joined(self, pieces: list[Contour]) -> list[Contour]:
         """The shapes that result when the gaps between pieces, and their notches, are closed."""
