@@ -263,7 +263,10 @@ class Calibration:
             ValueError: The file is not TOML, a key is missing or unknown, or a value is not allowed.
         """
         with naming(path):
-            return cls(**table("calibration", content_of(text_of(Path(path))), _KEYS, ("picture", "floor")))
+            given = table("calibration", content_of(text_of(Path(path))), _KEYS, ("picture", "floor"))
+            if "lens" in given:
+                given["lens"] = Lens(*given["lens"])
+            return cls(**given)
 
     def _parallax(self, height: float) -> tuple[float, float, float]:
         """The point below the camera (region coordinates), and the ratio of true to apparent distance from it."""
@@ -460,7 +463,7 @@ _KEYS: dict[str, Reader] = {
     "picture": anything,  # `Calibration` checks these three, and the size
     "floor": anything,
     "camera": anything,
-    "lens": lambda key, value: Lens(*numbers("[k1, k2]")(key, value)),
+    "lens": numbers("[k1, k2]"),
     "size": list_of(anything, 0),
     "tags": lambda key, value: {int(tag): (u, v) for tag, u, v in list_of(numbers("[id, u, v]"), 0)(key, value)},
 }
