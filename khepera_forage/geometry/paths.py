@@ -6,7 +6,9 @@ between them, and which of them may be seen from each cell of a coarse grid. The
 which waypoint comes next. An arena without such corners, like those of the thesis, has no waypoints, and every way is
 straight.
 
-Robots count in pixels. Walls are `geometry.plane.Wall` records.
+All lengths are in pixels. Arguments that functions have in common: a robot drives from (x, y) to (to_x, to_y);
+`walls` are `geometry.plane.Wall` records, and `paths` is what is prepared of the arena. With `past_home` a way must
+pass the home at its berth, but may come about as near to it as its ends are; without, it leads to the home.
 """
 
 import math
@@ -112,7 +114,7 @@ NO_CORNERS = PathTables(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, (), (), (), (), 
 
 
 def has_path(x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, paths: PathTables) -> bool:
-    """Whether there is a path from one place to another; arguments as for `next_waypoint`."""
+    """Whether there is a path from one place to another."""
     return (
         is_clear(x, y, to_x, to_y, past_home, walls, paths)
         or _choose_waypoint(x, y, to_x, to_y, past_home, walls, paths)[0] >= 0
@@ -125,15 +127,6 @@ def is_clear(x: float, y: float, to_x: float, to_y: float, past_home: bool, wall
     A way crosses no wall, and passes every corner at the clearance, or at half its length if that is less: a robot just
     before food drives on to it. It may come about as near to a corner as its ends are to the walls that meet there: so
     a robot that stands beside a wall can leave it, and reach food that lies beside one.
-
-    Args:
-        x: Of the one place.
-        y: Of the one place.
-        to_x: Of the other place.
-        to_y: Of the other place.
-        past_home: Whether the way must pass the home at its berth. It may come about as near to it as its ends are.
-        walls: In pixels.
-        paths: What is prepared of the arena.
     """
     if past_home and crosses_home(x, y, to_x, to_y, paths):
         return False
@@ -152,7 +145,7 @@ def is_blocked(x: float, y: float, to_x: float, to_y: float, walls: Any, paths: 
 
 
 def crosses_home(x: float, y: float, to_x: float, to_y: float, paths: PathTables) -> bool:
-    """Whether a way passes the home more closely than at its berth; arguments as for `is_clear`."""
+    """Whether a way passes the home more closely than at its berth."""
     dx, dy = to_x - x, to_y - y
     home_x, home_y = paths.home_x - x, paths.home_y - y
     squared = dx * dx + dy * dy
@@ -190,31 +183,18 @@ def _is_passed_closely(
     close = aside < min(paths.clearance * paths.clearance, squared / 4.0) * squared
     if not (close & (along > 0.0) & (along < squared)):
         return False
-    return bool(aside < _NEARER * _NEARER * squared * _nearest_end(x, y, to_x, to_y, corner, walls))
-
-
-def _nearest_end(x: float, y: float, to_x: float, to_y: float, corner: Any, walls: Any) -> float:
-    """The squared distance of the nearer end of a way from the walls that meet at a corner.
-
-    Args:
-        x: As for `is_clear`; so are the others.
-        y: Of the one place.
-        to_x: Of the other place.
-        to_y: Of the other place.
-        corner: A `Corner` record.
-        walls: In pixels.
-    """
     before, after = walls[corner.before], walls[corner.after]
-    return min(
+    nearer_end = min(
         _squared_distance(x, y, before),
         _squared_distance(x, y, after),
         _squared_distance(to_x, to_y, before),
         _squared_distance(to_x, to_y, after),
     )
+    return bool(aside < _NEARER * _NEARER * squared * nearer_end)
 
 
 def _squared_distance(x: float, y: float, wall: Any) -> float:
-    dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
+    dx, dy = to_wall(x, y, wall)
     return dx * dx + dy * dy
 
 
@@ -223,18 +203,8 @@ def next_waypoint(
 ) -> tuple[float, float, float]:
     """Where to drive next on the shortest path to a place: to the place itself if the straight way is clear.
 
-    Args:
-        x: Of the robot.
-        y: Of the robot.
-        to_x: Of the place.
-        to_y: Of the place.
-        past_home: As for `is_clear`. Without, the place is the home.
-        chosen: The `ChosenWaypoint` record of this way; changed in place.
-        walls: In pixels.
-        paths: What is prepared of the arena.
-
-    Returns:
-        x and y of the waypoint, and the length of the path, which is infinite where there is none.
+    Returns x and y of the waypoint, and the length of the path, which is infinite where there is none. `chosen` is the
+    `ChosenWaypoint` record of this way; it is changed in place.
     """
     chosen.blocked = is_blocked(x, y, to_x, to_y, walls, paths)
     if not chosen.blocked:
@@ -254,7 +224,7 @@ def next_waypoint(
 
 
 def _is_kept(x: float, y: float, past_home: bool, chosen: Any, walls: Any, paths: PathTables) -> bool:
-    """Whether the waypoint last chosen still comes next; arguments as for `next_waypoint`."""
+    """Whether the waypoint last chosen still comes next."""
     if length(x - chosen.x, y - chosen.y) >= KEPT:
         return False
     point = paths.waypoints[chosen.number]
@@ -266,10 +236,7 @@ def _is_kept(x: float, y: float, past_home: bool, chosen: Any, walls: Any, paths
 def _choose_waypoint(
     x: float, y: float, to_x: float, to_y: float, past_home: bool, walls: Any, paths: PathTables
 ) -> tuple[int, float]:
-    """The next waypoint on the shortest path, -1 without a path, and the length of the path from there.
-
-    Arguments as for `next_waypoint`.
-    """
+    """The next waypoint on the shortest path, -1 without a path, and the length of the path from there."""
     best, found, rest = math.inf, -1, math.inf
     count = len(paths.waypoints)
     row = _cell_of(x, y, paths) * count
@@ -278,38 +245,19 @@ def _choose_waypoint(
             point = paths.waypoints[k]
             first = length(point.x - x, point.y - y)
             if first > _REACHED and first + _AT_LEAST * length(to_x - point.x, to_y - point.y) < best:
-                beyond = _length_from(k, to_x, to_y, best - first, past_home, walls, paths)
+                if past_home:
+                    beyond = shortest_length(k, to_x, to_y, best - first, True, walls, paths)
+                else:
+                    beyond = float(paths.home_lengths[k])
                 if first + beyond < best and is_clear(x, y, point.x, point.y, past_home, walls, paths):
                     best, found, rest = first + beyond, k, beyond
     return found, rest
 
 
-def _length_from(
-    number: int, to_x: float, to_y: float, most: float, past_home: bool, walls: Any, paths: PathTables
-) -> float:
-    """Length of the shortest path from a waypoint to a place; arguments as for `shortest_length`."""
-    if not past_home:
-        return float(paths.home_lengths[number])
-    return shortest_length(number, to_x, to_y, most, True, walls, paths)
-
-
 def shortest_length(
     number: int, to_x: float, to_y: float, most: float, past_home: bool, walls: Any, paths: PathTables
 ) -> float:
-    """Length of the shortest path from a waypoint to a place by the table of lengths.
-
-    Args:
-        number: Of the waypoint.
-        to_x: Of the place.
-        to_y: Of the place.
-        most: Length at which paths are too long to matter.
-        past_home: As for `is_clear`.
-        walls: In pixels.
-        paths: What is prepared of the arena.
-
-    Returns:
-        The length; infinite without a path, or where it is not less than `most`.
-    """
+    """Length of the shortest path from waypoint `number` to a place; infinite without one shorter than `most`."""
     count = len(paths.waypoints)
     row, column = number * count, _cell_of(to_x, to_y, paths) * count
     tried, last = 0.0, -1

@@ -90,26 +90,18 @@ def walls_of(polygons: tuple[tuple[Corner, ...], ...]) -> tuple[Wall, ...]:
     return tuple(wall_of(side, k) for k, corners in enumerate(polygons) for side in edges(corners))
 
 
-def to_wall(x: float, y: float, x1: float, y1: float, ex: float, ey: float, share: float) -> tuple[float, float]:
-    """From a place to the nearest point of the wall with these first five fields."""
-    dx, dy = x1 - x, y1 - y
-    t = -(dx * ex + dy * ey) * share
-    t = 0.0 if t < 0.0 else 1.0 if t > 1.0 else t
-    return dx + t * ex, dy + t * ey
-
-
-def off_wall(x: float, y: float, wall: Any) -> tuple[float, float]:
-    """To a place from the nearest point of a wall."""
-    x, y = x - wall.x1, y - wall.y1
-    t = min(1.0, max(0.0, (x * wall.ex + y * wall.ey) * wall.share))
-    return x - t * wall.ex, y - t * wall.ey
+def to_wall(x: float, y: float, wall: Any) -> tuple[float, float]:
+    """From a place to the nearest point of a wall."""
+    dx, dy = wall.x1 - x, wall.y1 - y
+    t = min(1.0, max(0.0, -(dx * wall.ex + dy * wall.ey) * wall.share))
+    return dx + t * wall.ex, dy + t * wall.ey
 
 
 def from_wall(x: float, y: float, wall: Any) -> tuple[float, float, float]:
     """Distance of a place from a wall, and the unit vector from the wall to the place."""
-    dx, dy = off_wall(x, y, wall)
+    dx, dy = to_wall(x, y, wall)
     distance = max(math.sqrt(dx * dx + dy * dy), 1e-9)
-    return distance, dx / distance, dy / distance
+    return distance, -dx / distance, -dy / distance
 
 
 def is_near(x: float, y: float, wall: Any, reach: float) -> bool:
@@ -117,7 +109,7 @@ def is_near(x: float, y: float, wall: Any, reach: float) -> bool:
     # The distance from its line is cheap, and mostly shows that it is not.
     if abs(wall.normal_x * x + wall.normal_y * y - wall.offset) >= reach:
         return False
-    dx, dy = off_wall(x, y, wall)
+    dx, dy = to_wall(x, y, wall)
     return bool(dx * dx + dy * dy < reach * reach)
 
 
@@ -125,8 +117,7 @@ def to_nearest_wall(x: float, y: float, walls: Any) -> tuple[float, float]:
     """From a place to the nearest point of a wall."""
     nearest, wall_x, wall_y = math.inf, 0.0, 0.0
     for k in range(len(walls)):
-        wall = walls[k]
-        dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
+        dx, dy = to_wall(x, y, walls[k])
         squared = dx * dx + dy * dy
         if squared < nearest:
             nearest, wall_x, wall_y = squared, dx, dy
@@ -142,7 +133,7 @@ def clearance(x: float, y: float, walls: Any) -> float:
         if wall.polygon != polygon:
             free = free and odd == (polygon == 0)
             odd, polygon = False, wall.polygon
-        dx, dy = to_wall(x, y, wall.x1, wall.y1, wall.ex, wall.ey, wall.share)
+        dx, dy = to_wall(x, y, wall)
         squared = dx * dx + dy * dy
         if squared < least:
             least = squared

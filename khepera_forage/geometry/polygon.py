@@ -38,12 +38,6 @@ def edges(corners: tuple[Corner, ...]) -> tuple[Segment, ...]:
     return tuple((*a, *b) for a, b in zip(corners, (*corners[1:], corners[0]), strict=True))
 
 
-@lru_cache(maxsize=256)
-def all_edges(polygons: tuple[tuple[Corner, ...], ...]) -> tuple[Segment, ...]:
-    """The sides of several polygons."""
-    return tuple(side for corners in polygons for side in edges(corners))
-
-
 def area(corners: tuple[Corner, ...]) -> float:
     """Twice the signed area, positive when the corners run counter-clockwise."""
     return sum(x1 * y2 - x2 * y1 for x1, y1, x2, y2 in edges(corners))

@@ -85,7 +85,7 @@ class Arena:
     @property
     def segments(self) -> tuple[tuple[float, float, float, float], ...]:
         """All walls as line segments (x1, y1, x2, y2)."""
-        return polygon.all_edges((self.walls, *self.obstacles))
+        return tuple(side for corners in (self.walls, *self.obstacles) for side in polygon.edges(corners))
 
     @property
     def wall_records(self) -> tuple[Wall, ...]:

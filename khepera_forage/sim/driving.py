@@ -3,6 +3,9 @@
 The arm moves, the wheels slip, and the robot goes to the end of its round: `glide` moves a robot that touches nothing
 on its way. The others are moved by a backend: by `sim.pymunk.world`, or by `sim.compiled.world`. Plain functions, also
 compiled.
+
+Arguments that functions have in common: all `robots` of an arena, the number `i` of the one in question, the `foods`,
+the `walls` (`Wall` records in mm), the `corners` that point into the floor, and `Constants`.
 """
 
 import math
@@ -89,14 +92,7 @@ def set_motors(robot: Any, motors: Motors) -> Motors:
 
 
 def begin_round(robots: Any, i: int, foods: Any, constants: Any) -> None:
-    """Move the arm of a robot, and fix how fast its wheels turn in this round.
-
-    Args:
-        robots: All robots of the arena.
-        i: Number of the robot.
-        foods: The food objects.
-        constants: `Constants`.
-    """
+    """Move the arm of a robot, and fix how fast its wheels turn in this round."""
     robot, duration = robots[i], constants.timing.round_duration
     robot.round += 1
     arm = _towards(robot.arm_target, robot.arm, constants.timing.arm_speed * duration)
@@ -116,19 +112,7 @@ def begin_round(robots: Any, i: int, foods: Any, constants: Any) -> None:
 
 
 def glide(robots: Any, i: int, foods: Any, walls: Any, corners: Any, constants: Any) -> bool:
-    """Move a robot for one round if it touches nothing on its way.
-
-    Args:
-        robots: All robots of the arena.
-        i: Number of the robot.
-        foods: The food objects.
-        walls: The walls of its arena, `Wall` records in mm.
-        corners: The corners that point into its floor.
-        constants: `Constants`.
-
-    Returns:
-        Whether it has moved.
-    """
+    """Move a robot for one round if it touches nothing on its way; returns whether it has moved."""
     robot, duration = robots[i], constants.timing.round_duration
     travel = travel_of(robot, duration)
     jaw = robot.jaw
@@ -256,13 +240,6 @@ def lateness(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> flo
 
     A robot that is near enough to something to push it, or to be stopped by it, gets to a new speed one step of physics
     late, as rigid bodies do: 20 ms, or less near a wall. The task depends on it (docs/decisions/inference.md).
-
-    Args:
-        robots: All robots of the arena.
-        i: Number of the robot.
-        foods: The food objects.
-        walls: The walls of its arena.
-        constants: `Constants`.
     """
     travel = travel_of(robots[i], constants.timing.round_duration)
     near_food = _is_near_food(robots, i, foods, travel)
@@ -314,20 +291,15 @@ def moves_jaw(robot: Any) -> bool:
 
 
 def move_jaw(robots: Any, i: int, foods: Any, walls: Any, step: float) -> None:
-    """Move the jaw of one robot: closing on food grips it, opening releases it.
+    """Move the jaw of one robot by at most `step`: closing on food grips it, opening releases it.
 
-    Args:
-        robots: All robots of the world.
-        i: Number of the robot.
-        foods: The food objects.
-        walls: The walls near the robot; a finger does not open into one.
-        step: The largest change of the jaw's position.
+    A finger does not open into a wall.
     """
     robot = robots[i]
     jaw, target, held = robot.jaw, robot.jaw_target, robot.held
     if not moves_jaw(robot):
         return
-    new = min(target, jaw + step) if target > jaw else max(target, jaw - step)
+    new = _towards(target, jaw, step)
     if new > jaw and _opens_into_wall(robot, new, walls):
         return
     low = robot.arm >= ARM_ON_FLOOR

@@ -92,15 +92,7 @@ def sense_all(enclosure: Enclosure, constants: Any) -> None:
 
 
 def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
-    """Read all sensors of one robot; food in its gripper has moved along.
-
-    Args:
-        robots: All robots of the arena.
-        i: Number of the robot.
-        foods: The food objects.
-        walls: The walls of its arena, `Wall` records in mm.
-        constants: `Constants`.
-    """
+    """Read all sensors of robot `i`; food in its gripper has moved along. Arguments as in `sim.driving`."""
     robot = robots[i]
     senses = robot.senses
     senses.left_pulses, senses.right_pulses = int(robot.left_pulses), int(robot.right_pulses)

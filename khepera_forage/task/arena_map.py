@@ -163,14 +163,8 @@ def past_poison(
 ) -> tuple[float, float]:
     """Where to drive to get to a place without shoving poison: that place, or beside the poison before it.
 
-    Args:
-        x: Of the robot, pixels.
-        y: Of the robot, pixels.
-        to_x: Of the place, to which the straight way is clear of walls.
-        to_y: Likewise.
-        held: Number of the food object in the gripper.
-        foods: `FoodObject` records; `side` is changed.
-        arena: The arena of this robot.
+    The straight way from (x, y) to (to_x, to_y), in pixels, is clear of walls. Food `held` is in the gripper; `side` of
+    the others is changed.
     """
     distance = length(to_x - x, to_y - y)
     # Unit vector to the place; to the left of it is (-ahead_y, ahead_x).

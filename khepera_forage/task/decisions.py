@@ -78,11 +78,7 @@ class Field(NamedTuple):
 
 
 def _number(default: float, least: float, most: float, unit: str, section: str, reason: str) -> Any:
-    return _field(default, Field(float, unit, least, most, (), section, reason))
-
-
-def _count(default: int, least: int, most: int, unit: str, section: str, reason: str) -> Any:
-    return _field(default, Field(int, unit, least, most, (), section, reason))
+    return _field(default, Field(type(default), unit, least, most, (), section, reason))
 
 
 def _choice(default: str, choices: tuple[str, ...], section: str, reason: str) -> Any:
@@ -231,13 +227,13 @@ class Decisions:
     separation: float = _number(14.0, 5.0, 40.0, "pixels", "4.5.2", 'Beyond this, they are "significantly apart".')
     recovery_speed: float = _number(6.0, 1.0, 12.0, "speed units", "4.5.2", "Of a separated learner that catches up.")
     following_gain: float = _number(0.1, 0.01, 1.0, "speed units/degree", "4.5.2", "Of the arc towards the teacher.")
-    patience: int = _count(
+    patience: int = _number(
         100, 1, 10_000, "rounds", "5.3.1", "Of separation, after which a training attempt is given up."
     )
-    most_attempts: int = _count(
+    most_attempts: int = _number(
         200, 1, 100_000, "attempts", "5.2", "At a training episode, after which it is hopeless."
     )
-    rounds_after_training: int = _count(
+    rounds_after_training: int = _number(
         0, 0, 200, "rounds", "5.3", "From the delivery until the operator ends a training episode."
     )
     poison_in_training: str = _choice(
@@ -262,7 +258,7 @@ class Decisions:
     food_spacing: float = _number(100.0, 40.0, 200.0, "mm", "5.4.2.1", "Between the centres of random food objects.")
 
     # Devices.
-    recall_marker: int = _count(2, 1, 2, "holes", "3.5", "Of the marker of a robot that forages alone.")
+    recall_marker: int = _number(2, 1, 2, "holes", "3.5", "Of the marker of a robot that forages alone.")
     wheel_delay: float = _number(
         WHEEL_DELAY,
         0.0,

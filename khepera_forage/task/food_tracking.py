@@ -4,7 +4,9 @@ The camera knows regions, not objects. A region that was carried away is dropped
 new one. The food tracker links the tracks to the food objects of an arena, through the gripper.
 
 The functions take *records*: objects with the fields of `FoodTracker`, `FoodObject`, `Link`, and `vision.scene.Region`.
-In Python these are slotted dataclasses and named tuples, in compiled code records of numpy arrays.
+In Python these are slotted dataclasses and named tuples, in compiled code records of numpy arrays. Arguments in common:
+`known` food, which is changed in place; `tracks` or regions of the camera, of any number of holes, where slots with
+label -1 are free; the robot's `own` marker and its `senses`; its `arena`.
 """
 
 import math
@@ -193,14 +195,7 @@ def update_food(
 ) -> None:
     """Account for one round: gripped, identified and delivered food, and the nearest candidate.
 
-    Args:
-        known: Of the food; changed in place.
-        tracks: Regions or tracks of the camera, of any number of holes; slots with label -1 are free.
-        own: The robot's marker, see `perception.perceive`.
-        senses: What the robot reports now.
-        explored: Whether food has been explored in this round (see `can_explore`).
-        arena: The arena of this robot.
-        decisions: `DecisionValues`.
+    Food in the gripper is identified if it has been `explored` in this round (see `can_explore`).
     """
     tracker, foods = known.tracker, known.objects
     if senses.object_presence:
@@ -300,16 +295,7 @@ def find_nearest(
     """Find the nearest candidate: a region without holes that shows neither delivered nor known poisonous food.
 
     Nearest is what has the shortest path: a robot that went round a wall for the food beyond it could otherwise find
-    other food nearer on its way, and the first one again on its way there.
-
-    Args:
-        known: Of the food; tracker and chosen waypoints are changed.
-        tracks: Regions or tracks of the camera.
-        x: Of the robot, pixels.
-        y: Of the robot, pixels.
-        arm: Position of its arm.
-        arena: The arena of this robot.
-        decisions: `DecisionValues`.
+    other food nearer on its way, and the first one again on its way there. The robot is at (x, y), in pixels.
     """
     tracker, foods, links = known.tracker, known.objects, known.links
     seen, nearest, food_x, food_y = False, -1, 0.0, 0.0

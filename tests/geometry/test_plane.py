@@ -56,6 +56,6 @@ def test_clearance_is_the_distance_to_the_nearest_side_and_negative_off_the_free
 @PROPERTY
 def test_to_wall_points_to_the_nearest_point_of_the_wall(segment: Segment, place: Place) -> None:
     line = shapely.LineString((segment[:2], segment[2:]))
-    dx, dy = to_wall(*place, *wall_of(segment)[:5])
+    dx, dy = to_wall(*place, wall_of(segment))
     assert math.hypot(dx, dy) == pytest.approx(line.distance(shapely.Point(place)), abs=1e-6)
     assert line.distance(shapely.Point(place[0] + dx, place[1] + dy)) == pytest.approx(0.0, abs=1e-6)

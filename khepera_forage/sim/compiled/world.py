@@ -10,6 +10,8 @@ and a wall that touches a nearer point shifts it. Another robot is an obstacle l
 if the food before it cannot move. A finger drags food along by friction, which keeps food before a closed jaw while
 the robot turns a little. Pushed food stops with the robot: at friction 0.3 it would slide on by 1 mm from the fastest
 push.
+
+Arguments have the names and meanings of `sim.driving`.
 """
 
 import math
@@ -105,16 +107,7 @@ _FRICTION = 0.04
 
 @rule
 def move_in_contact(robots: Any, i: int, foods: Any, walls: Any, corners: Any, constants: Any) -> None:
-    """Move a robot that touches something for one round.
-
-    Args:
-        robots: All robots of the world.
-        i: Number of the robot.
-        foods: The food objects.
-        walls: The walls of its arena.
-        corners: The corners that point into the floor.
-        constants: `Constants`.
-    """
+    """Move a robot that touches something for one round."""
     robot = robots[i]
     duration = constants.timing.round_duration / SUBSTEPS
     jaw_step = constants.timing.jaw_speed * duration
@@ -140,17 +133,9 @@ def move_in_contact(robots: Any, i: int, foods: Any, walls: Any, corners: Any, c
 def _move_on(
     robots: Any, i: int, foods: Any, walls: Any, corners: Any, driven: float, turned: float, allowed: float
 ) -> tuple[bool, bool]:
-    """Drive and turn, and give way to what is touched.
+    """Drive some mm and turn by some radians, and give way to what is touched.
 
-    Args:
-        robots: As for `move_in_contact`; so are the next four.
-        i: Likewise.
-        foods: Likewise.
-        walls: Likewise.
-        corners: Likewise.
-        driven: Distance, mm.
-        turned: Angle, radians.
-        allowed: Overlap that holds nothing back, mm.
+    Overlaps up to `allowed` mm hold nothing back.
 
     Returns:
         Whether the robot is held back, where it was; and whether because it leapt: a finger that has swung across a
@@ -303,18 +288,9 @@ def _overlap(robots: Any, i: int, foods: Any, walls: Any, corners: Any) -> float
 
 @rule
 def _push_food(robots: Any, i: int, foods: Any, walls: Any, forward: float, turn: float) -> float:
-    """Move food out of the robot's way, out of walls and away from other food and robots.
+    """Move food out of the robot's way, out of walls and away from other food and robots; returns how many mm in all.
 
-    Args:
-        robots: All robots of the world.
-        i: Number of the robot.
-        foods: The food objects.
-        walls: The walls near the robot.
-        forward: Distance that the robot has just moved, mm: its fingers drag food that they touch.
-        turn: Angle that it has turned, radians.
-
-    Returns:
-        Sum of the distances that food was moved, mm.
+    The robot has just moved by `forward` mm and turned by `turn` radians: its fingers drag food that they touch.
     """
     robot, moved = robots[i], 0.0
     low = robot.arm >= ARM_ON_FLOOR
@@ -391,13 +367,9 @@ def _apart(x: float, y: float, from_x: float, from_y: float, distance: float) ->
 
 @rule
 def advance(enclosure: Enclosure, anchor_x: float, anchor_y: float, constants: Any) -> None:
-    """One round in an arena: everything moves, robots sense, and the camera takes a frame.
+    """One round in an arena, once motors are commanded: everything moves, robots sense, the camera takes a frame.
 
-    Args:
-        enclosure: Everything in the arena; motor commands are given.
-        anchor_x: The point from which the robots' cables hang, mm.
-        anchor_y: Likewise.
-        constants: `Constants`.
+    The robots' cables hang from the anchor.
     """
     robots, foods, walls, corners = enclosure.robots, enclosure.foods, enclosure.walls, enclosure.corners
     for i in range(len(robots)):
