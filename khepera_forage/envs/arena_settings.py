@@ -40,17 +40,7 @@ def settings_of(arena: str | Arena) -> dict[str, Any]:
 
 
 def procedural_settings(difficulty: str | Difficulty, split: str, num_levels: int, start_level: int) -> dict[str, Any]:
-    """The arguments of a recall environment of procedural arenas.
-
-    Args:
-        difficulty: As for `ProceduralArenas`.
-        split: As for `ProceduralArenas`.
-        num_levels: As for `ProceduralArenas`.
-        start_level: As for `ProceduralArenas`.
-
-    Raises:
-        ValueError: As `ProceduralArenas`.
-    """
+    """The arguments of a recall environment in procedural arenas; own arguments and errors as of `ProceduralArenas`."""
     chosen = checked_difficulty(difficulty)
     return {
         "arena": ProceduralArenas(difficulty, split, num_levels, start_level),

@@ -8,6 +8,7 @@ from typing import Any
 import gymnasium as gym
 from gymnasium.vector import VectorEnv
 
+from khepera_forage.envs.arena_settings import procedural_settings
 from khepera_forage.envs.arguments import BACKENDS, COMPILED, PYMUNK, check_backend
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.recall import RecallEnv
@@ -114,16 +115,32 @@ def _arguments(kwargs: Mapping[str, Any], decisions: Any, default: Decisions) ->
     """The arguments of an environment's class.
 
     Args:
-        kwargs: From the user or the spec. A spec that was stored as JSON has a mapping for every dataclass.
+        kwargs: From the user or the spec. A spec that was stored as JSON has a mapping for every dataclass. With a
+            `difficulty`, each episode takes place in one of many procedural arenas.
         decisions: Likewise; None for those of the environment's version.
         default: Decisions of the environment's version.
 
     Raises:
         ValueError: A value in a mapping is not allowed. Whatever is no such mapping is checked by the class.
     """
-    if decisions is None:
-        decisions = default
-    return {**{name: restored(value) for name, value in kwargs.items()}, "decisions": restored(decisions)}
+    given = {name: restored(value) for name, value in kwargs.items()}
+    if "difficulty" in given:
+        given = _procedural(**given)
+    return given | {"decisions": restored(default if decisions is None else decisions)}
+
+
+def _procedural(
+    difficulty: str | Difficulty, split: str = "train", num_levels: int = 200, start_level: int = 0, **others: Any
+) -> dict[str, Any]:
+    """The arguments of environments in some `ProceduralArenas`: those of the difficulty, unless others are given.
+
+    Raises:
+        ValueError: As `ProceduralArenas`; or an arena or a number of food objects is given.
+    """
+    for name in ("arena", "foods"):
+        if name in others:
+            raise ValueError(f"{name} is {others[name]!r}; allowed here: none, because difficulty determines it")
+    return procedural_settings(difficulty, split, num_levels, start_level) | others
 
 
 def restored(value: Any) -> Any:

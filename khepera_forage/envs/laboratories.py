@@ -80,12 +80,7 @@ def virtual_laboratory(
 def virtual_cubes(
     arena: Arena | str = CORRIDOR, robots: int = 2, decisions: Decisions = DEFAULT_DECISIONS
 ) -> VirtualCubeLaboratory:
-    """A laboratory of virtual toio cubes on a mat, with copies of one arena side by side.
-
-    Args:
-        arena: As for `virtual_laboratory`.
-        robots: As for `virtual_laboratory`.
-        decisions: As for `virtual_laboratory`.
+    """A laboratory of virtual toio cubes on a mat, with copies of one arena; arguments as for `virtual_laboratory`.
 
     Raises:
         ValueError: The mat has no room for the arenas.

@@ -14,6 +14,7 @@ from typing import Any
 from khepera_forage.envs.arena_settings import settings_of, training_rounds
 from khepera_forage.envs.arguments import Arenas, FoodOdds
 from khepera_forage.envs.training import TrainingEnv, makers
+from khepera_forage.sim.arena import Arena
 
 __all__ = ["env", "parallel_env", "raw_env"]
 
@@ -35,19 +36,15 @@ class raw_env(TrainingEnv):  # noqa: N801 (PettingZoo's name)
         self, arena: Arenas = "t_maze", max_cycles: int | None = None, food_types: FoodOdds = None, **kwargs: Any
     ) -> None:
         if isinstance(arena, Sequence) and not isinstance(arena, str):
+            name = "arenas"
             if max_cycles is None:
                 raise ValueError("max_cycles is None; allowed with several arenas: a whole number of at least 1")
-            super().__init__(arena=arena, max_cycles=max_cycles, food_types=food_types, **kwargs)
-            self.metadata = self.metadata | {"name": "paired_arenas_v1"}
-            return
-        settings = settings_of(arena)
-        super().__init__(
-            arena=arena,
-            max_cycles=training_rounds(settings["limit"]) if max_cycles is None else max_cycles,
-            food_types=settings.get("food_types") if food_types is None else food_types,
-            **kwargs,
-        )
-        self.metadata = self.metadata | {"name": f"paired_{self.arenas[0].name}_v1"}
+        else:
+            settings, name = settings_of(arena), arena.name if isinstance(arena, Arena) else arena
+            max_cycles = training_rounds(settings["limit"]) if max_cycles is None else max_cycles
+            food_types = settings.get("food_types") if food_types is None else food_types
+        super().__init__(arena=arena, max_cycles=max_cycles, food_types=food_types, **kwargs)
+        self.metadata = self.metadata | {"name": f"paired_{name}_v1"}
 
 
 env, parallel_env = makers(raw_env)

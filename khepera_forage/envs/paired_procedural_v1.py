@@ -19,13 +19,8 @@ __all__ = ["env", "parallel_env", "raw_env"]
 class raw_env(TrainingEnv):  # noqa: N801 (PettingZoo's name)
     """`TrainingEnv` in procedural arenas, with the settings of their difficulty.
 
-    Args:
-        difficulty: As for `ProceduralArenas`.
-        split: As for `ProceduralArenas`.
-        num_levels: As for `ProceduralArenas`.
-        start_level: As for `ProceduralArenas`.
-        kwargs: Further arguments of `TrainingEnv`; `max_cycles`, `food_types` and `noise` override those of the
-            difficulty.
+    The first four arguments are those of `ProceduralArenas`, the others those of `TrainingEnv`: `max_cycles`,
+    `food_types` and `noise` override those of the difficulty.
 
     Raises:
         ValueError: As `ProceduralArenas`; or an arena is given.

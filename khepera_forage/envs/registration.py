@@ -23,10 +23,10 @@ def register_all() -> None:
     """Register the recall environments with Gymnasium, and training with PettingZoo; a second call does nothing."""
     for arena in THESIS_ARENAS:
         for version in VERSIONS:
-            _register_recall(environment_name(arena), version, "backends", settings_of(arena))
+            _register_recall(environment_name(arena), version, settings_of(arena))
     for arena in FAMILY:
-        _register_recall(environment_name(arena), "v1", "backends", settings_of(arena))
-    _register_recall("Procedural", "v1", "procedural", _LEVELS)
+        _register_recall(environment_name(arena), "v1", settings_of(arena))
+    _register_recall("Procedural", "v1", _LEVELS)
 
     for version in VERSIONS:
         _register_training("PairedCorridors", version, f"paired_corridors_{version}", {})
@@ -36,15 +36,15 @@ def register_all() -> None:
     _register_training("PairedProcedural", "v1", "paired_procedural_v1", _LEVELS)
 
 
-def _register_recall(name: str, version: str, module: str, kwargs: dict[str, Any]) -> None:
+def _register_recall(name: str, version: str, kwargs: dict[str, Any]) -> None:
     """Register environments of behaviours and of wheels, one world and many."""
     for suffix, kind in (("", "behaviours"), ("Wheels", "wheels")):
         env_id = f"khepera_forage/{name}{suffix}-{version}"
         if env_id not in gym.registry:
             gym.register(
                 env_id,
-                entry_point=f"{_ENVS}.{module}:{kind}{VERSIONS[version]}",
-                vector_entry_point=f"{_ENVS}.{module}:{kind}_vector{VERSIONS[version]}",
+                entry_point=f"{_ENVS}.backends:{kind}{VERSIONS[version]}",
+                vector_entry_point=f"{_ENVS}.backends:{kind}_vector{VERSIONS[version]}",
                 kwargs=dict(kwargs),
             )
 
