@@ -169,7 +169,9 @@ class HumanTeacher:
 
     def _update_view(self) -> None:
         view = self._env.view()
-        robots = view.robots if self._hints else tuple(robot._replace(state=None) for robot in view.robots)
+        robots = (
+            view.robots if self._hints else tuple(robot._replace(state=None, correct=None) for robot in view.robots)
+        )
         title = f"You are the teacher: episode {self.episode} of {self._episodes}"
         self._view = view._replace(robots=robots, title=title)
 

@@ -162,12 +162,7 @@ def given_arena(arena: Arena | str, decisions: Decisions, what: str = "arena") -
 
 
 def checked_arena(arena: Arena | str, decisions: Decisions, what: str = "arena") -> Arena:
-    """An arena that a user gave, or named, in which a robot can reach everything.
-
-    Args:
-        arena: As for `given_arena`; so are the others.
-        decisions: Where start, food and home are in one of the thesis's arenas.
-        what: What the arena is, for the message.
+    """An arena that a user gave, or named, in which a robot can reach everything; arguments as for `given_arena`.
 
     Raises:
         ValueError: As `given_arena`, or an arena that is too narrow.
@@ -199,8 +194,9 @@ class ArenaPool:
         if isinstance(arenas, Sequence) and not isinstance(arenas, str):
             if not len(arenas):
                 raise ValueError(f"arena is {arenas!r}; allowed: at least one arena in a sequence")
-            self._arenas: Sequence[Arena | str] = arenas
-            if type(arenas) in (list, tuple):  # another sequence may create its arenas when they are used
+            # Another sequence than a list or a tuple may create its arenas when they are used.
+            self._arenas: Sequence[Arena | str] = tuple(arenas) if type(arenas) is list else arenas
+            if type(self._arenas) is tuple:
                 self._given()
         else:
             self._checked[0] = checked_arena(arenas, decisions)

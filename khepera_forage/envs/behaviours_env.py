@@ -38,7 +38,7 @@ class BehavioursEnv(RecallEnv[int]):
     | robot_home_distance | Box(0, diagonal, (1,), int64) | pixels of 5 mm to the centre of the home |
     | food_type | Discrete(4) | 0 unknown, 1 pickable, 2 pushable, 3 poisonous; known of food in the gripper |
     | arms_height | Box(215, 255, (1,), int64) | 255 down, 215 raised |
-    | robot_food_distance | Box(0, diagonal, (1,), int64) | pixels to the nearest candidate; the diagonal without one |
+    | robot_food_distance | Box(0, diagonal, (1,), int64) | pixels to the nearest candidate; see `no_food_distance` |
 
     ## Rewards
     +1 for food delivered, -1 for poison brought home, -1/limit a step.

@@ -121,16 +121,15 @@ class ForagingWorld:
     """
 
     world: World
-    arenas: tuple[Arena, ...]
+    arenas: tuple[Arena, ...] = ()
 
     def __init__(self, markers: tuple[int, ...], settings: Settings, world: World | None, backend: str) -> None:
         self._markers, self._settings, self._backend = markers, settings, check_backend(backend)
         kinds: Any = [settings.model] if world is None else world.robots
         self._odds = food_odds(settings.food_types, all(kind.has_gripper for kind in kinds))
-        self._number = -1
         if world is None:
             self._pool: ArenaPool | None = ArenaPool(settings.arena, settings.decisions)
-            self._enter(self._pool, 0)
+            self.enter(self._copies(self._pool[0]))
             self.diagonal = self._pool.diagonal
         else:
             self._pool, self.world = None, world
@@ -147,32 +146,30 @@ class ForagingWorld:
         """The arena of the first robot."""
         return self.arenas[0]
 
-    def arena_of(self, key: int, episode: int) -> Arena:
-        """The first robot's arena in an episode.
+    def arenas_of(self, key: int, episode: int) -> tuple[Arena, ...]:
+        """The arenas of an episode, one for each robot.
 
         Args:
             key: From `counter_rng.key_of`.
             episode: Its number.
         """
-        return self.arena if self._pool is None else self._pool[self._pool.number(key, episode)]
+        return self.arenas if self._pool is None else self._copies(self._pool[self._pool.number(key, episode)])
 
-    def enter(self, key: int, episode: int) -> None:
-        """Let an episode take place in its arena, in a world of its own if the arena is another one."""
-        if self._pool is not None:
-            self._enter(self._pool, self._pool.number(key, episode))
+    def _copies(self, arena: Arena) -> tuple[Arena, ...]:
+        return copies(arena, len(self._markers)) if len(self._markers) > 1 else (arena,)
 
-    def _enter(self, pool: ArenaPool, number: int) -> None:
-        if number == self._number:
+    def enter(self, arenas: tuple[Arena, ...]) -> None:
+        """Let an episode take place in these arenas, in a new world if they are other ones than now."""
+        if arenas == self.arenas:
             return
         kind: type[Simulation] = PymunkWorld
         if self._backend == COMPILED:
             from khepera_forage.sim.compiled.world import CompiledWorld  # needs numba
 
             kind = CompiledWorld
-        count, (_, noise, _, decisions, model) = len(self._markers), self._settings
-        arenas = copies(pool[number], count) if count > 1 else (pool[number],)
+        _, noise, _, decisions, model = self._settings
         self.world = kind(arenas, self._markers, noise, timing=timing_of(decisions), model=model)
-        self.arenas, self._number = arenas, number
+        self.arenas = arenas
 
     def foragers(self, layout: Layout, key: int, episode: int) -> list[Forager]:
         """The robots at their task, at the start of an episode in this layout."""

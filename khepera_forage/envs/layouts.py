@@ -1,7 +1,7 @@
 """What robots know of an arena, and layouts of episodes: drawn, or as `reset(options=...)` gives them."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -55,40 +55,28 @@ def floor_of(arena: Arena) -> Floor:
     return Floor(*arena.bounds, arena.home.x, arena.home.y, arena.home_radius, arena.wall_records)
 
 
-def random_layout(arena: Arena, foods: int, key: int, decisions: DecisionValues) -> Layout:
-    """A random start and random food places (5.4.1.1).
+def no_room(name: str, foods: int) -> ValueError:
+    """The error of an arena with this name in which no random layout was found."""
+    return ValueError(f"{name}: no room for a robot and {foods} food objects outside home; make the arena larger")
+
+
+def random_layout(
+    arena: Arena, foods: int, key: int, decisions: DecisionValues, options: Mapping[str, Any] | None = None
+) -> Layout:
+    """A random start and random food places (5.4.1.1), but for what `reset(options=...)` gives.
 
     Args:
         arena: Where.
         foods: Number of food objects.
         key: From `task.placement.layout_key`.
         decisions: Of the task.
-
-    Raises:
-        ValueError: The arena has no room.
-    """
-    return given_layout(arena, foods, {}, key, decisions)
-
-
-def no_room(name: str, foods: int) -> ValueError:
-    """The error of an arena with this name in which no random layout was found."""
-    return ValueError(f"{name}: no room for a robot and {foods} food objects outside home; make the arena larger")
-
-
-def given_layout(arena: Arena, foods: int, options: Mapping[str, Any], key: int, decisions: DecisionValues) -> Layout:
-    """The layout that `reset(options=...)` asks for; what it leaves open is random.
-
-    Args:
-        arena: Where.
-        foods: Number of food objects of the environment.
         options: `start`: (x mm, y mm, heading degrees); `foods`: one (x mm, y mm) an object.
-        key: From `task.placement.layout_key`.
-        decisions: Of the task.
 
     Raises:
-        ValueError: An unknown option, a wrong number of values, a place that is not on the free floor.
+        ValueError: The arena has no room, an unknown option, a wrong number of values, or a place that is not on the
+            free floor.
     """
-    given_start, given = given_places(arena, foods, options)
+    given_start, given = given_places(arena, foods, options or {})
     start = Start() if given_start is None else Start(*given_start)
     places = [Place() for _ in range(foods)] if given is None else [Place(*place) for place in given]
     has_start, has_places = given_start is not None, given is not None
@@ -101,7 +89,7 @@ def given_places(arena: Arena, foods: int, options: Mapping[str, Any]) -> tuple[
     """Start and food places that `reset(options=...)` gives; None for what it leaves open.
 
     Raises:
-        ValueError: As `given_layout`.
+        ValueError: As `random_layout`.
     """
     _check_names(options)
     start, places = None, None
@@ -126,7 +114,7 @@ def arenas_with_marks(arenas: Sequence[Arena], options: Mapping[str, Any]) -> Se
             as many as there are marks for. The same places, moved along, are marked in the other arenas.
 
     Raises:
-        ValueError: As `given_layout`.
+        ValueError: As `random_layout`.
     """
     # PettingZoo's api_test resets with {"options": 1}, which must do nothing.
     options = {name: value for name, value in options.items() if name != "options"}
@@ -220,14 +208,18 @@ def _start_of(options: Mapping[str, Any]) -> Pose:
 
 
 def _foods_of(options: Mapping[str, Any], count: int) -> tuple[Point, ...]:
-    places = tuple(Point(*_numbers("foods", food, 2, "(x mm, y mm)")) for food in options["foods"])
+    given = options["foods"] if isinstance(options["foods"], Iterable) else [options["foods"]]
+    places = tuple(Point(*_numbers("foods", food, 2, "(x mm, y mm)")) for food in given)
     if len(places) != count:
         raise ValueError(f"{len(places)} foods given; allowed: {count}, the number of this environment")
     return places
 
 
-def _numbers(name: str, values: Sequence[float], count: int, form: str) -> tuple[float, ...]:
-    numbers = tuple(float(v) for v in values)
+def _numbers(name: str, values: Any, count: int, form: str) -> tuple[float, ...]:
+    try:
+        numbers = tuple(map(float, values))
+    except (TypeError, ValueError):
+        numbers = ()
     if len(numbers) != count or not all(math.isfinite(n) for n in numbers):
         raise ValueError(f"reset option {name!r} has {values!r}; allowed: {form}, finite")
     return numbers

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import COMPILED, PYMUNK, Arenas, FoodOdds, Settings, check_backend, whole_number
 from khepera_forage.envs.forager import Forager, ForagingWorld
-from khepera_forage.envs.layouts import given_layout
+from khepera_forage.envs.layouts import random_layout
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, recall_view
 from khepera_forage.noise import Noise
 from khepera_forage.robots.model import KHEPERA
@@ -25,7 +25,7 @@ from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 from khepera_forage.task.episode import ForagerState, begin_episode, end_step
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.placement import layout_key
-from khepera_forage.task.states import Behaviour
+from khepera_forage.task.states import BEHAVIOURS, Behaviour
 
 if TYPE_CHECKING:
     from khepera_forage.envs.compiled.batch import CompiledRecalls
@@ -99,19 +99,20 @@ class WorldRecalls(ForagingWorld):
             options: `start` and `foods` as for the environments; what is left out is random.
 
         Raises:
-            ValueError: Options that are unknown or place something off the free floor.
+            ValueError: Options that are unknown or place something off the free floor, or an arena with no room; the
+                present episode then goes on.
         """
         key, number = self._key, self._episodes
-        arena = self.arena_of(key, number)
-        layout = given_layout(arena, self._foods, options or {}, layout_key(key, number), self._values)
+        arenas = self.arenas_of(key, number)
+        layout = random_layout(arenas[0], self._foods, layout_key(key, number), self._values, options)
         # Noise goes on from episode to episode, as in compiled worlds.
         rounds = 0 if self._fresh or not isinstance(self.world, Simulation) else self.world.rounds
-        self.enter(key, number)
-        self.layout, self._episodes, self._fresh = layout, number + 1, False
+        self.enter(arenas)
         if isinstance(self.world, Simulation):
             self.world.begin(key, rounds, layout)
         else:
             self.world.reset(rng.spawn(1)[0], layout)
+        self.layout, self._episodes, self._fresh = layout, number + 1, False
         (self._forager,) = self.foragers(layout, key, number)
         self._forager.perceive(self.world.camera.look())
         begin_episode(self._forager.episode, self._forager.tracker)
@@ -187,6 +188,8 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         self._generator: np.random.Generator | None = None
         """The `np_random` that the episodes follow from."""
         self._executed: Behaviour | None = None
+        self._correct: Behaviour | None = None
+        self._state = 0
         self.confidence: tuple[float, ...] | None = None
         """Confidence level of each behaviour, shown beside the picture; a policy's owner may set it."""
 
@@ -208,6 +211,7 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
     @property
     def layout(self) -> Layout:
         """Where everything stood at the last reset."""
+        self._require_first_reset()
         return self._recalls.layout
 
     @property
@@ -239,14 +243,20 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
                 out is random.
 
         Raises:
-            ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
+            ValueError: Options that are unknown or place something off the free floor, or an arena with no room; the
+                present episode then goes on. After any other error, such as a lost robot, another reset is needed.
         """
         super().reset(seed=seed)
         if self.np_random is not self._generator:
             self._generator = self.np_random
             self._recalls.seed(int(self.np_random.integers(2**62)) if seed is None else seed)
-        forager = self._recalls.begin(self.np_random, options)
-        self._seeded, self._over, self._executed = True, False, None
+        try:
+            forager = self._recalls.begin(self.np_random, options)
+        except Exception as error:
+            self._over |= not isinstance(error, ValueError)
+            raise
+        self._seeded, self._over, self._executed, self._correct = True, False, None, None
+        self._state = int(forager.state)
         if self.render_mode == "human":
             self.render()
         return self._observation(forager), episode_info(forager)
@@ -263,13 +273,14 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
             steps = self._recalls.forager.episode.steps
             raise ResetNeeded(f"the episode ended after {steps} steps; call reset() to start another")
         numbers = self._numbers(action)
+        self._correct = BEHAVIOURS[self._state]
         try:
             forager = self._recalls.step(numbers)
         except LOST as lost:
             self._over, forager = True, self._recalls.forager
             info = episode_info(forager) | {"robot_lost": str(lost)}
             return self._observation(forager), forager.episode.reward, False, True, info
-        episode = forager.episode
+        episode, self._state = forager.episode, int(forager.state)
         self._over = episode.terminated or episode.truncated
         if self._over:
             self.world.stop()
@@ -288,7 +299,8 @@ class RecallEnv(gym.Env[Observation, ActionT], Generic[ActionT]):
         Raises:
             ResetNeeded: Before the first reset.
         """
-        return recall_view(self.arena, self.world, self.forager, self.limit, self._executed, self.confidence)
+        robot = {"executed": self._executed, "correct": self._correct, "confidence": self.confidence}
+        return recall_view(self.arena, self.world, self.forager, self.limit, **robot)
 
     def close(self) -> None:
         """Stop the robot and close the window."""

@@ -121,7 +121,7 @@ class TrainingEnv(AECEnv[str, Any, Any]):
         self.np_random: np.random.Generator | None = None
         self._generator: np.random.Generator | None = None
         """The `np_random` that the attempts follow from."""
-        self._key, self._episode = 0, -1
+        self._key, self._episode = 0, 0
         self.possible_agents = [TEACHER, *(f"learner_{i}" for i in range(learners))]
         self.agents: list[str] = []
         self.observation_spaces = {a: self._observation_space() for a in self.possible_agents}
@@ -162,7 +162,7 @@ class TrainingEnv(AECEnv[str, Any, Any]):
 
     def arena_of(self, seed: int) -> Arena:
         """The teacher's arena in the attempt that `reset(seed=seed)` starts."""
-        return self._paired.arena_of(key_of(seed), 0)
+        return self._paired.arenas_of(key_of(seed), 0)[0]
 
     @property
     def home_radius(self) -> int:
@@ -203,20 +203,21 @@ class TrainingEnv(AECEnv[str, Any, Any]):
                 arena; what is left out stays on the marks of figure 5.1.
 
         Raises:
-            ValueError: Options that are unknown or place something off the free floor.
+            ValueError: Options that are unknown or place something off the free floor. The attempt then goes on.
         """
         if seed is not None or self.np_random is None:
             self.np_random, _ = seeding.np_random(seed)
         if self.np_random is not self._generator:
             self._generator = self.np_random
             self._key = key_of(int(self.np_random.integers(2**62)) if seed is None else seed)
-            self._episode = -1
-        self._episode += 1
-        self._paired.enter(self._key, self._episode)
-        marked = arenas_with_marks(self.arenas, options or {})
-        layout = training_layout(marked, self._noise, layout_key(self._key, self._episode))
+            self._episode = 0
+        key, number = self._key, self._episode
+        arenas = self._paired.arenas_of(key, number)
+        layout = training_layout(arenas_with_marks(arenas, options or {}), self._noise, layout_key(key, number))
+        self._paired.enter(arenas)
+        self.agents, self._episode = [], number + 1  # after an error from here on, another reset is needed
         self.world.reset(self.np_random.spawn(1)[0], layout)
-        foragers = self._paired.foragers(layout, self._key, self._episode)
+        foragers = self._paired.foragers(layout, key, number)
         self._attempt = TrainingEpisode(self.world, foragers, self.max_cycles, self.patience, self.decisions)
         self.agents = self.possible_agents[:]
         self.rewards = dict.fromkeys(self.agents, 0.0)

@@ -45,6 +45,7 @@ class TrainingEpisode:
         pairings: Each robot and its teacher; the teacher's own means nothing.
         motors: What each robot commands itself; None where its behaviour commands the motors.
         account: Of the rounds that are over.
+        decided: For each robot what it did in the last round, and what the teacher would have done; empty before.
     """
 
     def __init__(
@@ -56,6 +57,7 @@ class TrainingEpisode:
         self.pairings = [Pairing() for _ in self.foragers]
         self.motors: list[Motors | None] = [None] * len(self.foragers)
         self.account = AttemptState(limit=limit, patience=patience)
+        self.decided: list[tuple[Behaviour, Behaviour]] = []
         self._perceive(world.camera.look())
         for forager in self.foragers:
             begin_episode(forager.episode, forager.tracker)
@@ -69,21 +71,21 @@ class TrainingEpisode:
     def round(self) -> bool:
         """Carry out one round: all commands take effect together; returns whether the attempt has ended."""
         self.account.rounds += 1
-        correct = [forager.behaviour == forager.state for forager in self.foragers]
+        self.decided = [(Behaviour(forager.behaviour), forager.correct_behaviour) for forager in self.foragers]
         try:
             for i, forager in enumerate(self.foragers):
                 forager.drive(self._motors_of(i, forager))
             self._world.advance()
             self._perceive(self._world.camera.look())
         finally:  # A round in which a robot is lost counts too.
-            for i, forager in enumerate(self.foragers):
-                end_step(forager.episode, forager.tracker, correct[i], self.account.limit)
-        done = all(
+            for forager, (done, correct) in zip(self.foragers, self.decided, strict=True):
+                end_step(forager.episode, forager.tracker, done == correct, self.account.limit)
+        all_done = all(
             has_done_its_part(f.tracker, f.food.objects, f.vector, f.arena.home_radius, f.decisions)
             for f in self.foragers
         )
         longest = max(pairing.separated_rounds for pairing in self.pairings)
-        return end_round(self.account, done, longest, self._decisions)
+        return end_round(self.account, all_done, longest, self._decisions)
 
     def place_beside_teacher(self, i: int) -> None:
         """Put a learner where the teacher is, in its own arena.

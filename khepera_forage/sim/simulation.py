@@ -265,6 +265,7 @@ class Simulation(ABC):
         check_apart(Layout((*others, pose), places))
         record.x, record.y, record.heading = pose
         record.cos, record.sin = cos, sin = math.cos(pose.heading), math.sin(pose.heading)
+        record.forward = record.turn = 0.0
         if record.held >= 0:
             carried, ahead, aside = (self._enclosures[home].foods[record.held], record.grip_x, record.grip_y)
             carried.x, carried.y = pose.x + ahead * cos - aside * sin, pose.y + ahead * sin + aside * cos

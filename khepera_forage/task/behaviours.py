@@ -13,7 +13,7 @@ What each commands. Speeds and readings are fields of `Decisions`:
 | AVOID FOOD | `slow_speed` backwards | 255 | open |
 | GO HOME | `home_speed` home | 215 once the jaw is shut | closed |
 | AVOID HOME | out by its open side: `retreat_speed` back when facing it, otherwise `slow_speed` | 215 | open |
-| RELEASE FOOD | `slow_speed` into the home, then 0; back once the jaw is open | 255 | opens once the arm is down |
+| RELEASE FOOD | `slow_speed` into the home, turning while the arm comes down; back | 255 | opens once it is down |
 | WAIT | 0 | as it is | as it is |
 
 "Back" is at `retreat_speed`. SEARCH and MOVE SLOWLY also back off food that is too near, and MOVE SLOWLY while the arm

@@ -81,7 +81,7 @@ class StateVector(NamedTuple):
         robot_home_distance: From the robot to the centre of its home.
         food_type: A `FoodType`; UNKNOWN unless an object is present.
         arms_height: 255 (down) to 215 (raised).
-        robot_food_distance: To the nearest candidate food; the arena's diagonal if there is none.
+        robot_food_distance: To the nearest candidate food; if there is none, see `Decisions.no_food_distance`.
     """
 
     object_presence: int

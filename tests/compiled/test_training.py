@@ -109,11 +109,12 @@ def test_pairs_have_the_spaces_of_parallel_env() -> None:
     envs.reset(seed=1)
     for _ in range(50):
         actions = {agent: envs.action_space(agent).sample() + np.zeros(3, np.int64) for agent in one.possible_agents}
-        observations, *_ = envs.step(actions)
+        observations, _, _, truncated, _ = envs.step(actions)
         for agent in envs.possible_agents:
             assert envs.action_space(agent) == one.action_space(agent)
             assert all(row in one.observation_space(agent) for row in observations[agent])
     assert envs.state().shape == (3, 3 * 7)
+    assert truncated["teacher_0"] is not truncated["learner_0"], "each agent has an array of its own"
 
 
 # ---------------------------------------------------------------- results of train_learners

@@ -7,6 +7,7 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import pytest
+from gymnasium.error import ResetNeeded
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage import Decisions, Noise
@@ -17,7 +18,7 @@ from tests.sim.worlds import FIELD
 
 NAMES = ("Corridor", "Rectangle", "CorridorWheels", "RectangleWheels")
 OF_ENVIRONMENT = "arena decisions foods limit home_radius diagonal confidence metadata observation_space action_space"
-OF_FORAGER = "arena holes decisions senses vector state correct_behaviour raw"
+OF_FORAGER = "arena holes decisions senses vector state behaviour correct_behaviour raw applied"
 needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba")
 
 
@@ -29,6 +30,8 @@ def _id(name: str) -> str:
 def test_sixteen_foods_are_possible_on_every_backend(backend: str) -> None:
     decisions = Decisions(food_spacing=40)
     env: Any = gym.make(_id("Rectangle"), backend=backend, foods=16, decisions=decisions)
+    with pytest.raises(ResetNeeded):
+        _ = env.unwrapped.layout
     env.reset(seed=0)
     assert len(env.unwrapped.layout.foods) == len(env.unwrapped.forager.food.objects) == 16
 

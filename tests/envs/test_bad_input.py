@@ -207,21 +207,49 @@ def test_wrong_seeds_and_masks_of_many_worlds_are_refused() -> None:
         ({"start": (10, 300, 0)}, r"start at \(10, 300\) mm is 10 mm from a wall"),
         ({"start": (0, 0, 0)}, "start at .* allowed: on the floor"),
         ({"start": (1, 2)}, "allowed: .x mm, y mm, heading degrees."),
+        ({"start": None}, "'start' has None; allowed: .x mm, y mm, heading degrees."),
+        ({"foods": 5}, "'foods' has 5; allowed: .x mm, y mm."),
         ({"foods": [(5, 5), (300, 300)]}, "food at .5, 5. mm"),
         ({"foods": [(math.nan, 5), (300, 300)]}, "nan.*finite"),
         ({"foods": [(300, 300)]}, "1 foods given; allowed: 2"),
         ({"food": [(300, 300)]}, "reset option 'food' is unknown; allowed: 'start', 'foods'"),
     ],
 )
-def test_wrong_reset_options_are_refused(maker: str, options: Any, message: str) -> None:
-    env = MAKERS[maker]("Rectangle")
+def test_wrong_reset_options_are_refused_and_the_episode_goes_on(maker: str, options: Any, message: str) -> None:
+    env, other = MAKERS[maker]("Rectangle"), MAKERS[maker]("Rectangle")
     env.reset(seed=1)
+    other.reset(seed=1)
     with pytest.raises(ValueError, match=message):
-        env.reset(options=options)
-    env.step(env.action_space.sample())
+        env.reset(seed=2, options=options)
+    action = env.action_space.sample()
+    np.testing.assert_equal(env.step(action), other.step(action))
 
 
 @pytest.mark.parametrize("maker", ENVS)
-def test_arena_without_room_is_refused(maker: str) -> None:
-    with pytest.raises(ValueError, match=r"no room for a robot and 16 food objects"):
-        MAKERS[maker](foods=16).reset(seed=0)
+def test_arena_without_room_is_refused_and_the_episode_goes_on(maker: str) -> None:
+    env, other = (MAKERS[maker](foods=5, limit=3) for _ in range(2))
+    with pytest.raises(ValueError, match="no room for a robot and 5 food objects"):
+        env.reset(seed=2)
+    np.testing.assert_equal(env.reset(seed=0), other.reset(seed=0))
+    for seed in (2, None, None):
+        with pytest.raises(ValueError, match="no room"):
+            env.reset(seed=seed)
+        action = env.action_space.sample()
+        np.testing.assert_equal(env.step(action), other.step(action))
+    if maker == "vector":  # the next episode of the first world has no room
+        other.reset(seed=0)
+        for _ in range(3):
+            other.step(action)
+        with pytest.raises(ValueError, match="no room"):
+            other.step(action)
+        with pytest.raises(ResetNeeded):
+            other.step(action)
+        other.reset(seed=0)
+
+
+def test_pairs_whose_marks_have_no_room_need_a_reset() -> None:
+    env = paired_corridors_v1.vector_env(1, noise=Noise(placement_error=1e6))
+    with pytest.raises(ValueError, match="too near a wall"):
+        env.reset(seed=0)
+    with pytest.raises(ResetNeeded):
+        env.step({agent: [0] for agent in SAID})

@@ -214,6 +214,24 @@ def test_recall_with_a_lost_robot_raises_an_error(alone: VirtualLaboratory) -> N
     assert recalling.recall(env, Teacher(env.home_radius), 3).steps > 20
 
 
+def test_reset_that_the_operator_gives_up_ends_the_episode() -> None:
+    calls: list[OperatorRequest] = []
+
+    def operator(request: OperatorRequest) -> None:
+        calls.append(request)
+        if len(calls) > 1:
+            raise OperatorGaveUp("no time")
+        lab.virtual_operator(request)
+
+    with virtual_laboratory("corridor", 1, operator=operator) as lab:
+        env = BehavioursEnv(world=lab)
+        env.reset(seed=1)
+        with pytest.raises(OperatorGaveUp):
+            env.reset(seed=2)
+        with pytest.raises(gym.error.ResetNeeded):
+            env.step(0)
+
+
 def test_world_needs_one_robot_in_each_arena(env: Any) -> None:
     with pytest.raises(ValueError, match="world has 2 robots in 2 arenas; allowed: 1"):
         BehavioursEnv(world=env.world)

@@ -85,7 +85,7 @@ CHANGES: list[dict[str, Any]] = [
     *({"arm": 255}, {"jaw": 0}, {"holes": 1}, {"proximity": (0,) * 8}, {"name": "learner 7"}),
     *({"vector": StateVector(1, 80, 0, 215, 44)}, {"vector": None}, {"state": State.AT_HOME_NO_FOOD}),
     *({"heard": Behaviour.GO_HOME}, {"heard": Behaviour.WAIT}, {"executed": Behaviour.WAIT}, {"executed": None}),
-    *({"confidence": None}, {"separated": True}, {"tracked": False}),
+    *({"correct": Behaviour.GO_HOME}, {"confidence": None}, {"separated": True}, {"tracked": False}),
 ]
 
 

@@ -111,13 +111,15 @@ def test_speeds_are_limited_to_what_the_robot_can_do(backend: str) -> None:
 
 
 def test_policy_that_only_explores_scores_its_correct_share_minus_the_penalty() -> None:
-    env, correct, truncated = make("Corridor", limit=50), 0, False
+    env, correct, shown, truncated = make("Corridor", limit=50), 0, 0, False
     env.reset(seed=0)
     while not truncated:
         correct += env.forager.correct_behaviour == Behaviour.EXPLORE_FOOD
         _, _, terminated, truncated, info = env.step(int(Behaviour.EXPLORE_FOOD))
         assert not terminated
-    assert (info["steps"], info["correct"]) == (50, correct)
+        robot = env.view().robots[0]
+        shown += robot.executed == robot.correct
+    assert (info["steps"], info["correct"], shown) == (50, correct, correct)
     assert info["score"] == pytest.approx(100 * correct / 50 - 20)
 
 

@@ -88,6 +88,9 @@ def test_teacher_waits_while_a_separated_learner_recovers() -> None:
     assert history == [[Behaviour.WAIT, Behaviour.WAIT]] * 2
     after = env.world.poses()
     moved = [math.dist(one[:2], other[:2]) for one, other in zip(before, after, strict=True)]
+    robots = env.view().robots
+    assert [robot.executed for robot in robots] == history[-1]
+    assert robots[0].correct not in (None, Behaviour.WAIT)
     assert moved[0] < 2.0, "the teacher rolls out and stands"
     assert moved[1] > 5.0, "the learner moves in an arc"
     assert env.infos["learner_0"]["separated_rounds"] == 4
@@ -160,11 +163,18 @@ def test_placement_error_applies_to_given_marks() -> None:
     assert np.abs(second - first - (0, 300)).max() > 1e-3
 
 
-def test_marks_with_the_gripper_in_a_wall_are_refused() -> None:
+def test_marks_with_the_gripper_in_a_wall_are_refused_and_the_attempt_goes_on() -> None:
     facing_the_wall = {"start": (60, 100, 180)}
     message = r"placement error of 0 mm.*\(60, 100\) mm has its gripper in a wall"
-    with pytest.raises(ValueError, match=message):
-        TrainingEnv(noise=QUIET).reset(seed=0, options=facing_the_wall)
+    env, other = (TrainingEnv(noise=replace(QUIET, wheel_slip=0.1), arena=["corridor", HALL]) for _ in range(2))
+    for each in (env, other):
+        each.reset(seed=1)
+    for seed in (None, 6, 8):  # the last two in the hall
+        with pytest.raises(ValueError, match=message):
+            env.reset(seed=seed, options=facing_the_wall)
+        assert play(env, 2) == play(other, 2)
+        assert env.world.poses() == other.world.poses()
+        assert env.arenas == other.arenas
 
 
 # ---------------------------------------------------------------- in several arenas

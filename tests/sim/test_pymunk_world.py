@@ -14,7 +14,7 @@ from khepera_forage.robots.khepera import JAW_CLOSED
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from tests.sim.worlds import ELL, NONE, Kind, holding, make_world, of_both_kinds, run
+from tests.sim.worlds import ELL, FIELD, NONE, Kind, holding, make_world, of_both_kinds, run
 from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
 START, OTHER = CORRIDOR.start, CORRIDOR.start._replace(y=415)
@@ -103,6 +103,16 @@ def test_placed_robot_keeps_the_food_it_holds(kind: Kind) -> None:
     assert (x, y) == (500, 600)
     assert world.food_places()[0][:2] == pytest.approx((500, 657), abs=2)
     assert world.food_places()[0].lifted
+
+
+@of_both_kinds
+def test_placed_robot_starts_at_rest(kind: Kind) -> None:
+    """Near a wall, wheels still turn as in the round before for a part of a round."""
+    world = make_world(FIELD.start, kind=kind)
+    run(world, 5, 20, 20)
+    world.place(0, Pose(1910, 1000, 0))
+    run(world, 1, 1, 1)
+    assert world.poses()[0].x == pytest.approx(1910.7, abs=0.2)
 
 
 def test_place_refuses_a_taken_pose_and_another_arena() -> None:

@@ -23,6 +23,7 @@ from khepera_forage.envs.compiled.step import (
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.layouts import arena_map_of, given_places
 from khepera_forage.geometry.paths import ChosenWaypoint
+from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, Motors
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.simulation import SimulatedKhepera
@@ -31,7 +32,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import Episode, ForagerState
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, KnownFood, Link
 from khepera_forage.task.perception import Marker, RawData
-from khepera_forage.task.states import State, StateVector
+from khepera_forage.task.states import Behaviour, State, StateVector
 
 _LEAST = 512
 """Worlds for which another thread pays."""
@@ -64,6 +65,8 @@ class CompiledBatch:
         self._places = np.zeros(self.num_worlds, np.int64)
         self.worlds = new_worlds(self.num_worlds, foods)
         self._free = np.ones(1, np.bool_)
+        self._seeds: dict[int, int] = {}
+        """Of worlds that were seeded and not restarted since."""
 
     @property
     def bytes_per_world(self) -> int:
@@ -79,15 +82,13 @@ class CompiledBatch:
         """The records of one world, which share its memory."""
         return world_of(self.worlds, number)
 
-    def seed(self, seeds: list[int], worlds: NDArray[np.int64]) -> None:
-        """Seed some worlds, each with its own seed: it then has the episodes of a single environment with that seed.
+    def seed(self, seeds: Mapping[int, int]) -> None:
+        """Seed some worlds: from their next restart on they have the episodes of single environments with these seeds.
 
         Args:
-            seeds: One a world, each at least 0.
-            worlds: Numbers of the worlds.
+            seeds: One at least 0 by the number of each world.
         """
-        robots, foragers = self.worlds.robots[:, 0], self.worlds.foragers[:, 0]
-        robots["key"][worlds], robots["round"][worlds], foragers["number"][worlds] = keys_of(seeds), 0, 0
+        self._seeds.update(seeds)
 
     def restart(self, worlds: NDArray[np.int64], options: Mapping[str, Any] | None = None) -> None:
         """Begin new episodes in some worlds, up to their first observation; the others stay unchanged.
@@ -97,17 +98,41 @@ class CompiledBatch:
             options: `start` and `foods` as for the environments; what is left out is random.
 
         Raises:
-            ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
+            ValueError: Options that are unknown or place something off the free floor, or an arena with no room. All
+                worlds then stay unchanged.
         """
-        arenas, start, places = self._next_arenas(worlds), None, None
-        for place in np.unique(arenas).tolist() if options else ():
-            start, places = given_places(self._arenas.arena(place), self.foods, options or {})
+        self._places = self._arenas.forget(self._places)
+        kept = [part[worlds] for part in (*self.worlds, self._places)]
+        try:
+            self._begin(worlds, options or {})
+        except ValueError:
+            for part, rows in zip((*self.worlds, self._places), kept, strict=True):
+                part[worlds] = rows
+            raise
+
+    def _begin(self, worlds: NDArray[np.int64], options: Mapping[str, Any]) -> None:
+        seeds = {world: self._seeds[world] for world in worlds.tolist() if world in self._seeds}
+        if seeds:
+            robots, foragers, seeded = self.worlds.robots[:, 0], self.worlds.foragers[:, 0], list(seeds)
+            robots["key"][seeded] = keys_of(list(seeds.values()))
+            robots["round"][seeded] = foragers["number"][seeded] = 0
+        self._enter(worlds)
+        start, places = None, None
+        for place in np.unique(self._places[worlds]).tolist() if options else ():
+            start, places = given_places(self._arenas.arena(place), self.foods, options)
         if start is not None:
             self.worlds.robots[["x", "y", "heading"]][worlds, 0] = tuple(start)
         for k, food in enumerate(places or ()):
             self.worlds.foods[["x", "y"]][worlds, k] = tuple(food)
-        self._places[worlds], count = arenas, len(worlds)
-        self._run(worlds, np.zeros((count, 1)), np.ones(count, np.bool_), start is not None, places is not None)
+        waiting, actions = np.ones(len(worlds), np.bool_), np.full((len(worlds), 1), float(Behaviour.WAIT))
+        self._run(worlds, actions, waiting, start is not None, places is not None)
+        for world in seeds:
+            del self._seeds[world]
+
+    def _enter(self, worlds: NDArray[np.int64]) -> None:
+        """Let some worlds be in the arenas of their next episodes."""
+        keys, numbers = self.worlds.robots["key"][worlds, 0], self.worlds.foragers["number"][worlds, 0]
+        self._places[worlds] = self._arenas.of_episodes(keys, numbers)
 
     @property
     def foragers(self) -> Any:
@@ -122,11 +147,12 @@ class CompiledBatch:
             waiting: Worlds that begin a new episode instead.
 
         Raises:
-            ValueError: An arena has no room for a new episode.
+            ValueError: An arena has no room for a new episode. The other worlds have gone on.
         """
         new = waiting.nonzero()[0]
         if len(new):
-            self._places[new] = self._next_arenas(new)
+            self._places = self._arenas.forget(self._places)
+            self._enter(new)
         self._run(np.arange(self.num_worlds), actions, waiting)
 
     def _run(
@@ -146,23 +172,9 @@ class CompiledBatch:
         start_given: bool = False,
         places_given: bool = False,
     ) -> tuple[Any, ...]:
-        """Those of `_step_worlds` after the first two.
-
-        Args:
-            worlds: Numbers of some worlds; actions and waiting are theirs.
-            actions: As for `step`.
-            waiting: As for `step`.
-            start_given: As for `envs.compiled.step.begin`; so is the next one.
-            places_given: Likewise.
-        """
+        """Those of `_step_worlds` after the first two, for the worlds with these numbers, as for `step` and `begin`."""
         given = worlds, actions, waiting, start_given, places_given
         return *self.worlds, self._arenas.blocks, self._places, self._record, *given, self._free
-
-    def _next_arenas(self, worlds: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Places of the arenas of the next episodes of some worlds."""
-        self._places = self._arenas.forget(self._places)
-        keys, numbers = self.worlds.robots["key"][worlds, 0], self.worlds.foragers["number"][worlds, 0]
-        return self._arenas.of_episodes(keys, numbers)
 
 
 @entry
@@ -247,18 +259,10 @@ class CompiledRecalls:
 
     def seed(self, seed: int) -> None:
         """Make the episodes that follow repeatable, bit for bit."""
-        self._batch.seed([seed], _FIRST)
+        self._batch.seed({0: seed})
 
     def begin(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> ForagerState:
-        """Begin the next episode.
-
-        Args:
-            rng: Not used: a compiled world draws its own random numbers.
-            options: `start` and `foods` as for the environments; what is left out is random.
-
-        Raises:
-            ValueError: Options that are unknown or place something off the free floor, or an arena with no room.
-        """
+        """Begin the next episode, as `WorldRecalls.begin`, without `rng`: a compiled world draws its own numbers."""
         self._batch.restart(_FIRST, options)
         # The robot has stood still for one round, so it is still where it started.
         worlds = self._batch.worlds
@@ -300,6 +304,9 @@ def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forag
     for field in fields(ForagerState):
         setattr(forager, field.name, getattr(now, field.name))
     forager.raw, forager.state = raw_of(world), State(now.state)
+    record = robot.record
+    gripper = (record.arm_target, record.jaw_target) if robot.has_gripper else (ARM_DOWN, JAW_OPEN)
+    forager.applied = Motors(float(record.left), float(record.right), *map(int, gripper))
     return forager
 
 

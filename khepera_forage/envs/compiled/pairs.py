@@ -138,29 +138,16 @@ def put_on_marks(worlds: WorldRecords, first: int, sides: Sides, attempt: Any, p
 
 @rule
 def carry_out_pair(worlds: WorldRecords, first: int, sides: Sides, attempt: Any, pairings: Any, actions: Any) -> bool:
-    """One round of paired robots. The first round of an attempt only takes the first frame.
+    """One round of paired robots; returns whether the attempt has ended. Its first round only takes the first frame.
 
-    Args:
-        worlds: As for `put_on_marks`; so are the next four.
-        first: Likewise.
-        sides: Likewise.
-        attempt: Likewise.
-        pairings: Likewise.
-        actions: The behaviour of each robot.
-
-    Returns:
-        Whether the attempt has ended.
+    Arguments as for `put_on_marks`; `actions` has the behaviour of each robot.
     """
     robots, teacher = len(sides.settings), worlds.raw[first, 0]
     begins = worlds.robots[first, 0].first_frame
     for j in range(robots):
-        world, settings, arena = (
-            world_of(worlds, first + j),
-            sides.settings[j],
-            arena_at(sides.blocks, sides.places[j]),
-        )
-        forager = world.foragers[0]
-        forager.behaviour = actions[j]
+        world, settings = world_of(worlds, first + j), sides.settings[j]
+        arena = arena_at(sides.blocks, sides.places[j])
+        world.foragers[0].behaviour = actions[j]
         motors = motors_of(world, map_of(arena), settings, actions[j])
         if j > 0:
             motors = lead(pairings[j], motors, actions[j], world.raw[0], settings.decisions)
@@ -315,7 +302,8 @@ class PairedBatch:
 
         Raises:
             ResetNeeded: Before the first reset.
-            ValueError: An agent has no actions or is unknown, or an action is not in its space.
+            ValueError: An agent has no actions or is unknown, or an action is not in its space; or marks had no room,
+                and all pairs need a reset.
         """
         if self._keys is None:
             raise ResetNeeded("no episode is under way; call reset() to start one")
@@ -333,16 +321,16 @@ class PairedBatch:
                 )
             given[:, j] = own
         self._actions[:] = given
-        begins = self._waiting.copy()
         self._run()
         complete = self._attempts["complete"] & self._waiting
-        rewards = np.where(begins[:, None], 0.0, self._of_robots(self._worlds.foragers["episode"]["reward"]))
+        truncated = self._waiting & ~complete
+        rewards = self._of_robots(self._worlds.foragers["episode"]["reward"]).copy()
         agents = self.possible_agents
         return (
             self._observations(),
             {agent: rewards[:, j] for j, agent in enumerate(agents)},
             {agent: complete.copy() for agent in agents},
-            dict.fromkeys(agents, self._waiting & ~complete),
+            {agent: truncated.copy() for agent in agents},
             self._infos(),
         )
 
@@ -362,6 +350,7 @@ class PairedBatch:
             least=_LEAST,
         )
         if not self._free.all():
+            self._keys = None  # another reset is needed
             raise no_room_on_marks(self._arenas[0], self._settings.noise)
 
     def _of_robots(self, values: NDArray[Any]) -> NDArray[Any]:
@@ -390,10 +379,7 @@ class PairedBatch:
             "poison_home": foragers["episode"]["poison_home"],
         }
         own = {name: self._of_robots(values).copy() for name, values in fields.items()}
-        own["separations"], own["separated_rounds"] = (
-            self._pairings["separations"].copy(),
-            self._pairings["separated_rounds"].copy(),
-        )
+        own |= {name: self._pairings[name].copy() for name in ("separations", "separated_rounds")}
         return {
             agent: {name: values[:, j] for name, values in own.items()}
             | {"steps": common["rounds"].copy(), "complete": common["complete"].copy()}

@@ -120,31 +120,28 @@ class RecallVectorEnv(VectorEnv):
             options: `reset_mask`, one bool a world; `start` and `foods` as for the single environment.
 
         Raises:
-            ValueError: A seed or an option out of range.
+            ValueError: A seed or an option out of range, or an arena with no room. The present episodes then go on.
             ResetNeeded: A mask before the first reset.
         """
         options = dict(options or {})
         mask = self._mask(options.pop("reset_mask", None))
         worlds = np.flatnonzero(mask)
+        given: dict[int, int] = {}
         if isinstance(seed, list):
             if len(seed) != self.num_envs:
                 raise ValueError(f"{len(seed)} seeds for {self.num_envs} worlds; allowed: one each")
-            given = [(world, whole_number("seed", s, 0)) for world in worlds.tolist() if (s := seed[world]) is not None]
+            given = {world: whole_number("seed", s, 0) for world in worlds.tolist() if (s := seed[world]) is not None}
         elif seed is not None:
             super().reset(seed=seed)
             self._generator = self.np_random
-            given = [(world, seed + world) for world in worlds.tolist()]
-        else:
-            given = []
+            given = {world: seed + world for world in worlds.tolist()}
         if self.np_random is not self._generator:
             self._generator = self.np_random
             first = int(self.np_random.integers(2**62))
-            self.batch.seed([first + world for world in worlds.tolist()], worlds)
-        if given:
-            self.batch.seed([s for _, s in given], np.array([world for world, _ in given]))
-        self._seeded = True
+            self.batch.seed({world: first + world for world in worlds.tolist()})
+        self.batch.seed(given)
         self.batch.restart(worlds, options)
-        self._over[worlds] = False
+        self._seeded, self._over[worlds] = True, False
         return self._observation(), self._infos(mask)
 
     def step(
@@ -154,7 +151,8 @@ class RecallVectorEnv(VectorEnv):
 
         Raises:
             ResetNeeded: Before the first reset; with autoreset disabled also where an episode has ended.
-            ValueError: Actions that are not in the action space.
+            ValueError: Actions that are not in the action space; or an arena has no room for a new episode, and all
+                worlds need a reset.
         """
         self._require_first_reset()
         if self.autoreset_mode == AutoresetMode.DISABLED and self._over.any():
@@ -162,7 +160,13 @@ class RecallVectorEnv(VectorEnv):
                 f"the episode of world {np.flatnonzero(self._over)[0]} has ended; call "
                 "reset(options={'reset_mask': terminations | truncations})"
             )
-        self.batch.step(self._checked(actions), self._over)
+        checked, self._seeded = self._checked(actions), False
+        shown = self._step(checked)
+        self._seeded = True
+        return shown
+
+    def _step(self, actions: NDArray[np.float64]) -> tuple[Any, ...]:
+        self.batch.step(actions, self._over)
         episode = self.batch.foragers.episode
         rewards, terminated, truncated = (
             np.array(getattr(episode, name)) for name in ("reward", "terminated", "truncated")
@@ -218,7 +222,7 @@ class RecallVectorEnv(VectorEnv):
         records, arena = batch.world(world), batch.arenas[world]
         bodies = bodies_of(records, arena, batch.settings)
         forager = forager_of(records, arena, batch.settings.decisions)
-        return recall_view(arena, bodies, forager, batch.limit, None, None)
+        return recall_view(arena, bodies, forager, batch.limit)
 
     def get_attr(self, name: str) -> tuple[Any, ...]:
         """An attribute of the single environment, one value a world; see `call`."""
@@ -267,7 +271,7 @@ class RecallVectorEnv(VectorEnv):
 
     def _require_first_reset(self) -> None:
         if not self._seeded:
-            raise ResetNeeded("the environment was not reset yet; call reset() before anything else")
+            raise ResetNeeded("no episode is under way; call reset() before anything else")
 
     def _mask(self, mask: Any) -> NDArray[np.bool_]:
         if mask is None:

@@ -71,11 +71,6 @@ class Panel:
         self._rule(left, right, bottom - 6 * u)
         self._turret(left, right, bottom + 10 * u)
 
-    @property
-    def _own(self) -> Behaviour | None:
-        """The behaviour that belongs to the state."""
-        return None if self.robot.state is None else behaviour_for(self.robot.state)
-
     def _deviates(self, *expected: Behaviour | None) -> bool:
         """Whether the executed behaviour is another than one of those expected, as far as they are known."""
         executed = self.robot.executed
@@ -100,19 +95,16 @@ class Panel:
             x += width + 6 * u
 
     def _decision(self, left: float, y: float) -> None:
-        """State, heard and executed behaviour, with a mark where the executed behaviour differs from the other two."""
+        """State, heard and executed behaviour, marked where that is wrong, and where it differs from the one heard."""
         robot, u = self.robot, self.u
         state = "–" if robot.state is None else sentence_case(robot.state.name)
         silent = robot.heard == Behaviour.WAIT
         heard = "–" if robot.heard is None else "Silence" if silent else sentence_case(robot.heard.name)
         column = left + 80 * u
-        for label, text, differs in (
-            ("State", state, self._deviates(self._own)),
-            ("Heard", heard, self._deviates(robot.heard)),
-        ):
+        for label, text in (("State", state), ("Heard", heard)):
             self._write(label, left, y, LABEL, palette.MUTED)
             self._write(text, column, y, VALUE)
-            if differs:
+            if label == "Heard" and self._deviates(robot.heard):
                 beside = column + text_width(text, VALUE * u) + 11 * u
                 self._write("differs", beside, y, LABEL, palette.WARNING)
             y += 20 * u
@@ -122,7 +114,7 @@ class Panel:
             return
         text = sentence_case(robot.executed.name)
         pill = (column - 8 * u, y - 10 * u, text_width(text, VALUE * u) + 16 * u, 20 * u)
-        if self._deviates(self._own, robot.heard):
+        if self._deviates(robot.correct, robot.heard):
             box(self.picture, pill, palette.WARNING_FILL, 6 * u, palette.WARNING)
             self._write(text, column, y, VALUE, palette.WARNING)
         else:
@@ -157,7 +149,7 @@ class Panel:
         self._write("BEHAVIOUR", left, y, HEADING, palette.MUTED)
         if robot.confidence is not None:
             self._write("confidence", right, y, HEADING, palette.MUTED, "right")
-        fill = palette.WARNING if self._deviates(self._own, robot.heard) else self.colour
+        fill = palette.WARNING if self._deviates(robot.correct, robot.heard) else self.colour
         pitch = (bottom - y - 8 * u) / NUM_BEHAVIOURS
         for behaviour in tuple(Behaviour)[:NUM_BEHAVIOURS]:
             middle = y + 8 * u + (behaviour + 0.5) * pitch
@@ -168,7 +160,7 @@ class Panel:
                 box(self.picture, pill, fill, 5 * u)
             elif behaviour == robot.heard:
                 box(self.picture, pill, palette.CARD, 5 * u, palette.INK)
-            if behaviour == self._own:
+            if robot.state is not None and behaviour == behaviour_for(robot.state):
                 dot(self.picture, left + 3 * u, middle, 3 * u, palette.INK)
             self._write(text, left + 14 * u, middle, 16, ink)
             if robot.confidence is not None and behaviour < len(robot.confidence):

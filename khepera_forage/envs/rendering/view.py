@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.training_episode import TrainingEpisode
@@ -22,10 +22,11 @@ class RobotView(NamedTuple):
         jaw: 200 (open) to 0 (closed).
         proximity: The eight infra-red readings 0..1023, in the order of `Senses`.
         name: For example "teacher" or "learner 1".
-        vector: The state vector of its decision; None if there is none yet.
+        vector: The state vector that it perceives now; None if there is none yet.
         state: The state to which the vector belongs.
         heard: The behaviour heard, with WAIT for silence; None in a task without a teacher.
-        executed: The behaviour executed; None before the first.
+        executed: The behaviour executed in the last round; None before the first.
+        correct: What the teacher would have executed in its place; None if that is not known.
         confidence: Confidence level of each behaviour, SEARCH FOR FOOD first; None if the robot is no imitator.
         separated: Whether the learner is separated from the teacher.
         tracked: Whether the camera tracks its marker now.
@@ -41,6 +42,7 @@ class RobotView(NamedTuple):
     state: State | None = None
     heard: Behaviour | None = None
     executed: Behaviour | None = None
+    correct: Behaviour | None = None
     confidence: tuple[float, ...] | None = None
     separated: bool = False
     tracked: bool = True
@@ -93,14 +95,7 @@ class View(NamedTuple):
     title: str = ""
 
 
-def recall_view(
-    arena: Arena,
-    world: World,
-    forager: Forager,
-    limit: int,
-    executed: Behaviour | None,
-    confidence: tuple[float, ...] | None,
-) -> View:
+def recall_view(arena: Arena, world: World, forager: Forager, limit: int, **robot: Any) -> View:
     """What a picture of a recall shows.
 
     Args:
@@ -108,13 +103,11 @@ def recall_view(
         world: Its bodies, and the camera.
         forager: The robot at its task.
         limit: Steps of an episode, at most.
-        executed: The last behaviour executed.
-        confidence: Confidence level of each behaviour, if the robot is an imitator.
+        **robot: Further attributes of its `RobotView`.
     """
-    robot = _robot_view("robot", forager, world.poses()[0])
     return View(
         arenas=(arena,),
-        robots=(robot._replace(executed=executed, confidence=confidence),),
+        robots=(_robot_view("robot", forager, world.poses()[0], **robot),),
         foods=_food_views(world, (forager,)),
         regions=world.camera.look().regions,
         step=forager.episode.steps,
@@ -138,13 +131,13 @@ def training_view(
         limit: Rounds of an episode, at most.
     """
     foragers, poses = attempt.foragers, world.poses()
-    done = [Behaviour(forager.behaviour) if attempt.account.rounds > 0 else None for forager in foragers]
+    decided: Any = attempt.decided or [(None, None)] * len(agents)
     robots = []
     for i, agent in enumerate(agents):
         name = agent.replace("_", " ") if i > 0 and len(agents) > 2 else agent.replace("_0", "")
-        robot = _robot_view(name, foragers[i], poses[i])
-        heard, separated = done[0] if i > 0 else None, attempt.pairings[i].separated
-        robots.append(robot._replace(heard=heard, executed=done[i], separated=separated))
+        shown = {"heard": decided[0][0] if i > 0 else None, "separated": attempt.pairings[i].separated}
+        shown["executed"], shown["correct"] = decided[i]
+        robots.append(_robot_view(name, foragers[i], poses[i], **shown))
     return View(
         arenas=tuple(arenas),
         robots=tuple(robots),
@@ -157,7 +150,7 @@ def training_view(
     )
 
 
-def _robot_view(name: str, forager: Forager, pose: Pose) -> RobotView:
+def _robot_view(name: str, forager: Forager, pose: Pose, **shown: Any) -> RobotView:
     senses = forager.senses
     return RobotView(
         pose=pose,
@@ -169,6 +162,7 @@ def _robot_view(name: str, forager: Forager, pose: Pose) -> RobotView:
         vector=forager.vector,
         state=forager.state,
         tracked=forager.raw.tracked,
+        **shown,
     )
 
 
