@@ -39,14 +39,12 @@ class ChosenWaypoint:
         y: Likewise.
         number: Of the waypoint.
         rest: Length of the path from the waypoint to the place, pixels.
-        blocked: Whether a wall, or a corner passed too closely, blocked the straight way when it was last looked at.
     """
 
     x: float = math.inf
     y: float = math.inf
     number: int = 0
     rest: float = 0.0
-    blocked: bool = False
 
 
 class Spot(NamedTuple):
@@ -206,8 +204,8 @@ def next_waypoint(
     Returns x and y of the waypoint, and the length of the path, which is infinite where there is none. `chosen` is the
     `ChosenWaypoint` record of this way; it is changed in place.
     """
-    chosen.blocked = is_blocked(x, y, to_x, to_y, walls, paths)
-    if not chosen.blocked:
+    blocked = is_blocked(x, y, to_x, to_y, walls, paths)
+    if not blocked:
         chosen.x = chosen.y = math.inf
         if not (past_home and crosses_home(x, y, to_x, to_y, paths)):
             return to_x, to_y, length(to_x - x, to_y - y)
@@ -217,7 +215,7 @@ def next_waypoint(
             return x, y, math.inf
         chosen.number, chosen.rest = number, rest
         # Where only the home is in the way, a robot looks for a shorter way in every round.
-        if chosen.blocked:
+        if blocked:
             chosen.x, chosen.y = x, y
     point = paths.waypoints[chosen.number]
     return point.x, point.y, length(point.x - x, point.y - y) + chosen.rest

@@ -149,15 +149,7 @@ def command(behaviour: int, raw: RawData, decisions: DecisionValues) -> Motors:
 def path_home_for(
     behaviour: int, raw: RawData, known: KnownFood, arena: ArenaMap, decisions: DecisionValues
 ) -> tuple[float, float]:
-    """`home_bearing` and `home_path` of raw data, looked up around walls and past poison if a behaviour uses them.
-
-    Args:
-        behaviour: As for `command`.
-        raw: As for `command`.
-        known: Of the food of the arena; changed as by `path_home`.
-        arena: The arena.
-        decisions: `DecisionValues`.
-    """
+    """`home_bearing` and `home_path` of raw data, looked up by `path_home` if a behaviour uses them."""
     used = behaviour in (_PUSH_FOOD, _GO_HOME, _AVOID_HOME, _RELEASE_FOOD)
     if behaviour in (_SEARCH_FOR_FOOD, _MOVE_SLOWLY):
         used = is_home_across(raw)

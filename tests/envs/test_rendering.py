@@ -86,6 +86,7 @@ CHANGES: list[dict[str, Any]] = [
     *({"vector": StateVector(1, 80, 0, 215, 44)}, {"vector": None}, {"state": State.AT_HOME_NO_FOOD}),
     *({"heard": Behaviour.GO_HOME}, {"heard": Behaviour.WAIT}, {"executed": Behaviour.WAIT}, {"executed": None}),
     *({"correct": Behaviour.GO_HOME}, {"confidence": None}, {"separated": True}, {"tracked": False}),
+    {"has_gripper": False},
 ]
 
 

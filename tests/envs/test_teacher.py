@@ -68,6 +68,7 @@ def test_teacher_delivers_food_and_leaves_poison(robot: str, name: str, food_typ
         delivered = sum(end["delivered"] for end in ends)
         assert delivered == 0 if food_types == "POISONOUS" else delivered >= 4 * env.foods
     if robot in ROBOTS:
+        assert not env.view().robots[0].has_gripper
         senses = env.world.robots[0].sense()
         assert (senses.arm, senses.jaw) == (255, 200), "the arm counts as lowered, the jaw as open"
 

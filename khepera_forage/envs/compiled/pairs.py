@@ -209,17 +209,7 @@ class PairedBatch:
     Agents, spaces, rewards and the ends of attempts are those of `paired_corridors_v1.parallel_env`. Observations,
     rewards and so on are dictionaries by agent with one row a pair. What a learner hears is what the teacher did a
     round ago. After the end of an attempt the next step ignores the actions of that pair and begins its next attempt.
-
-    Args:
-        num_envs: How many pairs: a teacher with its learners each.
-        num_learners: Of each teacher.
-        max_cycles: Rounds after which an attempt is out of time.
-        arena: One arena, or its name.
-        noise: The laboratory's troubles by default.
-        food_types: One type, or odds by type.
-        patience: Rounds of separation after which an attempt is given up.
-        decisions: Ours by default.
-        robot: Kind of robot.
+    There are `num_envs` teachers with their learners, in copies of one arena; the other arguments are as there.
 
     Attributes:
         possible_agents: Names of the agents, the teacher first.

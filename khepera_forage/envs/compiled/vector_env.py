@@ -38,22 +38,16 @@ _DRAWN = 16
 class RecallVectorEnv(VectorEnv):
     """Recalls in many worlds at once; spaces, rewards, ends and infos are those of the environment it stands for.
 
-    World i of a seed is the same whatever the number of worlds. Every array that is returned is fresh.
+    World i of a seed is the same whatever the number of worlds. Every array that is returned is fresh. Arguments that
+    are not listed are those of the single environment.
 
     Args:
-        num_envs: How many.
-        arena: As for the single environment; so are the next four.
-        foods: Food objects in each world, 1 to 16.
-        limit: Steps after which an episode is truncated.
-        noise: The laboratory's troubles.
-        food_types: One type, or odds by type.
+        num_envs: How many worlds.
         autoreset_mode: An `AutoresetMode`, or its value: what happens where an episode has ended. By default the next
             step begins a new one.
         render_mode: None, or "rgb_array": `render` then returns pictures.
-        decisions: As for the single environment.
         backend: Must be "compiled"; `vectorization_mode="sync"` makes worlds of pymunk.
         max_episode_steps: Truncates episodes without another effect, as Gymnasium's `TimeLimit` does; none by default.
-        robot: As for the single environment.
 
     Raises:
         ValueError: An argument out of range.

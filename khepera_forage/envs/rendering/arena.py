@@ -71,13 +71,15 @@ def draw_arena(
 ) -> None:
     """Draw on the floor: robots with finite poses and their colours, food, and regions that the camera reports."""
     for robot, _ in robots:
-        _draw_marker(canvas, robot)
+        if robot.has_gripper:
+            _draw_marker(canvas, robot)
         _draw_beams(canvas, robot)
     for food in sorted(foods, key=lambda f: f.lifted):
         draw_food(canvas, food)
     for robot, colour in robots:
         _draw_body(canvas, robot, colour)
-        _draw_gripper(canvas, robot)
+        if robot.has_gripper:
+            _draw_gripper(canvas, robot)
     for region in regions:
         draw_region(canvas, region)
 

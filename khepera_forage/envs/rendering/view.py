@@ -30,6 +30,7 @@ class RobotView(NamedTuple):
         confidence: Confidence level of each behaviour, SEARCH FOR FOOD first; None if the robot is no imitator.
         separated: Whether the learner is separated from the teacher.
         tracked: Whether the camera tracks its marker now.
+        has_gripper: Whether it has a gripper, and a marker that is larger than the robot.
     """
 
     pose: Pose
@@ -46,6 +47,7 @@ class RobotView(NamedTuple):
     confidence: tuple[float, ...] | None = None
     separated: bool = False
     tracked: bool = True
+    has_gripper: bool = True
 
 
 class FoodView(NamedTuple):
@@ -162,6 +164,7 @@ def _robot_view(name: str, forager: Forager, pose: Pose, **shown: Any) -> RobotV
         vector=forager.vector,
         state=forager.state,
         tracked=forager.raw.tracked,
+        has_gripper=forager.robot.has_gripper,
         **shown,
     )
 
