@@ -147,12 +147,7 @@ class ForagingWorld:
         return self.arenas[0]
 
     def arenas_of(self, key: int, episode: int) -> tuple[Arena, ...]:
-        """The arenas of an episode, one for each robot.
-
-        Args:
-            key: From `counter_rng.key_of`.
-            episode: Its number.
-        """
+        """The arenas of an episode of this number, one for each robot; the key is from `counter_rng.key_of`."""
         return self.arenas if self._pool is None else self._copies(self._pool[self._pool.number(key, episode)])
 
     def _copies(self, arena: Arena) -> tuple[Arena, ...]:

@@ -197,11 +197,7 @@ def _measured(robot: Any, sensor: int, hidden: bool, noise: Any, uniform: float)
 def look(enclosure: Enclosure, anchor_x: float, anchor_y: float, noise: Any) -> None:
     """Take one frame, in which the first time after a reset nothing is lost, and continue the tracks.
 
-    Args:
-        enclosure: Everything in an arena.
-        anchor_x: The point from which the robots' cables hang, mm.
-        anchor_y: Likewise.
-        noise: Sizes and rates.
+    The robots' cables hang from the anchor, a place in mm.
     """
     robots, foods, tracks, detections, _, _ = enclosure
     first_frame = robots[0].first_frame

@@ -190,13 +190,7 @@ class Simulation(ABC):
         return self.arenas.index(arena_of(self.arenas, what, place, radius))
 
     def _show(self, enclosures: Sequence[Enclosure], robot_arenas: Sequence[int], food_arenas: Sequence[int]) -> None:
-        """Be the world of these records, which others may change.
-
-        Args:
-            enclosures: What is in each arena.
-            robot_arenas: Number of the arena of each robot.
-            food_arenas: Number of the arena of each food object.
-        """
+        """Be the world of these records, which others may change, with the number of each robot's and food's arena."""
         self._enclosures, self._robot_arenas = tuple(enclosures), tuple(robot_arenas)
         self._food_numbers = _numbered(food_arenas)
         self.robots = tuple(SimulatedKhepera(enclosures[number].robots, k) for number, k in _numbered(robot_arenas))

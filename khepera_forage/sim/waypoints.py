@@ -85,14 +85,8 @@ def path_tables_of(arena: Arena) -> PathTables:
 def _seen(paths: PathTables, walls: Sequence[Any]) -> Any:
     """Which waypoints may be seen from the cells of the grid: those that no wall hides from all of a cell.
 
-    What a wall hides from a waypoint is convex: it hides a cell if it hides the corners of that cell.
-
-    Args:
-        paths: The waypoints and the grid.
-        walls: In pixels.
-
-    Returns:
-        Shape (cells + 1, waypoints): the last row is of what lies outside the grid.
+    What a wall hides from a waypoint is convex: it hides a cell if it hides the corners of that cell. The array has the
+    shape (cells + 1, waypoints); its last row is of what lies outside the grid.
     """
     steps = np.arange(CELLS + 1)
     x, y = np.meshgrid(paths.left + steps / paths.columns, paths.bottom + steps / paths.rows)

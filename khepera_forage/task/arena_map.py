@@ -107,14 +107,7 @@ _UNKNOWN, _POISONOUS = FoodType.UNKNOWN.value, FoodType.POISONOUS.value
 
 
 def path_home(x: float, y: float, known: Any, arena: ArenaMap) -> NextWaypoint:
-    """The way home of a robot.
-
-    Args:
-        x: Of the robot, pixels.
-        y: Of the robot, pixels.
-        known: `KnownFood`; the waypoint chosen on the way home, and sides to pass poison, are changed.
-        arena: Its arena.
-    """
+    """The way home of a robot at (x, y), pixels; chosen waypoint, and sides to pass poison, are changed in `known`."""
     chosen, held = known.chosen[0], known.tracker.held
     to_x, to_y, paths, walls = arena.home_x, arena.home_y, arena.paths, arena.walls
     way = to_x, to_y, 0.0
@@ -146,10 +139,6 @@ def is_poison_about(held: int, foods: Any) -> bool:
     """Whether food other than that in the gripper is poisonous, or may be as far as the robot knows.
 
     In most arenas none is, and `past_poison` need not be called.
-
-    Args:
-        held: Number of the food object in the gripper.
-        foods: `FoodObject` records.
     """
     suspects = 0
     for k in range(len(foods)):

@@ -375,11 +375,7 @@ def _bearing_of_pushed(raw: RawData) -> float:
 def behaviour_of_motors(motors: Motors, state: int, correct: Motors, decisions: DecisionValues) -> int:
     """The behaviour that motors amount to: the teacher's if it commands the same in this state, and WAIT otherwise.
 
-    Args:
-        motors: As commanded.
-        state: A `State`; states and behaviours correspond one to one (4.4.1).
-        correct: What the teacher would command.
-        decisions: `DecisionValues`: without a gripper only wheels count.
+    States and behaviours correspond one to one (4.4.1). Of a robot without a gripper only wheels count.
     """
     a, b = applicable(motors), applicable(correct)
     same = a.left == b.left and a.right == b.right
@@ -432,14 +428,9 @@ def detour(raw: RawData) -> float:
 def steer(
     raw: RawData, error: float, speed: float, decisions: DecisionValues, by_infra_reds: bool = True
 ) -> tuple[float, float]:
-    """Wheels that turn by `error` degrees while driving, off walls and obstacles.
+    """Wheels that turn by `error` degrees, left positive, while driving at some speed units, off walls and obstacles.
 
-    Args:
-        raw: What is perceived now.
-        error: Degrees to turn by, left positive.
-        speed: Speed units.
-        decisions: `DecisionValues`.
-        by_infra_reds: Whether to turn away from what the infra-reds show; a lowered arm hides it.
+    With `by_infra_reds` they turn away from what the infra-reds show; a lowered arm hides it.
     """
     if abs(error) > _ON_THE_SPOT:
         return _turn_on_the_spot(raw, error, decisions)

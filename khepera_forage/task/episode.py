@@ -1,6 +1,7 @@
 """The account of an episode: steps, reward and end (5.3, 5.4), and decisions by state.
 
 The functions take *records*: objects with the fields of `Episode`, `DecisionCounts` and `food_tracking.FoodTracker`.
+`episode` and `counts` are changed in place.
 """
 
 from dataclasses import dataclass, field
@@ -76,12 +77,7 @@ class DecisionCounts:
 
 
 def begin_episode(episode: Any, tracker: Any) -> None:
-    """Start the account of an episode, after the first perception.
-
-    Args:
-        episode: The `Episode` record; changed in place.
-        tracker: The `FoodTracker` record.
-    """
+    """Start the account of an episode, after the first perception."""
     episode.steps = episode.correct = 0
     episode.reward, episode.terminated, episode.truncated = 0.0, False, False
     _grade(episode, tracker)
@@ -90,11 +86,7 @@ def begin_episode(episode: Any, tracker: Any) -> None:
 def end_step(episode: Any, tracker: Any, correct: bool, limit: int) -> None:
     """Account for a step: the decision, and what it has brought.
 
-    Args:
-        episode: The `Episode` record; changed in place.
-        tracker: The `FoodTracker` record, after the step.
-        correct: Whether the teacher would have decided the same.
-        limit: Steps after which the episode is truncated.
+    It was correct if the teacher would have made the same one. An episode is truncated after `limit` steps.
     """
     delivered, poison_home = tracker.delivered - episode.delivered, tracker.poison_home - episode.poison_home
     episode.steps += 1
@@ -118,13 +110,6 @@ def has_done_its_part(
 
     It has delivered its food and left home. Poisonous food must be avoided, not just identified: otherwise no learner
     would ever be shown how. So the arm must be raised again with nothing in the gripper.
-
-    Args:
-        tracker: The `FoodTracker` record.
-        foods: Its `FoodObject` records.
-        vector: The state vector.
-        home_radius: In pixels.
-        decisions: `DecisionValues`.
     """
     poison = False
     for food in foods:
@@ -135,15 +120,7 @@ def has_done_its_part(
 
 
 def count_decision(counts: Any, state: int, behaviour: int, food_distance: float, decisions: DecisionValues) -> None:
-    """Count one decision.
-
-    Args:
-        counts: The `DecisionCounts` record; changed in place.
-        state: The `State` in which it was made.
-        behaviour: What was decided on.
-        food_distance: Attribute of the state vector, pixels.
-        decisions: `DecisionValues`.
-    """
+    """Count a decision that was made in a state, with this `robot_food_distance` of the state vector."""
     counts.by_state[state] += 1
     # States and behaviours correspond one to one (4.4.1).
     if behaviour != state:

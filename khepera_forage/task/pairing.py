@@ -1,6 +1,6 @@
 """Teacher and learner beside each other (4.5, 4.5.2): separation, silence, and how the learner is led.
 
-The functions take *records*: objects with the fields of `Pairing`.
+The functions take *records*: objects with the fields of `Pairing`. `own` and `teacher` are raw data.
 """
 
 from dataclasses import dataclass
@@ -37,16 +37,7 @@ class Pairing:
 def update_pairing(
     pairing: Any, own: Any, arena: ArenaMap, teacher: Any, teacher_arena: ArenaMap, decisions: DecisionValues
 ) -> None:
-    """Account for one round. The robots are separated if they are significantly apart (4.5.2).
-
-    Args:
-        pairing: The `Pairing` record; changed in place.
-        own: The learner's raw data.
-        arena: The learner's.
-        teacher: The teacher's raw data.
-        teacher_arena: The teacher's.
-        decisions: `DecisionValues`.
-    """
+    """Account for one round. The robots are separated if they are significantly apart (4.5.2)."""
     pairing.teacher_x = teacher.x + arena.home_x - teacher_arena.home_x
     pairing.teacher_y = teacher.y + arena.home_y - teacher_arena.home_y
     pairing.teacher_orientation = teacher.orientation
@@ -64,15 +55,7 @@ def teacher_says(state: int, any_separated: bool) -> int:
 
 
 def lead(pairing: Any, motors: Motors, behaviour: int, own: Any, decisions: DecisionValues) -> Motors:
-    """A learner's motors, bent towards the teacher (4.5.2).
-
-    Args:
-        pairing: The `Pairing` record.
-        motors: What the learner's behaviour commands.
-        behaviour: That behaviour; a separated learner that waits recovers.
-        own: The learner's raw data.
-        decisions: `DecisionValues`.
-    """
+    """The motors that a learner's behaviour commands, bent towards the teacher (4.5.2); one that waits recovers."""
     if pairing.separated and behaviour == Behaviour.WAIT:
         return recover(pairing, motors, own, decisions)
     if behaviour == Behaviour.PUSH_FOOD and not decisions.has_gripper:
@@ -81,7 +64,7 @@ def lead(pairing: Any, motors: Motors, behaviour: int, own: Any, decisions: Deci
 
 
 def follow(pairing: Any, motors: Motors, own: Any, decisions: DecisionValues) -> Motors:
-    """Bend the learner's way towards the teacher; arguments as for `lead`.
+    """Bend the learner's way towards the teacher.
 
     Changes the difference of the wheels and never their mean: the learner "does not alter its speed". Nothing
     changes for wheels that do not go forward, at about the same place, or in about the same direction.

@@ -169,11 +169,7 @@ def raw_data(senses: Senses, own: Any, tracker: Any, to_home: NextWaypoint, aren
 def state_vector(raw: RawData, last_distance: float, diagonal: int, decisions: DecisionValues) -> StateVector:
     """The five attributes of section 4.3, distances rounded to whole pixels and not above the arena's diagonal.
 
-    Args:
-        raw: What is perceived now.
-        last_distance: To the last candidate food, pixels, see `FoodTracker`.
-        diagonal: Of the arena, pixels: the food distance where there is no candidate, and none is remembered.
-        decisions: `DecisionValues`.
+    The diagonal is the food distance where there is no candidate, and no `last_distance` (`FoodTracker`) is remembered.
     """
     by_path = perceives_paths(decisions)
     home = raw.home_path if by_path else raw.home_distance

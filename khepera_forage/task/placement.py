@@ -70,13 +70,7 @@ def food_type_key(key: Any, episode: int) -> Any:
 
 
 def draw_food_types(foods: Any, key: Any, odds: Any) -> None:
-    """Draw the type of each food object, and note whether it may be poison.
-
-    Args:
-        foods: `FoodObject` records; changed in place.
-        key: From `food_type_key`.
-        odds: Of each `FoodType` but UNKNOWN, in their order.
-    """
+    """Draw the types of food objects by a `food_type_key`, and note whether they may be poison; see `drawn_type`."""
     for k in range(len(foods)):
         foods[k].type = drawn_type(uniform(key, k), odds)
         foods[k].may_be_poisonous = odds[_POISONOUS - 1] > 0.0

@@ -167,12 +167,7 @@ def ground_of(arena: ArenaRecords) -> Floor:
 
 
 def arena_block(arena: Arena, anchor: tuple[float, float]) -> NDArray[np.uint8]:
-    """The bytes of an arena.
-
-    Args:
-        arena: The arena.
-        anchor: Where the robots' cables hang from, mm.
-    """
+    """The bytes of an arena, in which the robots' cables hang from an anchor, mm."""
     map_, floor = arena_map_of(arena), floor_of(arena)
     paths = map_.paths
     numbers = np.zeros(1, arena_dtype)
@@ -203,13 +198,7 @@ def _records(rows: Any, kind: np.dtype[Any]) -> NDArray[Any]:
 
 
 def settings_record(settings: Settings, foods: int, limit: int, holes: int) -> NDArray[Any]:
-    """The settings of worlds, as an array of one record.
-
-    Args:
-        settings: From the user.
-        foods: Food objects in each world, 1 to 16.
-        limit: Steps after which an episode ends.
-        holes: Of the robot's marker.
+    """The settings of worlds with 1 to 16 food objects, as an array of one record; `holes` are of the robot's marker.
 
     Raises:
         ValueError: An argument out of range.
@@ -272,12 +261,7 @@ class PreparedArenas:
         return np.array([self._place_of[number] for number in listed], np.int64)
 
     def of_episodes(self, keys: NDArray[np.uint64], episodes: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Places of the arenas of episodes, see `task.placement.arena_number`; new arenas are prepared.
-
-        Args:
-            keys: Of worlds.
-            episodes: Number of an episode of each.
-        """
+        """Places of the arenas of an episode of each world, see `arena_number`; new arenas are prepared."""
         if len(self._pool) == 1:
             return np.zeros(len(keys), np.int64)
         return self.places(arena_number(keys, episodes.astype(np.uint64), len(self._pool)))

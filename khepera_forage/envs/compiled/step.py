@@ -101,17 +101,9 @@ def world_of(worlds: WorldRecords, i: int) -> WorldRecords:
 
 @rule
 def begin(world: WorldRecords, arena: ArenaRecords, settings: Any, start_given: bool, places_given: bool) -> bool:
-    """Begin an episode; its first frame is taken in the coming round.
+    """Begin an episode, whose first frame is taken in the coming round; returns whether there was room.
 
-    Args:
-        world: The world.
-        arena: Its arena.
-        settings: A `settings_dtype` record.
-        start_given: Whether the robot starts where it is, and not at a random place.
-        places_given: Whether food stays where it is, and is not put at random places.
-
-    Returns:
-        Whether there was room.
+    The robot starts at a random place, unless its start is given, and stays where it is; food likewise.
     """
     forager, key = world.foragers[0], world.robots[0].key
     free = draw_layout(

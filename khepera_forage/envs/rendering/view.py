@@ -98,15 +98,7 @@ class View(NamedTuple):
 
 
 def recall_view(arena: Arena, world: World, forager: Forager, limit: int, **robot: Any) -> View:
-    """What a picture of a recall shows.
-
-    Args:
-        arena: Where the robot forages.
-        world: Its bodies, and the camera.
-        forager: The robot at its task.
-        limit: Steps of an episode, at most.
-        **robot: Further attributes of its `RobotView`.
-    """
+    """What a picture of a recall of at most `limit` steps shows; `robot` are further attributes of its `RobotView`."""
     return View(
         arenas=(arena,),
         robots=(_robot_view("robot", forager, world.poses()[0], **robot),),
@@ -123,15 +115,7 @@ def recall_view(arena: Arena, world: World, forager: Forager, limit: int, **robo
 def training_view(
     arenas: Sequence[Arena], world: World, attempt: TrainingEpisode, agents: Sequence[str], limit: int
 ) -> View:
-    """What a picture of a training episode shows.
-
-    Args:
-        arenas: One for each robot.
-        world: Its bodies, and the camera.
-        attempt: The robots at their tasks, and what they do.
-        agents: Their names in the environment, the teacher's first.
-        limit: Rounds of an episode, at most.
-    """
+    """What a picture of a training episode of at most `limit` rounds shows; `agents` are the environment's."""
     foragers, poses = attempt.foragers, world.poses()
     decided: Any = attempt.decided or [(None, None)] * len(agents)
     robots = []
