@@ -28,10 +28,12 @@ import json
 import os
 import platform
 import shlex
+import signal
 import sys
+import threading
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import fields
 from importlib.metadata import version
 from pathlib import Path
@@ -245,9 +247,8 @@ class RowStore:
             write_all(file, self._line(key), self._path)
 
     def write_tables(self, order: Sequence[str]) -> None:
-        """Write every table as CSV: units of other runs first, then some units in this order."""
-        others = [key for key in self.finished if key not in set(order)]
-        rows = Rows(row for key in (*others, *order) for row in self.finished[key])
+        """Write every table as CSV, with the rows of some units in this order."""
+        rows = Rows(row for key in order for row in self.finished[key])
         for kind, name in self._tables.items():
             write_rows(self._folder / f"{name}.csv", kind, rows.of(kind))
 
@@ -292,9 +293,28 @@ def done(unit: WorkUnit) -> Done:
 
 
 def in_processes(jobs: int | None) -> Execute:
-    """Processes of this machine, of which one is this process; None is joblib's present backend."""
-    running = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
-    return lambda units: running(delayed(done)(unit) for unit in units)
+    """Processes of this machine, 1 for this process alone; None is joblib's present backend."""
+
+    def execute(units: Sequence[WorkUnit]) -> Iterator[Done]:
+        with _ended_by_sigterm():
+            running = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
+            yield from running(delayed(done)(unit) for unit in units)
+
+    return execute
+
+
+@contextmanager
+def _ended_by_sigterm() -> Iterator[None]:
+    """Let SIGTERM end a block by an exception, as Ctrl-C does, so that joblib ends its processes as well."""
+    usual = threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGTERM)
+    if usual is not signal.SIG_DFL:
+        yield
+        return
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def collect(
@@ -314,7 +334,7 @@ def collect(
         tables: All types of rows in the folder, and the names of their files.
         execute: Does the work; by default processes of this machine.
         settings: What the rows depend on beside `given.settings`.
-        others: Also return the rows of other finished units in the folder, before those of this run.
+        others: Also write and return the rows of other finished units in the folder, before those of this run.
         file: Name of the file that keeps the rows of finished units.
 
     Raises:
@@ -333,9 +353,10 @@ def collect(
     running = (execute or in_processes(given.jobs))(open_units) if open_units else iter(())
     for key, rows in progress(running, total=len(open_units), desc=given.name, unit="unit"):
         store.add(key, rows)
+    if others:
+        keys = [*(key for key in store.finished if key not in set(keys)), *keys]
     store.write_tables(keys)
-    chosen = [key for key in store.finished if key not in set(keys)] if others else []
-    return Rows(row for key in (*chosen, *keys) for row in store.finished[key])
+    return Rows(row for key in keys for row in store.finished[key])
 
 
 class Picture(NamedTuple):

@@ -1,7 +1,12 @@
 """Studies: rows of runs that were killed, values with intervals, and pages."""
 
 import gzip
+import os
 import re
+import signal
+import subprocess
+import sys
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -74,6 +79,8 @@ def test_finished_units_are_not_done_again_and_rows_come_in_the_order_of_the_uni
     walk(tmp_path, "c")
     assert walk(tmp_path, "abc") == list("aabbcc")
     assert f"1 of 3 units are done already, in {tmp_path}" in capsys.readouterr().out
+    walk(tmp_path, "ab")
+    assert (tmp_path / "falls.csv").read_text() == "unit,replication,height\na,0,0.5\nb,0,0.5\n", "rows of this run"
 
 
 def test_fresh_deletes_rows_of_earlier_runs(tmp_path: Path) -> None:
@@ -128,6 +135,36 @@ def test_a_full_disk_keeps_whole_units(tmp_path: Path) -> None:
         RowStore(tmp_path, TABLES, {}).add("b", [])
     assert (tmp_path / UNITS).stat().st_size <= size
     assert set(RowStore(tmp_path, TABLES, {}).finished) == {"a"}
+
+
+SLEEP = """
+import os, sys, time
+from pathlib import Path
+from khepera_forage.study import Job, in_processes
+
+def sleep(folder):
+    Path(folder, str(os.getpid())).touch()
+    time.sleep(100)
+
+if __name__ == "__main__":
+    list(in_processes(2)([Job(name, sleep, (sys.argv[1],)) for name in "ab"]))
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_workers_end_with_a_run_that_a_signal_ends(number: signal.Signals, tmp_path: Path) -> None:
+    (tmp_path / "pids").mkdir()
+    (tmp_path / "sleep.py").write_text(SLEEP)
+    command = [sys.executable, str(tmp_path / "sleep.py"), str(tmp_path / "pids")]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as run:
+        while len(pids := [int(path.name) for path in (tmp_path / "pids").iterdir()]) < 2:
+            assert run.poll() is None
+            time.sleep(0.1)
+        run.send_signal(number)
+        assert run.wait(timeout=50) == (128 + number if number == signal.SIGTERM else -number)
+    for pid in pids:
+        with pytest.raises(ProcessLookupError):
+            os.kill(pid, 0)
 
 
 def test_a_page_has_its_parts_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
