@@ -18,6 +18,7 @@ from khepera_forage.rollouts.compiled.recalls import TEACHER as TEACHES
 from khepera_forage.rollouts.compiled.recalls import UNIFORM, Episodes, recall_rows, run_recalls
 from khepera_forage.rollouts.compiled.training import Trained, train_learners
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, TrainingRow
+from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
 from khepera_forage.thesis.design import (
@@ -30,7 +31,7 @@ from khepera_forage.thesis.design import (
     noise_conditions,
 )
 from khepera_forage.thesis.orient_analysis import arrival_vectors, orient_rows
-from khepera_forage.thesis.replication import Row, baseline_limit, baseline_seeds, naming_noise, replication_seeds
+from khepera_forage.thesis.replication import Row, baseline_limit, baseline_seeds, replication_seeds, untrained
 
 GROUP_SIZE = 100
 """Replications that run together: enough to use all lanes of the kernels."""
@@ -48,18 +49,15 @@ def replicate(
     """Replications `first` to `first + count - 1`; arguments as for `replication.replicate`.
 
     `first` is a multiple of `GROUP_SIZE`, and `count` at most that, so that a replication does not depend on the total
-    number.
+    number. A replication that cannot be trained leaves all of the call without result.
     """
     sources = noise_conditions(laboratory)[noise]
     seeds = [replication_seeds(seed, number, noise).spawn(2) for number in range(first, first + count)]
-    with naming_noise(noise):
-        trained = train_learners(
-            count,
-            seed=int(seeds[0][0].generate_state(1)[0]),
-            noise=sources,
-            episodes=files_needed(cells),
-            decisions=decisions,
-        )
+    key, files = int(seeds[0][0].generate_state(1)[0]), files_needed(cells)
+    try:
+        trained = train_learners(count, seed=key, noise=sources, episodes=files, decisions=decisions)
+    except IncompleteTrainingError as error:
+        return [untrained(error, first, count, noise, decisions)]
     recalling = [parts.spawn(len(cells)) for _, parts in seeds]
     recalls: list[Row] = []
     orient: list[Row] = []
@@ -89,7 +87,7 @@ def replicate(
     text = decisions_text(decisions)
     attempts = zip(*(column.tolist() for column in trained.attempts), strict=True)
     trainings: list[Row] = [
-        TrainingRow(first + learner, file + 1, attempt, trained.seed, noise, *(*values, text))
+        TrainingRow(first + learner, file + 1, attempt, trained.seed + learner, noise, *(*values, text))
         for learner, file, attempt, *values in attempts
     ]
     return [*recalls, *trainings, *orient]

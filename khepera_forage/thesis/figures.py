@@ -229,7 +229,7 @@ def _curve(axes: "Axes", foods: Floats, corridor: Arena, training: float) -> Non
 
 
 def noise_figure(table: Table) -> "Figure":
-    """Draw the table of `noise_table`: a panel for each cell, and one for the attempts."""
+    """Draw the table of `noise_table`: a panel for each cell, and one for the attempts; lines without result say so."""
     from matplotlib.lines import Line2D
 
     names = dict.fromkeys(str(row[0]) for row in table.rows)
@@ -240,19 +240,24 @@ def noise_figure(table: Table) -> "Figure":
     panels["attempts per complete\ntraining episode"] = {str(row[0]): row[5] for row in table.rows}
     figure = new_figure(WIDTH, 1.6 + 0.3 * len(names))
     columns = figure.subplots(1, len(panels), sharey=True)
+    handles = [Line2D([], [], marker="o", color=OURS, ms=7, mec="white", label="mean and 95 % interval")]
+    without = Line2D([], [], color=GREY, lw=1, ls=":", label="without noise")
     for axes, (label, values) in zip(columns, panels.items(), strict=True):
         estimates = {name: value for name, value in values.items() if isinstance(value, Estimate)}
         levels(axes, {name: [estimates.get(name, UNKNOWN)] for name in names}, label)
         noiseless = estimates.get(NO_NOISE, UNKNOWN).value
         if math.isfinite(noiseless):
             axes.axvline(noiseless, color=GREY, lw=1, ls=":", zorder=1)
+            handles[1:] = [without]
+        for place, name in enumerate(reversed(names)):
+            if math.isnan(estimates.get(name, UNKNOWN).value):
+                across = axes.get_yaxis_transform()
+                axes.text(
+                    0.5, place, "no complete training", transform=across, ha="center", va="center", fontsize=SMALL
+                )
         axes.margins(x=0.08)
         axes.tick_params(labelsize=SMALL)
         axes.tick_params(axis="y", length=0)
     figure.suptitle("Effect of each source of noise")
-    handles = [
-        Line2D([], [], marker="o", color=OURS, ms=7, mec="white", label="mean and 95 % interval"),
-        Line2D([], [], color=GREY, lw=1, ls=":", label="without noise"),
-    ]
     figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False, fontsize=SMALL)
     return figure

@@ -1,7 +1,8 @@
 """The jobs of a reproduction, for either backend, and replications of the thesis's design on pymunk (5.4)."""
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, train
 from khepera_forage.sim.arenas.thesis import CORRIDOR, THESIS_ARENAS
 from khepera_forage.study import Job
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
 from khepera_forage.thesis.design import (
     LABORATORY,
     LABORATORY_NOISE,
@@ -33,7 +34,27 @@ from khepera_forage.thesis.design import (
 )
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors, imitator_levels, orient_rows
 
-Row = RecallRow | TrainingRow | OrientRow
+
+@dataclass(frozen=True, slots=True)
+class UntrainedRow:
+    """Replications without result, because no attempt at one of their training episodes was complete.
+
+    Attributes:
+        replication: Number of the first one.
+        count: How many.
+        noise: Name of the noise condition.
+        reason: Says how many attempts there were.
+        decisions: As in `RecallRow`.
+    """
+
+    replication: int
+    count: int
+    noise: str
+    reason: str
+    decisions: str = ""
+
+
+Row = RecallRow | TrainingRow | OrientRow | UntrainedRow
 """A row of a job."""
 TEACHER_LIMIT_FACTOR = 3
 """The teacher forages with this many times the thesis's time limit, to measure whether that limit is enough."""
@@ -68,6 +89,8 @@ def replicate(
 ) -> list[Row]:
     """Replications `first` to `first + count - 1`: each trains new files, and recalls with them.
 
+    Under another noise condition than the laboratory's, a replication that cannot be trained leaves an `UntrainedRow`.
+
     Args:
         seed: Of the whole reproduction.
         first: Number of the first replication.
@@ -76,19 +99,25 @@ def replicate(
         cells: The tables of appendix A to repeat; without any, only ten training files.
         decisions: Of training and recall.
         laboratory: The laboratory's noise, from which the noise condition is derived.
+
+    Raises:
+        IncompleteTrainingError: No attempt at a training episode under the laboratory's noise was complete.
     """
-    sources, numbers = noise_conditions(laboratory)[noise], range(first, first + count)
-    with naming_noise(noise):
-        return [row for number in numbers for row in _replication(seed, number, noise, sources, cells, decisions)]
+    sources = noise_conditions(laboratory)[noise]
+    rows: list[Row] = []
+    for number in range(first, first + count):
+        try:
+            rows += _replication(seed, number, noise, sources, cells, decisions)
+        except IncompleteTrainingError as error:
+            rows.append(untrained(error, number, 1, noise, decisions))
+    return rows
 
 
-@contextmanager
-def naming_noise(noise: str) -> Iterator[None]:
-    """Add the name of the noise condition to the message that a training episode is hopeless."""
-    try:
-        yield
-    except IncompleteTrainingError as error:
+def untrained(error: IncompleteTrainingError, first: int, count: int, noise: str, decisions: Decisions) -> UntrainedRow:
+    """The row of replications that cannot be trained; the laboratory's, which everything else needs, are an error."""
+    if noise == LABORATORY:
         raise IncompleteTrainingError(f"{error}, with the noise {noise!r}") from None
+    return UntrainedRow(first, count, noise, str(error), decisions_text(decisions))
 
 
 def _replication(

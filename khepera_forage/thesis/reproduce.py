@@ -31,7 +31,7 @@ from khepera_forage.thesis import figures, tables
 from khepera_forage.thesis.claims import Evidence, claims, gather
 from khepera_forage.thesis.design import LABORATORY
 from khepera_forage.thesis.orient_analysis import OrientRow, orient_table
-from khepera_forage.thesis.replication import JobCounts, comparison_counts, job_counts, jobs
+from khepera_forage.thesis.replication import JobCounts, UntrainedRow, comparison_counts, job_counts, jobs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,7 +44,7 @@ REPLICATIONS = {PYMUNK: 24, COMPILED: 1000}
 """Default number of replications: on two cores, one to two minutes with the compiled backend, compilation included, and
 about three minutes with pymunk."""
 QUICK_REPLICATIONS = 2
-TABLES = {RecallRow: "recalls", TrainingRow: "trainings", OrientRow: "orient"}
+TABLES = {RecallRow: "recalls", TrainingRow: "trainings", OrientRow: "orient", UntrainedRow: "untrained"}
 """The rows, and the names of their files."""
 
 
@@ -81,6 +81,7 @@ def reproduce(
 
     Raises:
         ValueError: An unknown backend, or a folder with rows of other decisions.
+        IncompleteTrainingError: No attempt at a training episode under the laboratory's noise was complete.
         ImportError: matplotlib is not installed, or the backend is `compiled` and numba is not.
     """
     if backend not in BACKENDS:
@@ -115,6 +116,7 @@ def reproduce(
         rng=np.random.default_rng(seed),
         backend=backend,
         v0_1_recalls=v0_1_rows.of(RecallRow),
+        untrained=rows.of(UntrainedRow),
     )
     for path in out.glob("units*.jsonl.gz"):
         path.unlink()  # the next run starts from nothing
@@ -140,6 +142,7 @@ def write_report(
     orient_rows: Sequence[OrientRow] = (),
     backend: str = "pymunk",
     v0_1_recalls: Sequence[RecallRow] = (),
+    untrained: Sequence[UntrainedRow] = (),
 ) -> None:
     """Write the page, the summary, the tables and the figures.
 
@@ -153,6 +156,7 @@ def write_report(
         orient_rows: The orient analysis, under the laboratory's noise.
         backend: The backend that simulated the rows.
         v0_1_recalls: Recalls of the imitator in the same cells under the decisions of version 0.1.
+        untrained: Replications under other noise conditions that could not be trained.
 
     Raises:
         ValueError: The recalls of the imitator have several noise conditions, or the rows several decisions, or
@@ -169,7 +173,7 @@ def write_report(
     evidence = gather(recalls, trainings, for_tables, resamples)
     results = tables.cell_results(recalls, for_cells, resamples)
     old = tables.cell_results(v0_1_recalls, for_v0_1, resamples) if v0_1_recalls else []
-    noise = tables.noise_table(noise_rows, evidence)
+    noise = tables.noise_table(noise_rows, evidence, untrained)
     measured = claims(replace(evidence, rng=for_claims))
     parts: list[str | Table | Picture] = [
         _introduction(evidence, backend, v0_1_recalls),

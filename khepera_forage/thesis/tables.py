@@ -30,6 +30,7 @@ from khepera_forage.thesis import appendix_a
 from khepera_forage.thesis.claims import Claim, Evidence, attempts_per_episode, steps_needed
 from khepera_forage.thesis.design import LIMITS, NO_NOISE, THESIS, Cell, noise_conditions
 from khepera_forage.thesis.inference.summary import usable_lines
+from khepera_forage.thesis.replication import UntrainedRow
 
 
 class Measured(NamedTuple):
@@ -255,13 +256,17 @@ def errata_table() -> Table:
     )
 
 
-def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:
-    """The score under each source of noise alone, and under all together."""
+def noise_table(rows: Sequence[RecallRow], evidence: Evidence, untrained: Sequence[UntrainedRow] = ()) -> Table:
+    """The score under each source of noise alone, and under all together; lines without result are in `untrained`."""
+    missing = Counter[str]()
+    for row in untrained:
+        missing[row.noise] += row.count
+    left_out = ", ".join(f"{name} ({missing[name]})" for name in _ordered(set(missing)))
     lines: list[dict[str, Value]] = []
     for cell in _cells_of(rows):
         own = in_cell(rows, cell)
         noiseless = _score(pick(own, noise=NO_NOISE))
-        for noise in _ordered({row.noise for row in own}):
+        for noise in _ordered({row.noise for row in own} | missing.keys()):
             score = _score(pick(own, noise=noise))
             food = Sample(score.rows, lambda row: 100 * row.delivered, lambda row: row.foods)
             cost = UNKNOWN if noise == NO_NOISE else evidence.difference(noiseless, score)
@@ -283,7 +288,8 @@ def noise_table(rows: Sequence[RecallRow], evidence: Evidence) -> Table:
         "Effect of each source of noise",
         "The same experiments without noise, with one source of noise, and with all sources together, in training and "
         "in recall. The cost is the score without noise minus the score with it. Attempts are counted per complete "
-        "training episode. Intervals: 95 % over replications.",
+        "training episode. Intervals: 95 % over replications."
+        + (f" Replications left out, as no attempt at a training episode was complete: {left_out}." if missing else ""),
         lines,
         {"food (%)": 0, "attempts per episode": 2},
     )

@@ -12,9 +12,9 @@ from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.study import Rows
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
 from khepera_forage.thesis import replication
-from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, THESIS, Cell, Subset
+from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, NO_NOISE, THESIS, Cell, Subset
 from khepera_forage.thesis.orient_analysis import OrientRow
-from khepera_forage.thesis.replication import JobCounts, Row, comparison_counts, job_counts, jobs
+from khepera_forage.thesis.replication import JobCounts, Row, UntrainedRow, comparison_counts, job_counts, jobs
 
 V0_1 = Decisions.v0_1()
 OTHER = replace(V0_1, next_to_food=22, food_to_home=200)
@@ -58,6 +58,26 @@ def test_replication_without_cells_trains_all_files() -> None:
     assert not rows.of(RecallRow)
     assert {row.noise for row in rows.of(TrainingRow)} == {"no losses"}
     assert {row.file for row in rows.of(TrainingRow)} == set(range(1, 11))
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_replication_that_cannot_be_trained_leaves_a_row(backend: str) -> None:
+    """Without noise, a robot in line with the food hovers before it in every attempt."""
+    hovering = replace(DEFAULT_DECISIONS, wheel_delay=0.1, most_attempts=2)
+    reason = "none of 2 attempts at a training episode was complete"
+    rows = of_backend(backend).replicate(0, 0, 1, NO_NOISE, SMALL, hovering)
+    assert rows == [UntrainedRow(0, 1, NO_NOISE, reason, decisions_text(hovering))]
+
+
+def test_seed_of_a_compiled_training_reproduces_it() -> None:
+    """With the learner of that seed, whatever its number in the group."""
+    rows = Rows(of_backend(COMPILED).replicate(5, 0, 3, LABORATORY, SMALL)).of(TrainingRow)
+    train_learners = import_module("khepera_forage.rollouts.compiled.training").train_learners
+    own = [row for row in rows if row.replication == 2]
+    again = train_learners(1, seed=own[0].seed, episodes=2).attempts
+    assert [(row.rounds, row.vectors, row.reason) for row in own] == [
+        *zip(again.rounds, again.vectors, again.reason, strict=True)
+    ]
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -18,8 +18,8 @@ from khepera_forage.figures import GREY, OURS
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis import figures
-from khepera_forage.thesis.claims import Evidence
-from khepera_forage.thesis.design import training_distance
+from khepera_forage.thesis.claims import Evidence, gather
+from khepera_forage.thesis.design import NO_NOISE, training_distance
 from khepera_forage.thesis.figures import (
     BIN,
     fig_5_4,
@@ -28,6 +28,7 @@ from khepera_forage.thesis.figures import (
     noise_figure,
     success_by_distance,
 )
+from khepera_forage.thesis.replication import UntrainedRow
 from khepera_forage.thesis.reproduce import PAGE, write_report
 from khepera_forage.thesis.tables import CellResult, cell_results, noise_table
 from tests.figure_checks import check_points_are_shown, check_readable, check_shading_is_explained, lay_out, legends_of
@@ -165,6 +166,23 @@ def test_noise_figure_is_readable(noise_rows: list[RecallRow], evidence: Evidenc
     check_readable(figure)
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["mean and 95 % interval", "without noise"]
+
+
+def test_noise_condition_that_cannot_be_trained_is_told(
+    recalls: list[RecallRow], trainings: list[TrainingRow], noise_rows: list[RecallRow]
+) -> None:
+    """In table and figure; the other conditions have their results."""
+    rows, tries = ([row for row in some if row.noise != NO_NOISE] for some in (noise_rows, trainings))
+    missing = [UntrainedRow(first, 100, NO_NOISE, "none of 200 attempts", "") for first in (0, 100)]
+    table = noise_table(rows, gather(recalls, tries, np.random.default_rng(1), 200), missing)
+    assert table.note.endswith("as no attempt at a training episode was complete: none (200).")
+    none, wheels = table.rows[:2]
+    assert (none[0], none[-2:], wheels[-1]) == (NO_NOISE, (0, 0), 60)
+    figure = lay_out(noise_figure(table))
+    check_readable(figure)
+    assert [text.get_text() for axes in figure.axes for text in axes.texts] == ["no complete training"] * 3
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["mean and 95 % interval"], "nothing to compare with"
 
 
 # Rows of many foods along and across the corridor, under several set-ups.

@@ -14,7 +14,7 @@ from khepera_forage.task.decisions import decisions_text
 from khepera_forage.thesis.claims import Claim, Verdict, claims, gather
 from khepera_forage.thesis.design import NO_LOSSES
 from khepera_forage.thesis.inference.prior import LabModel, laboratory_text
-from khepera_forage.thesis.replication import job_counts, jobs
+from khepera_forage.thesis.replication import UntrainedRow, job_counts, jobs
 
 RESAMPLES = 500
 """For each interval."""
@@ -58,6 +58,8 @@ def claims_of(laboratory: LabModel, seed: int, replications: int) -> list[Claim]
     )
     made = jobs(seed, counts, laboratory.decisions, COMPILED, laboratory.noise)
     rows = Rows(row for job in made for row in job.run())
+    for row in rows.of(UntrainedRow):
+        raise IncompleteTrainingError(f"{row.reason}, with the noise {row.noise!r}")
     rng = np.random.default_rng(seed)
     return claims(gather(rows.of(RecallRow), rows.of(TrainingRow), rng, RESAMPLES))
 
