@@ -68,6 +68,8 @@ def test_a_set_predicts_what_lies_among_its_own_experiments() -> None:
     assert not found[0, tested][missing], "most experiments have no such value"
     assert found[0, tested].sum() >= 15
     assert not found[1].any()
+    alike = thesis + rng.normal(size=(2000, 1, WIDTH)) + rng.normal(size=(2000, 5, WIDTH))
+    assert page.predicted(alike)[:, tested].mean() == pytest.approx(0.95, abs=0.01), "also of few experiments"
 
 
 def test_predictions_weigh_experiments() -> None:

@@ -65,3 +65,4 @@ def test_tables_of_claims_have_shares_of_the_laboratories_that_were_measured() -
     for line in claimed.rows:
         assert (line[2].value, line[3].value) == (100, 50)  # type: ignore[union-attr]
     assert claimed.rows[0][4] == "+2.0 points"
+    assert "Share of 1 admissible laboratories of the prior, and of 2 laboratories" in claimed.note

@@ -120,9 +120,10 @@ def claim_table(*samples: Sequence[LaboratoryClaims]) -> Table:
     return table_of(
         "claims",
         "In which laboratories the thesis's claims hold",
-        f"Share of {len(samples[0])} admissible laboratories of the prior, and of {len(samples[1])} laboratories "
+        f"Share of {len(known[0])} admissible laboratories of the prior, and of {len(known[1])} laboratories "
         "of the posterior, in which a claim is supported, with Wilson's 95 % interval. In the others it is not "
-        "supported, or undecided. The effect is its median over the laboratories of the posterior.",
+        "supported, or undecided. The effect is its median over the laboratories of the posterior. Left out, because "
+        f"training was never complete: {len(samples[0]) - len(known[0])} and {len(samples[1]) - len(known[1])}.",
         lines,
         {"holds, prior (%)": 0, "holds, posterior (%)": 0},
     )

@@ -355,8 +355,8 @@ def tested_columns() -> list[int]:
 def predicted(statistics: Floats) -> NDArray[np.bool_]:
     """Whether the thesis's value lies within the central 95 % of a set's own experiments, shape (sets, statistics).
 
-    The central 95 % are those of a normal distribution with mean and standard deviation of the experiments' statistics,
-    shape (sets, experiments, statistics), which may be missing.
+    One more experiment lies there with 95 %, if they are normally distributed (Student's t): the statistics of the
+    experiments, shape (sets, experiments, statistics), are few. They may be missing.
     """
     count = statistics.shape[1]
     known = np.isfinite(statistics)
@@ -365,7 +365,8 @@ def predicted(statistics: Floats) -> NDArray[np.bool_]:
     squares = np.where(known, (statistics - mean[:, None]) ** 2, 0.0).sum(axis=1)
     deviation = np.sqrt(squares / np.maximum(number - 1, 1) * (1 + 1 / number))
     enough = 2 * known.sum(axis=1) >= count
-    return np.asarray(enough & (np.abs(mean - thesis_statistics()) <= 1.96 * deviation))
+    reach = stats.t.ppf(0.975, np.maximum(number - 1, 1))
+    return np.asarray(enough & (np.abs(mean - thesis_statistics()) <= reach * deviation))
 
 
 def _test_set(inferred: Predictions, statistics: NDArray[np.float32], weights: Floats) -> Table:
