@@ -257,9 +257,7 @@ class Learning(NamedTuple):
                 }
                 return rows[0].steps, found
             case None:
-                most = max(TRACKS[WHEELS].amounts[self.condition])
-                pairs = _recorded(self.condition, min(self.amount, most), self.seed, number)
-                episodes = [raw for _, raw in pairs]
+                episodes = [raw for _, raw in _recorded(self.condition, self.amount, self.seed, number)]
                 return sum(len(one.actions) for one in episodes), recalls_on_wheels(
                     wheels_learner(self.name, episodes, own % 2**31), seeds
                 )
@@ -514,10 +512,12 @@ def _transfer(rows: Sequence[Tested], seed: int) -> Table:
 
 
 def _kinds(rows: Sequence[Tested]) -> list[tuple[str, str, int]]:
-    """Learners, conditions and amounts, in the order of the protocol; the references first."""
-    kinds = dict.fromkeys((row.learner, row.condition, row.amount) for row in rows)
-    names = list(dict.fromkeys([*BASELINES, *(name for name, _, _ in kinds)]))
-    return sorted(kinds, key=lambda kind: names.index(kind[0]))
+    """Learners, conditions and amounts of a track, in the order of the protocol; the references first."""
+    track = TRACKS[rows[0].track]
+    names = list(dict.fromkeys([*BASELINES, *track.learners, *(row.learner for row in rows)]))
+    conditions = list(dict.fromkeys([*track.amounts, *(row.condition for row in rows)]))
+    kinds = {(row.learner, row.condition, row.amount) for row in rows}
+    return sorted(kinds, key=lambda kind: (names.index(kind[0]), conditions.index(kind[1]), kind[2]))
 
 
 Made = tuple[str, Sequence[Experience], dict[str, Any]]

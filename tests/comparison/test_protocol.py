@@ -14,6 +14,7 @@ pytest.importorskip("numba")
 
 from khepera_forage.cli.dataset import FOLDER_VARIABLE
 from khepera_forage.cli.main import main
+from khepera_forage.comparison import protocol
 from khepera_forage.comparison.compiled_learning import (
     Budget,
     Training,
@@ -26,7 +27,19 @@ from khepera_forage.comparison.compiled_learning import (
     thinned,
 )
 from khepera_forage.comparison.learning import BASELINES
-from khepera_forage.comparison.protocol import LATE, NAME, PERMUTED, SILENT, TRACKS, WRONG, plan, spoken, wheels_learner
+from khepera_forage.comparison.protocol import (
+    AS_HEARD,
+    LATE,
+    NAME,
+    PERMUTED,
+    SILENT,
+    TRACKS,
+    WRONG,
+    page,
+    plan,
+    spoken,
+    wheels_learner,
+)
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.learners import LEARNERS, OfflineImitation, ReinforcementLearner
 from khepera_forage.rollouts.compiled.training import train_learners
@@ -60,6 +73,16 @@ def test_every_learner_that_ships_is_in_a_track() -> None:
     for track in TRACKS:
         keys = [unit.key for unit in plan(track, LEARNERS, 0, False, 3)]
         assert len(set(keys)) == len(keys)
+
+
+def test_lines_stand_in_the_order_of_the_protocol() -> None:
+    """Rows of a continued run stand in the order in which their units ended."""
+    ended = [("tree", AS_HEARD), ("imitator", LATE), ("imitator", AS_HEARD), ("mine", WRONG), ("teacher", "")]
+    rows = [protocol.Tested("vocabulary", *kind, 10, 0, "corridor", 20, 50.0, 1, 2, 3, 0.1) for kind in ended]
+    (table,) = page(rows, 0, False).tables
+    assert [row[:2] for row in table.rows] == [
+        *(("teacher", "-"), ("imitator", AS_HEARD), ("imitator", LATE), ("tree", AS_HEARD), ("mine", WRONG))
+    ]
 
 
 def test_a_perfect_student_forages_like_the_teacher() -> None:
