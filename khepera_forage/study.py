@@ -38,7 +38,7 @@ from dataclasses import fields
 from importlib.metadata import version
 from pathlib import Path
 from shutil import get_terminal_size
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
 
 from joblib import Parallel, delayed
 
@@ -46,11 +46,10 @@ from khepera_forage.estimates import Table
 from khepera_forage.figures import save
 from khepera_forage.files import naming_file, replacing, write_all
 from khepera_forage.option_values import OneLineParser, given_path, processes, progress, whole_number
-from khepera_forage.rollouts.row_files import write_rows
+from khepera_forage.rollouts.row_files import RowT, write_rows
 from khepera_forage.task.decision_versions import CURRENT
 
 if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
     from matplotlib.figure import Figure
 
 SMOKE_TEST = "A run with --quick is a smoke test: it supports no claim."
@@ -191,7 +190,6 @@ Execute = Callable[[Sequence[WorkUnit]], Iterator[Done]]
 """Does units and yields each when it is done, in any order."""
 Tables = Mapping[type[Any], str]
 """Types of rows, and the names of their CSV files without `.csv`."""
-RowT = TypeVar("RowT", bound="DataclassInstance")
 
 
 class Rows:

@@ -189,18 +189,10 @@ def learn_and_forage(
     recalls: int,
     arenas: Sequence[str],
 ) -> list[RecallBatch]:
-    """One learner in one replication learns and is tested; the rows by amount, then arena.
+    """One learner in one replication learns and is tested in some arenas; the rows by amount, then arena.
 
-    Linear algebra runs on one thread, because sums depend on the number of threads.
-
-    Args:
-        seed: Of the whole run.
-        replication: Number.
-        name: Of the learner.
-        learner: Learns.
-        amounts: Training episodes, queries or steps after which it is tested, in increasing order.
-        recalls: Recall episodes in each arena, after each amount.
-        arenas: Where it is tested.
+    Amounts are training episodes, queries or steps in increasing order; after each there are so many recalls in each
+    arena. Linear algebra runs on one thread, because sums depend on the number of threads.
     """
     sequence = np.random.SeedSequence(seed, spawn_key=(replication,))
     learning, *testing = sequence.spawn(1 + len(ALL_ARENAS))

@@ -11,14 +11,9 @@ from decimal import ROUND_DOWN, ROUND_HALF_UP, Decimal
 from fractions import Fraction
 from importlib import resources
 from itertools import groupby
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import NamedTuple
 
-from khepera_forage.rollouts.row_files import parse_rows
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
-_RowT = TypeVar("_RowT", bound="DataclassInstance")
+from khepera_forage.rollouts.row_files import RowT, parse_rows
 
 NO_PENALTY = "-"
 
@@ -94,7 +89,7 @@ class PrintedTable:
     text_available: int
 
 
-def _load(name: str, row_type: type[_RowT]) -> tuple[_RowT, ...]:
+def _load(name: str, row_type: type[RowT]) -> tuple[RowT, ...]:
     text = resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
     return tuple(parse_rows(text, name, row_type))
 

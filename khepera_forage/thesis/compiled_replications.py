@@ -33,6 +33,8 @@ from khepera_forage.thesis.design import (
 from khepera_forage.thesis.orient_analysis import arrival_vectors, orient_rows
 from khepera_forage.thesis.replication import Row, baseline_limit, baseline_seeds, replication_seeds, untrained
 
+Learned = Sequence[tuple[NDArray[np.int16], NDArray[np.int16]]]
+"""State vectors and behaviours that imitators have learned."""
 GROUP_SIZE = 100
 """Replications that run together: enough to use all lanes of the kernels."""
 
@@ -63,7 +65,7 @@ def replicate(
     orient: list[Row] = []
     for i, cell in enumerate(cells):
         states = np.concatenate([own[i].generate_state(cell.size) for own in recalling]).astype(np.int64)
-        experience = _experience(cell, trained, count)
+        experience = experience_of(cell, trained, count)
         sizes = [len(heard) for _, heard in experience]
         about = {
             "replication": np.repeat(range(first, first + count), cell.size).tolist(),
@@ -72,7 +74,7 @@ def replicate(
             "seed": states.tolist(),
             "experience_size": np.repeat(sizes, cell.recalls).tolist(),
         }
-        played = recalls_of(cell, trained, count, states, sources, decisions)
+        played = recalls_of(cell, experience, states, sources, decisions)
         common = {"learner": IMITATOR, "episodes": cell.episodes, "noise": noise, "limit": cell.limit}
         recalls += recall_rows(played, checked_arena(cell.arena, decisions), about, decisions, **common)
 
@@ -126,10 +128,9 @@ def baselines(
 
 
 def recalls_of(
-    cell: Cell, trained: Trained, count: int, seeds: NDArray[np.int64], noise: Noise, decisions: Decisions
+    cell: Cell, experience: Learned, seeds: NDArray[np.int64], noise: Noise, decisions: Decisions
 ) -> Episodes:
-    """The recalls of one cell in some replications, each with a trained learner: by set of files and recall."""
-    experience = _experience(cell, trained, count)
+    """The recalls of one cell in some replications: by learner, set of files, and recall."""
     return run_recalls(
         checked_arena(cell.arena, decisions),
         memories_of(experience),
@@ -142,8 +143,8 @@ def recalls_of(
     )
 
 
-def _experience(cell: Cell, trained: Trained, count: int) -> list[tuple[Any, Any]]:
-    """State vectors and behaviours of every learner and set of files."""
+def experience_of(cell: Cell, trained: Trained, count: int) -> Learned:
+    """The experience of every learner and set of files."""
     together = [
         np.concatenate([trained.vectors_of(learner, file - 1) for file in subset.files])
         for learner in range(count)

@@ -89,16 +89,8 @@ def replicate(
 ) -> list[Row]:
     """Replications `first` to `first + count - 1`: each trains new files, and recalls with them.
 
-    Under another noise condition than the laboratory's, a replication that cannot be trained leaves an `UntrainedRow`.
-
-    Args:
-        seed: Of the whole reproduction.
-        first: Number of the first replication.
-        count: How many.
-        noise: Name of the noise condition.
-        cells: The tables of appendix A to repeat; without any, only ten training files.
-        decisions: Of training and recall.
-        laboratory: The laboratory's noise, from which the noise condition is derived.
+    The noise condition is derived from the laboratory's noise. Under another one, a replication that cannot be trained
+    leaves an `UntrainedRow`. Without any table of appendix A (`cells`) there are only ten training files.
 
     Raises:
         IncompleteTrainingError: No attempt at a training episode under the laboratory's noise was complete.

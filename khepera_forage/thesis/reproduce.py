@@ -106,18 +106,7 @@ def reproduce(
         # Only the recalls are compared, so the other rows are not kept.
         tables = {RecallRow: V0_1_RECALLS.removesuffix(".csv")}
         v0_1_rows = _rows(given, comparison_counts(replications), v0_1, backend, tables, "units_v0.1")
-    recalls = rows.of(RecallRow)
-    write_report(
-        out,
-        recalls=pick(recalls, noise=LABORATORY),
-        trainings=rows.of(TrainingRow),
-        noise_rows=pick(recalls, episodes=10),
-        orient_rows=rows.of(OrientRow),
-        rng=np.random.default_rng(seed),
-        backend=backend,
-        v0_1_recalls=v0_1_rows.of(RecallRow),
-        untrained=rows.of(UntrainedRow),
-    )
+    write_report(out, rows, np.random.default_rng(seed), backend=backend, v0_1_recalls=v0_1_rows.of(RecallRow))
     for path in out.glob("units*.jsonl.gz"):
         path.unlink()  # the next run starts from nothing
     return out / PAGE
@@ -134,35 +123,25 @@ def _rows(given: Arguments, counts: JobCounts, decisions: Decisions, backend: st
 
 def write_report(
     folder: Path,
-    recalls: Sequence[RecallRow],
-    trainings: Sequence[TrainingRow],
-    noise_rows: Sequence[RecallRow],
+    rows: Rows,
     rng: np.random.Generator,
+    *,
     resamples: int = RESAMPLES,
-    orient_rows: Sequence[OrientRow] = (),
-    backend: str = "pymunk",
+    backend: str = PYMUNK,
     v0_1_recalls: Sequence[RecallRow] = (),
-    untrained: Sequence[UntrainedRow] = (),
 ) -> None:
     """Write the page, the summary, the tables and the figures.
 
-    Args:
-        folder: Created if it does not exist.
-        recalls: Of imitator, random policy and teacher.
-        trainings: Under any noise conditions.
-        noise_rows: Recalls of the imitator in some cells, under each noise condition.
-        rng: Draws the resamples of every interval.
-        resamples: Resamples for each interval.
-        orient_rows: The orient analysis, under the laboratory's noise.
-        backend: The backend that simulated the rows.
-        v0_1_recalls: Recalls of the imitator in the same cells under the decisions of version 0.1.
-        untrained: Replications under other noise conditions that could not be trained.
+    The rows are of all kinds, under any noise conditions; the laboratory's recalls are compared with the thesis.
+    `v0_1_recalls` are those of the imitator in the same cells under the decisions of version 0.1.
 
     Raises:
-        ValueError: The recalls of the imitator have several noise conditions, or the rows several decisions, or
-            `v0_1_recalls` have others than version 0.1.
+        ValueError: The rows have several decisions, or `v0_1_recalls` have others than version 0.1.
     """
-    common_decisions(recalls, trainings, noise_rows, orient_rows)
+    everything, trainings, orient_rows = rows.of(RecallRow), rows.of(TrainingRow), rows.of(OrientRow)
+    untrained, recalls = rows.of(UntrainedRow), pick(everything, noise=LABORATORY)
+    compared = untrained or len(recalls) < len(everything)
+    common_decisions(everything, trainings, orient_rows)
     v0_1_decisions = common_decisions(v0_1_recalls)
     if v0_1_recalls and v0_1_decisions != Decisions.v0_1():
         raise ValueError(
@@ -173,7 +152,7 @@ def write_report(
     evidence = gather(recalls, trainings, for_tables, resamples)
     results = tables.cell_results(recalls, for_cells, resamples)
     old = tables.cell_results(v0_1_recalls, for_v0_1, resamples) if v0_1_recalls else []
-    noise = tables.noise_table(noise_rows, evidence, untrained)
+    noise = tables.noise_table(pick(everything, episodes=10) if compared else (), evidence, untrained)
     measured = claims(replace(evidence, rng=for_claims))
     parts: list[str | Table | Picture] = [
         _introduction(evidence, backend, v0_1_recalls),

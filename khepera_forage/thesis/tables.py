@@ -338,7 +338,9 @@ def teacher_table(evidence: Evidence) -> Table:
                 "forages": len(rows),
                 **{k: steps[math.ceil(q * len(steps)) - 1] if steps else math.nan for k, q in shares.items()},
                 "thesis's limit": limit,
-                "within this limit (%)": evidence.mean(_ended_within(rows, limit)),
+                "within this limit (%)": evidence.mean(
+                    Sample(rows, lambda row: 100 * (steps_needed(row) <= LIMITS[row.arena]))
+                ),
             }
         )
     return table_of(
@@ -382,12 +384,13 @@ def state_table(evidence: Evidence) -> Table:
         rows = pick(evidence.recalls, arena=arena)
         modes = Counter(row.failure_mode for row in rows if row.failed)
         for state in list(State)[:STATES]:
+            rounds = _rounds_in(state)
             lines.append(
                 {
                     "arena": arena,
                     "state": state.name,
-                    "steps (%)": evidence.mean(_per_step(rows, _rounds_in(state))),
-                    "wrong (%)": evidence.mean(Sample(rows, _wrong_in(state), _rounds_in(state))),
+                    "steps (%)": evidence.mean(_per_step(rows, rounds)),
+                    "wrong (%)": evidence.mean(Sample(rows, _wrong_in(state), rounds)),
                     "failures": modes[state],
                 }
             )
@@ -410,20 +413,16 @@ def _score(rows: Sequence[RecallRow]) -> Sample[RecallRow]:
     return Sample(rows, lambda row: row.score)
 
 
-def _per_step(rows: Sequence[RecallRow], count: Callable[[RecallRow], float]) -> Sample[RecallRow]:
-    return Sample(rows, lambda row: 100 * count(row), lambda row: row.steps)
-
-
-def _ended_within(rows: Sequence[RecallRow], limit: int) -> Sample[RecallRow]:
-    return Sample(rows, lambda row: 100 * (steps_needed(row) <= limit))
-
-
 def _rounds_in(state: State) -> Callable[[RecallRow], float]:
     return lambda row: row.rounds_by_state[state]
 
 
 def _wrong_in(state: State) -> Callable[[RecallRow], float]:
     return lambda row: 100 * row.wrong_by_state[state]
+
+
+def _per_step(rows: Sequence[RecallRow], count: Callable[[RecallRow], float]) -> Sample[RecallRow]:
+    return Sample(rows, lambda row: 100 * count(row), lambda row: row.steps)
 
 
 def _ordered(names: set[str]) -> list[str]:

@@ -12,13 +12,15 @@ import pytest
 from khepera_forage.envs.backends import COMPILED
 from khepera_forage.rollouts.row_files import read_rows, write_rows
 from khepera_forage.rollouts.rows import IMITATOR, RecallRow
+from khepera_forage.study import Job, Rows
 from khepera_forage.task import decisions as decisions_module
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis import reproduce as reproduction
-from khepera_forage.thesis.design import LABORATORY, THESIS
+from khepera_forage.thesis.design import LABORATORY, NO_NOISE, THESIS
 from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
+from khepera_forage.thesis.replication import Row, UntrainedRow
 from khepera_forage.thesis.reproduce import PAGE, SUMMARY, V0_1_RECALLS, write_report
-from tests.thesis.synthetic import recall, training
+from tests.thesis.synthetic import one_row, recall, training
 
 V0_1 = Decisions.v0_1()
 OTHER = replace(V0_1, next_to_food=22, food_to_home=200)
@@ -32,17 +34,12 @@ def test_arrival_vectors_follow_the_decisions() -> None:
     assert arrival_vectors(OTHER)[0, :, [1, 4]].T.tolist() == [[50, 20], [51, 21], [52, 22]]
 
 
-@pytest.mark.parametrize("table", ["recalls", "trainings", "noise_rows", "orient_rows"])
-def test_report_refuses_rows_of_different_decisions(table: str, tmp_path: Path) -> None:
-    rows: dict[str, Any] = {
-        "recalls": [recall()],
-        "trainings": [training()],
-        "noise_rows": [recall()],
-        "orient_rows": [OrientRow(0, 1, "g1", 0, 1.0, 0.0, 0.0)],
-    }
-    rows[table] = [replace(rows[table][0], decisions=TEXT)]
+@pytest.mark.parametrize("number", range(4))
+def test_report_refuses_rows_of_different_decisions(number: int, tmp_path: Path) -> None:
+    rows: list[Any] = [recall(), training(), recall(noise=NO_NOISE), OrientRow(0, 1, "g1", 0, 1.0, 0.0, 0.0)]
+    rows[number] = replace(rows[number], decisions=TEXT)
     with pytest.raises(ValueError, match=r"rows of different decisions: food_to_home is .*; next_to_food is") as error:
-        write_report(tmp_path, **rows, rng=np.random.default_rng(0))
+        write_report(tmp_path, Rows(rows), np.random.default_rng(0))
     assert str(error.value).endswith("allowed: rows of the same decisions in one report")
     assert not list(tmp_path.iterdir())
 
@@ -135,6 +132,21 @@ def test_page_table_and_summary_have_both_decisions(tmp_path: Path) -> None:
     assert heading in (tmp_path / SUMMARY).read_text().splitlines()
 
 
+def with_untrained(decisions: str) -> list[Row]:
+    missing = UntrainedRow(0, 7, NO_NOISE, "none of 200 attempts at a training episode was complete", decisions)
+    return [*one_row(decisions), missing]
+
+
+@pytest.mark.usefixtures("no_pictures")
+def test_reproduction_goes_on_without_a_noise_condition(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    job = Job("one", with_untrained, (decisions_text(V0_1),))
+    monkeypatch.setattr(reproduction, "jobs", lambda *_: [job])
+    page = reproduce(tmp_path, V0_1).read_text()
+    assert "as no attempt at a training episode was complete: none (7)." in page
+    assert "| none | corridor, 10 | - | - | - | - | 0 | 0 |" in page
+    assert [row.count for row in read_rows(tmp_path / "untrained.csv", UntrainedRow)] == [7]
+
+
 @pytest.mark.usefixtures("one_job")
 def test_version_0_1_is_not_compared_with_itself(tmp_path: Path) -> None:
     assert "For comparison" not in reproduce(tmp_path, V0_1).read_text()
@@ -163,7 +175,7 @@ def test_reproduction_replaces_only_rows_of_version_0_1(tmp_path: Path) -> None:
 def test_report_refuses_other_rows_as_those_of_version_0_1(tmp_path: Path) -> None:
     rows, rng = [recall(decisions=NEXT_TEXT)], np.random.default_rng(0)
     with pytest.raises(ValueError, match="v0_1_recalls have other decisions: next_to_food is 22, not 20; "):
-        write_report(tmp_path, rows, [], [], rng, v0_1_recalls=rows)
+        write_report(tmp_path, Rows(rows), rng, v0_1_recalls=rows)
     assert not list(tmp_path.iterdir())
 
 
@@ -172,6 +184,6 @@ def test_comparison_does_not_change_the_other_results(tmp_path: Path, recalls: l
     rows = [replace(row, decisions="v0.1") for row in recalls]
     for name, v0_1_recalls in (("alone", []), ("beside", rows)):
         rng = np.random.default_rng(9)
-        write_report(tmp_path / name, recalls, [], [], rng, resamples=200, v0_1_recalls=v0_1_recalls)
+        write_report(tmp_path / name, Rows(recalls), rng, resamples=200, v0_1_recalls=v0_1_recalls)
     claims = [(tmp_path / name / "table_claims.csv").read_bytes() for name in ("alone", "beside")]
     assert claims[0] == claims[1]

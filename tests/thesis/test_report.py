@@ -16,6 +16,7 @@ from PIL import Image
 from khepera_forage.estimates import pick
 from khepera_forage.figures import GREY, OURS
 from khepera_forage.rollouts.rows import RANDOM, RecallRow, TrainingRow
+from khepera_forage.study import Rows
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis import figures
 from khepera_forage.thesis.claims import Evidence, gather
@@ -93,12 +94,9 @@ def test_figures_without_rows_can_be_drawn() -> None:
         figure.draw_without_rendering()
 
 
-def test_report_has_page_tables_and_figures(
-    tmp_path: Path, recalls: list[RecallRow], trainings: list[TrainingRow], noise_rows: list[RecallRow]
-) -> None:
+def test_report_has_page_tables_and_figures(tmp_path: Path, rows: Rows) -> None:
     folder = tmp_path / "results"
-    rng = np.random.default_rng(6)
-    write_report(folder, recalls, trainings, noise_rows, rng, resamples=200)
+    write_report(folder, rows, np.random.default_rng(6), resamples=200)
     assert all(path.stat().st_size > 0 for path in folder.iterdir())
     page = (folder / PAGE).read_text(encoding="utf-8")
     pictures = sorted(path.name for path in folder.glob("*.png"))
@@ -120,7 +118,7 @@ def test_report_has_page_tables_and_figures(
 
 
 def test_report_on_one_replication_has_no_supported_claim(tmp_path: Path, recalls: list[RecallRow]) -> None:
-    write_report(tmp_path, pick(recalls, replication=0), [], [], np.random.default_rng(8), resamples=200)
+    write_report(tmp_path, Rows(pick(recalls, replication=0)), np.random.default_rng(8), resamples=200)
     page = (tmp_path / PAGE).read_text(encoding="utf-8")
     assert "1 replication, 106 recall episodes" in page
     assert "| undecided |" in page
@@ -172,7 +170,8 @@ def test_noise_condition_that_cannot_be_trained_is_told(
     recalls: list[RecallRow], trainings: list[TrainingRow], noise_rows: list[RecallRow]
 ) -> None:
     """In table and figure; the other conditions have their results."""
-    rows, tries = ([row for row in some if row.noise != NO_NOISE] for some in (noise_rows, trainings))
+    rows = [row for row in noise_rows if row.noise != NO_NOISE]
+    tries = [row for row in trainings if row.noise != NO_NOISE]
     missing = [UntrainedRow(first, 100, NO_NOISE, "none of 200 attempts", "") for first in (0, 100)]
     table = noise_table(rows, gather(recalls, tries, np.random.default_rng(1), 200), missing)
     assert table.note.endswith("as no attempt at a training episode was complete: none (200).")

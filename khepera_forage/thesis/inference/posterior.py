@@ -131,12 +131,8 @@ def effective_number(weights: Floats) -> float:
 def forest_weights(statistics: Floats, targets: Floats, queries: Floats, seed: int, trees: int = TREES) -> Floats:
     """How much each simulated set counts for some experiments, shape (queries, sets); each row's sum is 1.
 
-    Args:
-        statistics: Of the experiments under the sets, shape (sets, experiments, statistics); they may be missing (nan).
-        targets: What the trees predict, shape (sets, columns).
-        queries: Statistics of experiments, shape (queries, statistics).
-        seed: Of the forest.
-        trees: Their number.
+    Trees predict the targets, shape (sets, columns), from the statistics of the experiments under the sets, shape
+    (sets, experiments, statistics), which may be missing (nan). Queries have the shape (queries, statistics).
     """
     sets, experiments, _ = statistics.shape
     rows = np.ascontiguousarray(statistics.reshape(sets * experiments, -1), dtype=np.float32)
@@ -201,14 +197,10 @@ class Coverage:
 
 
 def calibrate(learned: Parameter, weights: Floats, true: Parameter, rng: Generator, guesses: Floats) -> Coverage:
-    """Compare posteriors with true values.
+    """Compare posteriors with true values: those of a decision in held-out sets.
 
-    Args:
-        learned: The decision in all sets that forests have learned.
-        weights: Posteriors: weights of these sets, shape (held-out sets, learned sets), each row's sum is 1.
-        true: The decision in the held-out sets.
-        rng: Orders alternatives with equal ranks at random; draws resamples.
-        guesses: Like `weights`, without any tables.
+    `learned` is the decision in all sets that forests have learned. A posterior is the weights of these sets, a row of
+    `weights`; `guesses` are the same without any tables.
     """
     # Weight below the true value, and a random share of the weight at it: uniform if the posterior is right.
     ranks = np.empty(len(true.values))
@@ -283,12 +275,9 @@ class PriorCheck(NamedTuple):
 
 
 def prior_check(statistics: NDArray[np.float32], observed: Floats, rng: Generator) -> PriorCheck:
-    """Compare an experiment with all simulated ones, statistic by statistic and jointly.
+    """Compare an experiment with all simulated ones, statistic by statistic and jointly; `rng` chooses some of these.
 
-    Args:
-        statistics: Shape (sets, experiments, statistics); they may be missing.
-        observed: The same of one experiment.
-        rng: Chooses the experiments whose distances are compared.
+    The statistics, shape (sets, experiments, statistics), may be missing.
     """
     sets, experiments, width = statistics.shape
     flat = statistics.reshape(-1, width).astype(np.float64)
@@ -340,12 +329,7 @@ def infer(
 ) -> Posterior:
     """Weight sets by their likeness to an experiment, and validate the weights on sets that were held out.
 
-    Args:
-        parameters: What the prior draws, in admissible sets.
-        statistics: The fitted ones of these sets, shape (sets, experiments, statistics).
-        observed: The same statistics of the experiment.
-        seed: Of the forest.
-        trees: Their number.
+    The statistics of admissible sets are the fitted ones, shape (sets, experiments, statistics).
 
     Raises:
         ValueError: Fewer than three sets.

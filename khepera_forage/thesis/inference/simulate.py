@@ -23,7 +23,7 @@ from khepera_forage.rollouts.compiled.recalls import TEACHER, WITHOUT_ORIENTING,
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.study import Arguments, Job, RowStore, in_processes
-from khepera_forage.thesis.compiled_replications import recalls_of
+from khepera_forage.thesis.compiled_replications import experience_of, recalls_of
 from khepera_forage.thesis.design import FOODS, LIMITS, THESIS, files_needed
 from khepera_forage.thesis.inference.posterior import Parameter, parameters_of
 from khepera_forage.thesis.inference.prior import PRIOR, LabModel, laboratory_from_text, laboratory_text
@@ -169,7 +169,7 @@ def replicate(laboratory: LabModel, seed: int, experiments: int) -> NDArray[np.f
     cells = []
     for cell, seeds in zip(THESIS, recalling.spawn(len(THESIS)), strict=True):
         numbers = seeds.generate_state(experiments * cell.size).astype(np.int64)
-        played = recalls_of(cell, trained, experiments, numbers, noise, decisions)
+        played = recalls_of(cell, experience_of(cell, trained, experiments), numbers, noise, decisions)
         shape = (experiments, len(cell.subsets), cell.recalls)
         own = (getattr(played, name).astype(np.float64).reshape(shape) for name in CellRecalls._fields)
         cells.append(of_recalls(cell, CellRecalls(*own)))
