@@ -24,6 +24,7 @@ if __name__ == "__main__":
 
 import argparse
 import gzip
+import io
 import json
 import os
 import platform
@@ -42,6 +43,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
 
 from joblib import Parallel, delayed
 
+from khepera_forage import __version__
 from khepera_forage.estimates import Table
 from khepera_forage.figures import save
 from khepera_forage.files import naming_file, replacing, write_all
@@ -211,7 +213,8 @@ class RowStore:
     Args:
         folder: Made if it does not exist.
         tables: All types of rows.
-        settings: What the rows depend on. A folder may hold rows with further settings, but none with other values.
+        settings: What the rows depend on, beside the version of the package. A folder may hold rows with further
+            settings, but none with other values.
         fresh: Delete the rows that are there.
         file: Name of the file.
 
@@ -226,7 +229,7 @@ class RowStore:
         self.finished: dict[str, list[Any]] = {}
         folder.mkdir(parents=True, exist_ok=True)
         self._path = folder / file
-        known: dict[str, str] = {}
+        settings, known = {"version": __version__, **settings}, dict[str, str]()
         if self._path.exists() and not fresh:
             known = self._read()
             for name, value in settings.items():
@@ -236,7 +239,7 @@ class RowStore:
                         f"{value!r}; allowed: the same, another folder (--out), or --fresh, which deletes them"
                     )
         with replacing(self._path) as partial:
-            partial.write_bytes(_line(known | dict(settings)) + b"".join(map(self._line, self.finished)))
+            partial.write_bytes(_line(known | settings) + b"".join(map(self._line, self.finished)))
 
     def add(self, key: str, rows: Sequence[Any]) -> None:
         """Keep the rows of a unit."""
@@ -262,8 +265,10 @@ class RowStore:
         """Read all whole lines; the settings of the first one."""
         lines: list[Any] = []
         try:
-            with suppress(EOFError), gzip.open(self._path, "rt", encoding="utf-8") as file:
-                lines.extend(map(json.loads, file))  # without the line that a killed process was writing
+            # Without the line that a killed process was writing; a single byte of it would be no compressed part.
+            content = io.BytesIO(self._path.read_bytes().removesuffix(b"\x1f"))
+            with suppress(EOFError), gzip.open(content, "rt", encoding="utf-8") as file:
+                lines.extend(map(json.loads, file))
             for line in lines[1:]:
                 self.finished[line["unit"]] = [
                     kind(*(tuple(value) if isinstance(value, list) else value for value in values))

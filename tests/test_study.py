@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import pytest
 
-from khepera_forage import figures
+from khepera_forage import figures, study
 from khepera_forage.estimates import Column, Table
 from khepera_forage.study import UNITS, Arguments, Count, Page, Picture, RowStore, collect, parse, write
 from tests.limited_disk import largest_file
@@ -93,7 +93,8 @@ def test_a_run_that_was_killed_at_any_byte_continues(tmp_path: Path) -> None:
     walk(tmp_path, "abc")
     store, wanted = tmp_path / UNITS, (tmp_path / "steps.csv").read_text()
     whole = store.read_bytes()
-    for length in range(0, len(whole), 7):
+    first_bytes = [part.start() + 1 for part in re.finditer(b"\x1f\x8b", whole)][1:]
+    for length in (*range(0, len(whole), 7), *first_bytes):
         store.write_bytes(whole[:length])
         assert walk(tmp_path, "abc") == list("aabbcc")
         assert (tmp_path / "steps.csv").read_text() == wanted
@@ -105,7 +106,9 @@ def test_rows_are_read_as_they_were_written(tmp_path: Path) -> None:
     assert RowStore(tmp_path, {Leap: "leaps"}, {}).finished == {"a": rows}
 
 
-def test_rows_of_other_settings_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_rows_of_other_settings_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     walk(tmp_path, "a")
     with pytest.raises(ValueError, match="with seed '0', and this run has '2'; allowed: the same"):
         RowStore(tmp_path, TABLES, {"seed": "2"})
@@ -115,6 +118,9 @@ def test_rows_of_other_settings_are_refused(tmp_path: Path, capsys: pytest.Captu
     with pytest.raises(SystemExit, match="2"):
         walk(tmp_path, "a", "--length", "6")
     assert re.match(r"walking\.py: .* with length '5', and this run has '6'", capsys.readouterr().err)
+    monkeypatch.setattr(study, "__version__", "9.0")
+    with pytest.raises(ValueError, match=r"with version '\d.*', and this run has '9\.0'"):
+        RowStore(tmp_path, TABLES, {})
 
 
 def test_a_file_of_another_kind_is_named(tmp_path: Path) -> None:

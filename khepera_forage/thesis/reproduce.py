@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from khepera_forage import __version__
 from khepera_forage.envs.arguments import checked_decisions
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.estimates import MIN_REPLICATIONS, RESAMPLES, Table, pick, replications
@@ -115,7 +114,7 @@ def reproduce(
 def _rows(given: Arguments, counts: JobCounts, decisions: Decisions, backend: str, tables: Tables, file: str) -> Rows:
     """The rows of all jobs in their order; those of a run that was killed are taken from the folder."""
     units = jobs(int(given.settings["seed"]), counts, decisions, backend)
-    settings = {"decisions": decisions_text(decisions), "version": __version__}
+    settings = {"decisions": decisions_text(decisions)}
     # Compiled jobs use all cores themselves.
     execute = in_processes(given.jobs) if backend == PYMUNK else partial(map, done)
     return collect(given, units, tables, execute, settings, file=f"{file}.jsonl.gz")
