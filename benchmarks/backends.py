@@ -267,11 +267,6 @@ def recall_parts(rows: Sequence[Recall]) -> list[str | Table | Picture]:
     ]
 
 
-def _share_delivered(rows: Sequence[Recall]) -> Estimate:
-    """Percent of the food that can be delivered."""
-    return percent(sum(row.delivered for row in rows), sum(row.deliverable for row in rows))
-
-
 def agreement(same: Sequence[bool], *ends: Sequence[bool]) -> dict[str, Value]:
     """How many episodes are the same, and how many succeed on both backends, on one of them, or on none."""
     pairs = list(zip(*ends, strict=True))

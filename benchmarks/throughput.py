@@ -332,7 +332,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main() -> int:
-    """Measure, print the table, and write page, picture and rows."""
+    """Measure, print the table, and write page and rows."""
     from khepera_forage.estimates import Column, Table
     from khepera_forage.study import Count, Page, collect, finish, parse
 

@@ -268,14 +268,8 @@ def recall_all(
 ) -> list[RecallEpisode]:
     """A replication's recalls in one arena; their places are the same under every condition and for every amount.
 
-    Args:
-        env: From `recall_env`.
-        policy: Forages.
-        trial: For seeds and rows.
-        amount: For the rows.
-        files: The policy's experience, for the rows.
-        condition: For the rows; by default the trial's.
-        fresh: Copy the policy for every recall, because it remembers what it does.
+    The policy's experience in `files` and the condition, by default the trial's, are for the rows. With `fresh`, every
+    recall has a copy of the policy, because that remembers what it does.
     """
     vectors = arrays(list(files))[0] if files else np.zeros((0, 5), np.int64)
     distinct = len(np.unique(vectors, axis=0))
@@ -348,7 +342,7 @@ class Analysis:
     ) -> Claim:
         """A claim on how much greater a mean is in `rows` than in `others`; by default, that it is greater."""
         effect = self.difference(rows, others, measure)
-        return claim(name, effect, rule, unit or UNITS.get(measure.name, points))
+        return Claim(name, "", effect, rule, unit or UNITS.get(measure.name, points))
 
     def recall_table(self, note: str, measures: Sequence[Measure[RecallEpisode]], amount: str = "episodes") -> Table:
         """Means by condition, arena and amount."""
@@ -480,11 +474,6 @@ class Experiment(NamedTuple):
         return Page(self.title, [question, self.method, picture, table, *tables])
 
 
-def claim(name: str, effect: Estimate, rule: Rule, unit: Unit) -> Claim:
-    """A claim on an effect that the thesis did not measure."""
-    return Claim(name, "", effect, rule, unit)
-
-
 def curves(
     axes: "Axes",
     found: Analysis,
@@ -497,15 +486,8 @@ def curves(
 ) -> None:
     """Draw the mean of a measure against the amount, one curve a condition.
 
-    Args:
-        axes: Where.
-        found: Computes the means.
-        rows: All that are shown.
-        measure: What is shown.
-        amount: Label of the amounts.
-        title: Of the panel.
-        share: Whether the measure goes from 0 to 100.
-        amounts: That are shown, with rows or without; empty for those that occur.
+    `amount` is the label of the amounts. `share` says whether the measure goes from 0 to 100. `amounts` are shown with
+    rows or without; by default those that occur.
     """
     conditions = list(dict.fromkeys(row.condition for row in rows))
     amounts = amounts or amounts_of(rows, 0)

@@ -13,18 +13,16 @@ from khepera_forage.task.behaviours import wait
 from khepera_forage.task.perception import RawData
 
 RELATIONS = 17
+TREES = 10
+"""Of each ensemble."""
 _ARM_HALF, _JAW_HALF = (ARM_DOWN + ARM_RAISED) / 2, (JAW_OPEN + JAW_CLOSED) / 2
 
 
 def relations(raw: RawData) -> tuple[float, ...]:
     """Raw data relative to the robot, independent of the arena: distances as in section 4.3, and bearings.
 
-    Args:
-        raw: What the robot perceives now.
-
-    Returns:
-        17 numbers: the six infra-reds, arm, jaw, object presence, whether food is seen, distance (pixels) and bearing
-        (degrees) of food, home and nearest wall (those of food 0 if none is seen), and the type of the food.
+    The 17 numbers are the six infra-reds, arm, jaw, object presence, whether food is seen, distance (pixels) and
+    bearing (degrees) of food, home and nearest wall (those of food 0 if none is seen), and the type of the food.
     """
     food = bearing_of_food = 0.0
     if raw.food_seen:
@@ -58,40 +56,27 @@ class LearnedBehaviours:
     decides, and a draw means raised and closed. A behaviour without examples stands still and keeps arm and jaw.
 
     Args:
-        trees: Trees of each ensemble.
         random_state: Seed of their splits.
     """
 
-    def __init__(self, trees: int = 10, random_state: int = 0) -> None:
-        self.trees = trees
+    def __init__(self, random_state: int = 0) -> None:
         self.random_state = random_state
         self._ensembles: dict[int, list[Any]] = {}
 
     def fit(self, raws: Sequence[RawData], behaviours: Sequence[int], motors: Sequence[Motors]) -> Self:
-        """Learn from steps, forgetting earlier ones.
-
-        Args:
-            raws: What the robot perceived before each step.
-            behaviours: The behaviour of each step.
-            motors: The motor commands of each step.
-        """
+        """Learn from steps, forgetting earlier ones: what the robot perceived before each, and what it did."""
         rows = np.array([relations(raw) for raw in raws], np.float32).reshape(-1, RELATIONS)
         commands = np.array(motors, np.float64).reshape(-1, len(Motors._fields))
         labels = np.array(behaviours, np.int64)
         self._ensembles = {}
         for behaviour in np.unique(labels).tolist():
             own = labels == behaviour
-            forest = ExtraTreesRegressor(self.trees, random_state=self.random_state).fit(rows[own], commands[own])
+            forest = ExtraTreesRegressor(TREES, random_state=self.random_state).fit(rows[own], commands[own])
             self._ensembles[behaviour] = [estimator.tree_ for estimator in forest.estimators_]
         return self
 
     def command(self, behaviour: int, raw: RawData) -> Motors:
-        """Motors for one step of a behaviour.
-
-        Args:
-            behaviour: A `Behaviour`.
-            raw: What the robot perceives now.
-        """
+        """Motors for one step of a behaviour, from what the robot perceives now."""
         ensemble = self._ensembles.get(int(behaviour))
         if ensemble is None:
             return wait(raw)

@@ -1,7 +1,7 @@
 """Two experiments on what the learner does with its records: attribute weights, and rejected alternatives."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
 
@@ -156,45 +156,38 @@ PATIENCE = 100
 def goal_reached(behaviour: int, vector: StateVector, home_radius: int) -> bool:
     """Whether the local goal of a behaviour is reached (4.2.1): the robot is where the next behaviour begins."""
     presence, home, food_type, arm, food = vector
-    if behaviour == Behaviour.SEARCH_FOR_FOOD:
-        return bool(food <= DECISIONS.close_to_food)
-    if behaviour == Behaviour.MOVE_SLOWLY:
-        return bool(food <= DECISIONS.next_to_food)
-    if behaviour == Behaviour.ORIENT_WITH_FOOD:
-        return bool(presence)
-    if behaviour == Behaviour.EXPLORE_FOOD:
-        return food_type != FoodType.UNKNOWN
-    if behaviour == Behaviour.PICK_UP_FOOD:
-        return bool(presence) and is_raised(arm, DECISIONS)
-    if behaviour in (Behaviour.PUSH_FOOD, Behaviour.GO_HOME):
-        return home <= home_radius
-    if behaviour == Behaviour.AVOID_HOME:
-        return home > home_radius
-    return not presence  # RELEASE FOOD and AVOID FOOD
+    goals = {
+        Behaviour.SEARCH_FOR_FOOD: food <= DECISIONS.close_to_food,
+        Behaviour.MOVE_SLOWLY: food <= DECISIONS.next_to_food,
+        Behaviour.ORIENT_WITH_FOOD: presence,
+        Behaviour.EXPLORE_FOOD: food_type != FoodType.UNKNOWN,
+        Behaviour.PICK_UP_FOOD: presence and is_raised(arm, DECISIONS),
+        Behaviour.PUSH_FOOD: home <= home_radius,
+        Behaviour.AVOID_FOOD: not presence,
+        Behaviour.GO_HOME: home <= home_radius,
+        Behaviour.AVOID_HOME: home > home_radius,
+        Behaviour.RELEASE_FOOD: not presence,
+    }
+    return bool(goals[Behaviour(behaviour)])
 
 
-@dataclass
 class UntilGoal:
     """A policy whose behaviours run until their goal is reached or `PATIENCE` steps have passed.
 
-    It remembers the running behaviour, so every episode needs a new copy.
-
-    Attributes:
-        policy: Decides on the next behaviour.
-        home_radius: In pixels.
+    It remembers the running behaviour, so every episode needs a new copy. The radius of the home is in pixels.
     """
 
-    policy: Policy
-    home_radius: int
-    _running: int | None = field(default=None, init=False)
-    _steps: int = field(default=0, init=False)
+    def __init__(self, policy: Policy, home_radius: int) -> None:
+        self._policy, self._home_radius = policy, home_radius
+        self._running: int | None = None
+        self._steps = 0
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
         """The behaviour that runs, or the next one."""
         vector = state_vector_of(observation)
         running = self._running
-        if running is None or self._steps >= PATIENCE or goal_reached(running, vector, self.home_radius):
-            running = self._running = self.policy.act(observation, rng)
+        if running is None or self._steps >= PATIENCE or goal_reached(running, vector, self._home_radius):
+            running = self._running = self._policy.act(observation, rng)
             self._steps = 0
         self._steps += 1
         return running
@@ -210,11 +203,8 @@ def first_vectors(experience: Experience) -> Experience:
 class StateLabels:
     """The learner of the first draft (4.5.1): it classifies states, and learns which behaviour belongs to which.
 
-    States and behaviours correspond one to one (4.4.1), so that each state has one behaviour, once it was heard.
-
-    Attributes:
-        home_radius: Of the arena it forages in, in pixels.
-        heard: The behaviours that were heard.
+    States and behaviours correspond one to one (4.4.1), so that each state has one behaviour, once it was heard. The
+    radius is that of the home in the arena it forages in, in pixels.
     """
 
     home_radius: int

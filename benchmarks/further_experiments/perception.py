@@ -1,9 +1,9 @@
 """Two experiments on what the learner perceives and drives: a redesigned state vector, and learned behaviours."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DEFAULT_VALUES
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, StateVector
-from khepera_forage.thesis.claims import above, within
+from khepera_forage.thesis.claims import Claim, above, within
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 SAME = 10.0
@@ -41,8 +41,7 @@ class Moment(NamedTuple):
 class ObservingTeacher:
     """The teacher of section 4.4, which records the steps of its first learner: `teacher` and `callback` of `train`.
 
-    Attributes:
-        moments: The steps of the last attempt in which the learner heard a behaviour.
+    `moments` are the steps of the last attempt in which the learner heard a behaviour.
     """
 
     def __init__(self, env: TrainingEnv) -> None:
@@ -63,14 +62,10 @@ class ObservingTeacher:
             self.moments.append(Moment(self._perceived, self._heard, self._env.foragers[1].applied))
 
 
-Observed = tuple[Experience, fw.TrainingEpisode, list[Moment]]
-"""One complete training episode, with every step in which the learner heard a behaviour."""
-
-
 def observe(
     env: TrainingEnv, trial: fw.Trial, seeds: Any = None, setups: Iterable[Mapping[str, Any]] | None = None
-) -> list[Observed]:
-    """Training episodes with their steps; see `train_files`."""
+) -> list[tuple[Experience, fw.TrainingEpisode, list[Moment]]]:
+    """Complete training episodes, with every step in which the learner heard a behaviour; see `train_files`."""
     teacher = ObservingTeacher(env)
     seeds = seeds or trial.seeds(trial.size.files)
     episodes = fw.train_files(env, trial, seeds, teacher=teacher, setups=setups, callback=teacher)
@@ -102,28 +97,17 @@ def redesigned(raw: RawData) -> StateVector:
     return StateVector(1 if raw.object_presence else 0, SCALE * at_home, raw.food_type, raw.arm, nearness)
 
 
-@dataclass(frozen=True, slots=True)
 class RedesignedImitator:
-    """The thesis's learner with the redesigned state vector.
+    """The thesis's learner with the redesigned state vector, after some training episodes, in its environment."""
 
-    Attributes:
-        imitator: Trained with redesigned vectors.
-        env: Where it forages.
-    """
-
-    imitator: NearestNeighbourImitator
-    env: BehavioursEnv
-
-    @classmethod
-    def trained(cls, moments: Sequence[Moment], env: BehavioursEnv) -> Self:
-        """The learner of some training episodes."""
+    def __init__(self, moments: Sequence[Moment], env: BehavioursEnv) -> None:
         vectors = np.array([redesigned(moment.raw) for moment in moments])
         heard = np.array([int(moment.heard) for moment in moments])
-        return cls(NearestNeighbourImitator(diagonal=SCALE).fit(vectors, heard), env)
+        self._env, self._imitator = env, NearestNeighbourImitator(diagonal=SCALE).fit(vectors, heard)
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
         """A behaviour, drawn with its confidence level; the thesis's state vector is not used."""
-        return self.imitator.act(redesigned(self.env.forager.raw), rng)
+        return self._imitator.act(redesigned(self._env.forager.raw), rng)
 
 
 def run_vectors(trial: fw.Trial) -> list[fw.Row]:
@@ -135,7 +119,7 @@ def run_vectors(trial: fw.Trial) -> list[fw.Row]:
         for amount in trial.size.amounts:
             files = experience[:amount]
             rows += fw.recall_all(env, fw.imitator(files, env.diagonal), trial, amount, files, OLD)
-            learner = RedesignedImitator.trained(list(chain(*moments[:amount])), env)
+            learner = RedesignedImitator(list(chain(*moments[:amount])), env)
             rows += fw.recall_all(env, learner, trial, amount, files, NEW)
     return rows
 
@@ -230,11 +214,8 @@ def hand_coded(behaviour: int, raw: RawData) -> Motors:
 class LearnedBehavioursEnv(BehavioursEnv):
     """Recall with learned behaviours in place of the hand-coded ones.
 
-    The score is that of equation 5.1: a step is correct if the teacher would have chosen the same behaviour.
-
-    Args:
-        command: From a behaviour and raw data to motors; may be replaced between episodes.
-        **kwargs: Of `BehavioursEnv`.
+    The score is that of equation 5.1: a step is correct if the teacher would have chosen the same behaviour. `command`
+    leads from a behaviour and raw data to motors; it may be replaced between episodes.
     """
 
     def __init__(self, command: Callable[[int, RawData], Motors] = hand_coded, **kwargs: Any) -> None:
@@ -244,11 +225,9 @@ class LearnedBehavioursEnv(BehavioursEnv):
     def reset(self, **kwargs: Any) -> Any:
         """Start an episode, in which the robot has the learned behaviours."""
         begun = super().reset(**kwargs)
-        setattr(self.forager, "motors_for", self._command)  # noqa: B010 (a method of this robot alone)
+        forager = self.forager
+        forager.motors_for = lambda behaviour: self.command(behaviour, forager.raw)  # type: ignore[method-assign]
         return begun
-
-    def _command(self, behaviour: int) -> Motors:
-        return self.command(behaviour, self.forager.raw)
 
 
 def run_actions(trial: fw.Trial) -> list[fw.Row]:
@@ -325,7 +304,7 @@ def report_actions(found: fw.Analysis) -> fw.Report:
             claims.append(found.compared(name, learned, taught, fw.DELIVERED, within(SAME)))
             effect = found.mean(rows(setup, BOTH, arena), fw.DELIVERED)
             name = f"{arena}, {setup}: the complete imitation learning system delivers most of the food"
-            claims.append(fw.claim(name, effect, above(MOST), fw.PERCENT))
+            claims.append(Claim(name, "", effect, above(MOST), fw.PERCENT))
         various, same = (rows(setup, BOTH, arena) for setup in (ALL, ONE))
         name = f"{arena}: variety of the episodes helps the complete system"
         claims.append(found.compared(name, various, same, fw.DELIVERED))

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -128,39 +128,34 @@ MARGIN = 10.0
 """Points within which a score counts as kept, as in the chains of learners. Our decision."""
 
 
-@dataclass
 class SimulatedPerson:
     """The teacher's decisions, late and with wrong keys.
 
     The program waits for the first key, so the first key is not late. The silence for a separated learner is not late
     either, because the program keeps it without the person.
 
-    Attributes:
+    Args:
         env: The training environment that this policy teaches in.
         delay: Rounds that pass before a change is answered; at least 0.
         wrong: Probability of a round with a wrong key, any of the nine others with equal odds.
     """
 
-    env: TrainingEnv
-    delay: int
-    wrong: float
-    _right_keys: deque[Behaviour] = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        self._right_keys = deque(maxlen=self.delay + 1)
+    def __init__(self, env: TrainingEnv, delay: int, wrong: float) -> None:
+        self._env, self._wrong = env, wrong
+        self._right_keys = deque[Behaviour](maxlen=delay + 1)
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> int:
         """What the teacher would have done `delay` rounds ago, or a wrong key, which `rng` draws."""
         assert rng is not None
-        if self.env.infos[TEACHER]["steps"] == 0:
+        env = self._env
+        if env.infos[TEACHER]["steps"] == 0:
             self._right_keys.clear()
-        decisions = self.env.decisions.values()
-        state = classify(state_vector_of(observation), self.env.home_radius, decisions)
+        state = classify(state_vector_of(observation), env.home_radius, env.decisions.values())
         self._right_keys.append(behaviour_for(state))
         if is_training(observation) and observation[SEPARATED]:
             return Behaviour.WAIT
         key = self._right_keys[0]
-        if rng.random() < self.wrong:
+        if rng.random() < self._wrong:
             others = [behaviour for behaviour in BEHAVIOURS[: Behaviour.WAIT] if behaviour != key]
             return others[int(rng.integers(len(others)))]
         return key

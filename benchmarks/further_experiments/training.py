@@ -76,14 +76,14 @@ def _food_claims(found: fw.Analysis, food: str) -> Iterator[Claim]:
         for weight, amount in ((early, second), (-early, first), (-late, last), (late, before))
     ]
     effect = combined(terms, found.rng)
-    yield fw.claim(f"{food}, corridor: the gain from an episode shrinks", effect, above(0.0), points)
+    yield Claim(f"{food}, corridor: the gain from an episode shrinks", "", effect, above(0.0), points)
     learned, chance = (pick(rows, arena="rectangle", amount=amount) for amount in (last, 0))
     effect = Estimate(*(value / 100 for value in found.difference(learned, chance, fw.SETTLED)))
     name = f"{food}: trained in the corridor, it forages in the rectangle"
-    yield fw.claim(name, effect, above(0.0), percent_change)
+    yield Claim(name, "", effect, above(0.0), percent_change)
     if food in ("poisonous", "mixed"):
         home = _poison_home(found, pick(rows, amount=last))
-        yield fw.claim(f"{food}: the learner leaves poison alone", home, at_most(MAX_POISON_HOME), fw.PERCENT)
+        yield Claim(f"{food}: the learner leaves poison alone", "", home, at_most(MAX_POISON_HOME), fw.PERCENT)
 
 
 def _poison_home(found: fw.Analysis, rows: Sequence[fw.RecallEpisode]) -> Estimate:
@@ -113,10 +113,8 @@ _AHEAD = DEFAULT_DECISIONS.close_to_food * MM_PER_PIXEL + 10.0
 def setups(condition: str, rng: np.random.Generator) -> Iterator[Mapping[str, Any]]:
     """Start and food of one training episode after another.
 
-    Args:
-        condition: `ONE`: always as in figure 5.1; `MOVED`: the start of figure 5.1, food at random; `ALL`: start and
-            food at random, as in recall.
-        rng: Draws the places.
+    `ONE`: always as in figure 5.1; `MOVED`: the start of figure 5.1, food at random; `ALL`: start and food at random,
+    as in recall.
     """
     key, corridor = key_of(int(rng.integers(2**62))), checked_arena(CORRIDOR, DEFAULT_DECISIONS)
     for number in count():
@@ -222,7 +220,7 @@ def report_robots(found: fw.Analysis) -> fw.Report:
             copied, imitated = (pick(rows, amount=amount) for amount in (0, last))
             effect = found.difference(imitated, copied, fw.DELIVERED) if last else UNKNOWN
             name = f"{robot}, {arena}: imitating delivers more than copying"
-            claims.append(fw.claim(name, effect, above(0.0), fw.FOOD_POINTS))
+            claims.append(Claim(name, "", effect, above(0.0), fw.FOOD_POINTS))
     tables = (
         found.recall_table(
             "0 episodes: the teacher's program, copied. A copy always scores 100 % less its penalty, because the score "
