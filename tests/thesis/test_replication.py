@@ -8,12 +8,12 @@ import pytest
 
 from khepera_forage import Noise
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
-from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
+from khepera_forage.rollouts.rows import IMITATOR, RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.study import Rows
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
 from khepera_forage.thesis import replication
 from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, NO_NOISE, THESIS, Cell, Subset
-from khepera_forage.thesis.orient_analysis import OrientRow
+from khepera_forage.thesis.orient_analysis import PIXELS_BEYOND, OrientRow
 from khepera_forage.thesis.replication import JobCounts, Row, UntrainedRow, comparison_counts, job_counts, jobs
 
 V0_1 = Decisions.v0_1()
@@ -33,10 +33,18 @@ def of_backend(backend: str) -> Any:
 def test_replication_leaves_all_rows_of_its_cells(backend: str, decisions: Decisions) -> None:
     rows = Rows(of_backend(backend).replicate(5, 0, 2, LABORATORY, SMALL, decisions))
     recalls, trainings, orient = rows.of(RecallRow), rows.of(TrainingRow), rows.of(OrientRow)
-    assert [row.file_id for row in recalls] == ["g1", "g1", "g12", "g12"] * 2
+    about = [(row.replication, row.file_id, row.recall) for row in recalls]
+    assert about == [(n, files, number) for n in range(2) for files in ("g1", "g12") for number in range(2)]
+    common = [(row.arena, row.episodes, row.learner, row.noise, row.foods, row.limit) for row in recalls]
+    assert set(common) == {("corridor", 2, IMITATOR, LABORATORY, 1, 500)}
+    assert len({row.seed for row in recalls}) == len(recalls)
     everything: list[Row] = [*recalls, *trainings, *orient]
     assert {row.decisions for row in everything} == {decisions_text(decisions)}
-    assert len(orient) == 2 * 2 * 6
+    places = [(row.replication, row.episodes, row.file_id, row.beyond) for row in orient]
+    assert places == [(n, 2, files, at) for n in range(2) for files in ("g1", "g12") for at in PIXELS_BEYOND]
+    attempts = [(row.replication, row.file) for row in trainings if row.complete]
+    assert attempts == [(n, file) for n in range(2) for file in (1, 2)]
+    assert all(row.attempt == 1 or trainings[i - 1].attempt == row.attempt - 1 for i, row in enumerate(trainings))
     for number in range(2):
         complete = [row.vectors for row in trainings if row.complete and row.replication == number]
         sizes = [row.experience_size for row in recalls if row.replication == number]
@@ -85,7 +93,8 @@ def test_seed_of_a_compiled_training_reproduces_it() -> None:
 def test_baseline_of_the_teacher_has_three_times_the_limit(backend: str, learner: str, limit: int) -> None:
     rows = Rows(of_backend(backend).baselines(0, 0, 2, learner, "corridor", 3, OTHER)).of(RecallRow)
     assert {(row.limit, row.decisions) for row in rows} == {(limit, decisions_text(OTHER))}
-    assert [row.replication for row in rows] == [0, 0, 0, 1, 1, 1]
+    assert [(row.replication, row.recall) for row in rows] == [(block, i) for block in (0, 1) for i in range(3)]
+    assert {(row.learner, row.episodes, row.file_id, row.noise) for row in rows} == {(learner, 0, "-", LABORATORY)}
     if learner == TEACHER:
         assert {(row.score, row.delivered) for row in rows} == {(100.0, 1)}, "under the same decisions"
 
