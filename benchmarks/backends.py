@@ -50,7 +50,7 @@ ODDS: dict[str, Any] = {ONE_THIRD_EACH: {PICKABLE: 1.0, PUSHABLE: 1.0, POISONOUS
 GOALS = {PICKABLE: 98.0, PUSHABLE: 95.0}
 """Percent of the food that the teacher is to deliver in every arena."""
 PROCEDURAL = "all procedural"
-EPISODES, SEVERAL, QUICK_SEVERAL = 3, 20, 5
+EPISODES, SEVERAL, QUICK_SEVERAL = 3, 20, 2
 """Training episodes of an imitator; imitators that take turns, the same on both backends."""
 BLOCK = 25
 Vectors = tuple[NDArray[np.int64], NDArray[np.int64]]

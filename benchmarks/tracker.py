@@ -59,9 +59,9 @@ if TYPE_CHECKING:
 PARTS = ("speed", "limits", "lenses", "scenes", "trainings", "troubles")
 SPEED, LIMITS, LENSES, SCENES, TRAININGS, TROUBLES = PARTS
 COUNTS = (
-    Count("scenes", 1000, 10, "random scenes of each appearance"),
-    Count("trainings", 60, 2, "trainings to observe", adds_units=True),
-    Count("rounds", 500, 60, "rounds of each"),
+    Count("scenes", 1000, 6, "random scenes of each appearance"),
+    Count("trainings", 60, 1, "trainings to observe", adds_units=True),
+    Count("rounds", 500, 100, "rounds of each"),
     Count("frames", 20, 1, "frames of each point of a curve, with 20 markers each"),
     Count("trials", 20, 1, "calibrations of each lens and layout of points"),
     Count("troubled", 1000, 5, "frames with and without trouble at each resolution"),

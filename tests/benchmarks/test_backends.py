@@ -99,5 +99,7 @@ def test_episodes_are_compared_pair_by_pair(out: Path) -> None:
             assert int(line["episodes"]) == len(pairs)
             assert int(line["pymunk only"]) == pairs.count((True, False))
             assert int(line["compiled only"]) == pairs.count((False, True))
+            assert int(line["both"]) == pairs.count((True, True))
+            assert int(line["neither"]) == pairs.count((False, False))
             for one, other in zip(*sides, strict=True):
                 assert one["same"] == "0" or one | {"backend": ""} == other | {"backend": ""}

@@ -27,6 +27,13 @@ def test_after_every_fault_robots_stand_experience_is_right_and_training_goes_on
         assert (row["moving"], row["out_of_reach"], row["continued"]) == ("0", "0", "1"), row
         if row["outcome"] != "recovered":
             assert (row["notices"], row["named"]) == ("1", "1"), row
+    for line in read(out / "table_faults.csv"):
+        (row,) = (row for row in faults if row["kind"] == line["fault"])
+        outcomes = {name: int(line[name]) for name in ("recovered", "attempt lost", "stopped")}
+        assert outcomes == {name: int(name == row["outcome"]) for name in outcomes}
+        assert [line[name] for name in ("part", "moving", "out of reach", "continued")] == [row["part"], "0", "0", "1"]
+        assert float(line["until noticed (s)"]) == pytest.approx(float(row["seconds"]), rel=1e-4)
+        assert float(line["wheels unattended (s)"]) == pytest.approx(float(row["unattended"]), rel=1e-4)
     disks = sum(row["part"] == "disk" for row in faults)
     (training,) = read(out / "table_trainings.csv")
     assert training["complete"] == training["trainings"]

@@ -8,12 +8,15 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from khepera_forage.comparison.compare import CANDIDATES, candidates, differences, unavailable
-from khepera_forage.comparison.learning import RecallBatch, settings_text
+from khepera_forage.comparison.learning import ALL_ARENAS, RecallBatch, settings_text
 from khepera_forage.comparison.results import curves
+from khepera_forage.policies import Teacher
 from khepera_forage.policies.learners import LEARNERS, Supervision
+from khepera_forage.rollouts.recall import recall, recall_env
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import quick, quick_here, read, refused
 from tests.benchmarks.test_scripts import LEARNERS_RUN
@@ -70,6 +73,16 @@ def test_the_teacher_delivers_all_and_random_behaviours_little(out: Path) -> Non
     }
     assert share["teacher"] == 1
     assert share["random"] < 0.2 < share["dagger_tree"]
+
+
+def test_rows_of_the_teacher_are_those_of_its_recalls(out: Path) -> None:
+    for row in (row for row in read(out / "rows.csv") if row["learner"] == "teacher"):
+        sequences = np.random.SeedSequence(1, spawn_key=(int(row["replication"]),)).spawn(1 + len(ALL_ARENAS))
+        seeds = sequences[1 + ALL_ARENAS.index(row["arena"])].generate_state(int(row["recalls"])).tolist()
+        done = [recall(recall_env(row["arena"]), Teacher(), seed) for seed in seeds]
+        assert int(row["recall_steps"]) == sum(one.steps for one in done)
+        assert int(row["delivered"]) == sum(one.delivered for one in done) > 0
+        assert float(row["score"]) == pytest.approx(np.mean([one.score for one in done]))
 
 
 def test_tables_are_those_of_the_rows(out: Path) -> None:
@@ -311,8 +324,3 @@ def test_an_error_of_a_learner_shows_its_own_traceback(place: str, line: str, er
     assert told.endswith(error)
     assert "khepera_forage/" not in told
     assert "importlib" not in told
-
-
-def test_a_learner_that_cannot_be_found_is_named() -> None:
-    told = refused("learners", "--learner", "nowhere:forest")
-    assert "--learner is 'nowhere:forest': No module named 'nowhere'; allowed: package.module:name" in told

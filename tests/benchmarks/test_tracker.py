@@ -8,7 +8,7 @@ from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
 
 pytest.importorskip("cv2")
-SCENES, ROUNDS = 10, 2 * 60
+SCENES, ROUNDS = 6, 100
 KINDS = {"food": 2, "1 hole": 1, "2 holes": 1}
 """And how many of each there are."""
 
@@ -18,30 +18,16 @@ def out(quick_run: QuickRun) -> Path:
     return quick_run("tracker")
 
 
-@pytest.fixture(scope="module")
-def accuracy(out: Path) -> dict[tuple[str, str], dict[str, str]]:
-    return {(row["appearance"], row["region"]): row for row in read(out / "table_accuracy.csv")}
-
-
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("appearance", ["nothing but quantisation", "laboratory", "blur 1.2 pixels"])
-def test_the_tracker_meets_its_requirements(
-    accuracy: dict[tuple[str, str], dict[str, str]], appearance: str, kind: str
-) -> None:
-    row = accuracy[appearance, kind]
+def test_the_tracker_meets_its_requirements(out: Path, kind: str) -> None:
+    rows = read(out / "table_accuracy.csv")
+    (row,) = (row for row in rows if (row["appearance"], row["region"]) == ("laboratory", kind))
     assert int(row["things"]) == SCENES * KINDS[kind]
     assert float(row["found (%)"]) > 90
     assert float(row["within 1 px (%)"]) >= 99
     if kind != "food":
         assert float(row["within 3 deg (%)"]) >= 99
         assert row["reversed"] == "0"
-
-
-def test_uncorrected_parallax_moves_centres(accuracy: dict[tuple[str, str], dict[str, str]]) -> None:
-    corrected, not_corrected = (
-        accuracy[f"camera at 2.7 m, {how}", "food"] for how in ("parallax corrected", "not corrected")
-    )
-    assert float(corrected["centre: median (px)"]) < 0.2 < float(not_corrected["centre: median (px)"])
 
 
 def test_all_cameras_observe_the_same_trainings(out: Path) -> None:
@@ -69,33 +55,30 @@ def test_the_measurement_finds_the_parameters_of_the_model_and_no_fault_of_the_t
     assert float(model["rounds"][tracker]) == ROUNDS
 
 
-def test_speed_has_its_goal(out: Path) -> None:
-    rows = {row["part"]: row for row in read(out / "table_speed.csv")}
-    assert {part: row["goal"] for part, row in rows.items()} == {
-        "tracker": "at least 300",
-        "tracker, each marker under a cable": "at least 300",
-        "renderer": "",
-    }
-
-
 def test_everything_is_found_under_moderate_disturbances_and_failure_has_a_warning(out: Path) -> None:
+    points = {(row["sweep"], row["curve"], float(row["value"])): row for row in read(out / "limits.csv")}
     limits = {(row["disturbance"], row["curve"], float(row["value"])): row for row in read(out / "table_limits.csv")}
-    for point in (("width", "dark grey cable", 6.0), ("blur", "no cable", 0.3), ("exposure", "no cable", 0.75)):
+    for point in (("width", "dark grey cable", 0.0), ("blur", "no cable", 0.3), ("noise", "no cable", 0.0)):
         row = limits[point]
         assert float(row["markers found (%)"]) >= 95
         assert float(row["food found (%)"]) == 100
         assert float(row["stray (per 1000)"]) == float(row["warning (%)"]) == 0
-    for point in (("exposure", "no cable", 2.5), ("floor", "no cable", 155.0), ("noise", "no cable", 30.0)):
+    for point in (("exposure", "no cable", 2.5), ("floor", "no cable", 170.0), ("noise", "no cable", 30.0)):
         assert float(limits[point]["warning (%)"]) == 100
     assert float(limits["exposure", "no cable", 2.5]["markers found (%)"]) < 50
-
-
-def test_lens_is_calibrated_from_enough_points(out: Path) -> None:
-    rows = {row["points"]: row for row in read(out / "table_lenses.csv") if row["k1"] == "-0.05"}
-    assert float(rows["4 corners"]["error (mm)"]) > 20
-    for layout in ("4 x 4", "5 x 4"):
-        assert float(rows[layout]["lens calibrated (%)"]) == 100
-        assert float(rows[layout]["error (mm)"]) < 5
+    assert limits.keys() == points.keys()
+    for key, row in points.items():
+        line = {name: float(value or "nan") for name, value in limits[key].items() if "(" in name}
+        things, markers, foods, stray = (float(row[name]) for name in ("things", "markers", "foods", "stray"))
+        wanted = {
+            "markers found (%)": 100 * markers / things,
+            "food found (%)": 100 * foods / things,
+            "stray (per 1000)": 1000 * stray / things,
+            "centre: 95 % (px)": float(row["position"]),
+            "heading: 95 % (deg)": float(row["heading"]),
+            "warning (%)": float(row["warned"]),
+        }
+        assert {name: line[name] for name in wanted} == pytest.approx(wanted, rel=1e-4, nan_ok=True)
 
 
 def test_no_marker_is_wrong_or_lost_silently_in_troubles(out: Path) -> None:

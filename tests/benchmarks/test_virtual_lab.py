@@ -37,11 +37,19 @@ def test_the_same_recalls_in_both_worlds(recalls: Rows) -> None:
 
 
 def test_the_comparison_is_that_of_the_rows(out: Path, recalls: Rows) -> None:
-    lines = [line for line in read(out / "table_recalls.csv") if line["measure"] == "score (%)"]
-    assert len(lines) == 4
+    lines = read(out / "table_recalls.csv")
+    assert len(lines) == 4 * 3
     for line in lines:
+        own = [row for row in recalls if (row["arena"], row["learner"]) == (line["arena"], line["policy"])]
+        assert [row["world"] for row in own] == ["pymunk", "virtual"]
         pymunk, virtual = (
-            float(row["score"]) for row in recalls if (row["arena"], row["learner"]) == (line["arena"], line["policy"])
+            {
+                "score (%)": float(row["score"]),
+                "food delivered (%)": 100 * int(row["delivered"]) / int(row["foods"]),
+                "steps": float(row["steps"]),
+            }[line["measure"]]
+            for row in own
         )
         assert float(line["pymunk alone"]) == pytest.approx(pymunk, rel=1e-4)
+        assert float(line["virtual laboratory"]) == pytest.approx(virtual, rel=1e-4)
         assert float(line["difference"]) == pytest.approx(virtual - pymunk, rel=1e-4, abs=1e-4)
