@@ -33,10 +33,11 @@ TIMES = Decisions(round_duration=0.2, arm_travel_time=0.5, home_speed=10, follow
 @pytest.mark.parametrize(
     "given",
     [
-        *({"food_types": food_type} for food_type in MIXED),
+        {"food_types": "poisonous"},
         {"num_learners": 2, "arena": "rectangle", "food_types": "pickable"},
         {"patience": 4},
-        *({"decisions": decisions} for decisions in (TIMES, *DECISIONS[1:])),
+        {"decisions": TIMES, "food_types": "pushable"},
+        *({"decisions": decisions} for decisions in DECISIONS[1:]),
     ],
     ids=lambda given: "-".join(given),
 )
@@ -73,9 +74,10 @@ def test_pairs_without_noise_are_those_of_one_environment_round_by_round(given: 
         assert False in outcomes
 
 
-def test_first_complete_attempts_of_pairs_are_those_of_train_learners() -> None:
+def test_attempts_of_pairs_are_those_of_train_learners_up_to_the_first_complete_one() -> None:
     """The teacher waits for its learners, which do at once what they hear."""
     pairs = 24
+    attempts: list[list[Any]] = [[] for _ in range(pairs)]
     envs = paired_corridors_v1.vector_env(pairs)
     observations, infos = envs.reset(seed=5)
     rows: list[list[Any]] = [[] for _ in range(pairs)]
@@ -93,6 +95,10 @@ def test_first_complete_attempts_of_pairs_are_those_of_train_learners() -> None:
             else:
                 rows[i] += [(*seen[i, :5], shouted)] if shouted != WAIT else []
                 rewards[i] += gained["learner_0"][i]
+            if i not in kept and (complete["learner_0"][i] or truncated["learner_0"][i]):
+                steps, apart = (int(infos["learner_0"][name][i]) for name in ("steps", "separations"))
+                reason = "" if complete["learner_0"][i] else "separated" if steps < 600 else "out of time"
+                attempts[i].append((i, 0, len(attempts[i]) + 1, not reason, steps, len(rows[i]), apart, reason))
             if complete["learner_0"][i]:
                 kept.setdefault(i, (rows[i], rewards[i]))
         waiting = complete["teacher_0"] | truncated["teacher_0"]
@@ -100,6 +106,9 @@ def test_first_complete_attempts_of_pairs_are_those_of_train_learners() -> None:
     for i, (vectors, reward) in kept.items():
         np.testing.assert_array_equal(vectors, trained.vectors_of(i))
         assert reward == pytest.approx(float(trained.rewards_of(i).sum()), abs=1e-4)
+    done = zip(*(column.tolist() for column in trained.attempts), strict=True)
+    assert sorted(done) == sorted(row for own in attempts for row in own)
+    assert max(map(len, attempts)) > 1
 
 
 def test_pairs_have_the_spaces_of_parallel_env() -> None:
@@ -158,8 +167,8 @@ def test_attempts_are_valid_training_rows() -> None:
 def test_training_takes_as_long_as_on_pymunk() -> None:
     """Some tens of trainings here; thousands in docs/compiled.md."""
     env = TrainingEnv(noise=ROUGH, food_types=MIXED)
-    single = [train(env, seed)[1] for seed in np.random.SeedSequence(1).spawn(30)]
-    compiled = train_learners(4000, seed=2, noise=ROUGH, food_types=MIXED).attempts
+    single = [train(env, seed)[1] for seed in np.random.SeedSequence(1).spawn(20)]
+    compiled = train_learners(1000, seed=2, noise=ROUGH, food_types=MIXED).attempts
     for name in ("rounds", "vectors", "separations"):
         ours = getattr(compiled, name)[compiled.complete]
         assert stats.ks_2samp(ours, [getattr(rows[-1], name) for rows in single]).pvalue > 1e-3

@@ -8,6 +8,8 @@ import pytest
 
 from khepera_forage import Noise
 from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
+from khepera_forage.policies import Teacher
+from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import IMITATOR, RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.study import Rows
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions, decisions_text
@@ -97,6 +99,10 @@ def test_baseline_of_the_teacher_has_three_times_the_limit(backend: str, learner
     assert {(row.learner, row.episodes, row.file_id, row.noise) for row in rows} == {(learner, 0, "-", LABORATORY)}
     if learner == TEACHER:
         assert {(row.score, row.delivered) for row in rows} == {(100.0, 1)}, "under the same decisions"
+        env = recall_env("corridor", limit=limit, decisions=OTHER, backend=backend)
+        for row in rows:
+            about: dict[str, Any] = {"learner": TEACHER, "replication": row.replication, "number": row.recall}
+            assert row == recall(env, Teacher.of(env), row.seed, **about), "every column"
 
 
 def test_jobs_contain_the_whole_design() -> None:
