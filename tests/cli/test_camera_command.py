@@ -14,16 +14,10 @@ from khepera_forage.cli.main import main
 from khepera_forage.cli.window import Window
 from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.vision.calibration import Calibration, Lens
+from tests.vision.scene_renderer import write_film
 from tests.vision.test_tags import floor_places, floor_scene
 
 CORNERS = ["0,0=0,2400", "640,0=3200,2400", "640,480=3200,0", "0,480=0,0"]
-
-
-@pytest.fixture(autouse=True)
-def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.chdir(tmp_path)
 
 
 # ---------------------------------------------------------------- preview
@@ -82,11 +76,7 @@ def test_preview_names_the_setting_to_change(capsys: pytest.CaptureFixture[str],
     capsys.readouterr()
     sharp = cv2.imread("sharp.png")
     assert sharp is not None
-    blurred = cv2.GaussianBlur(sharp, (0, 0), 2.5)
-    film = cv2.VideoWriter("blurred.avi", cv2.VideoWriter.fourcc(*"MJPG"), 25, (640, 480))
-    for _ in range(50):
-        film.write(blurred)
-    film.release()
+    write_film(Path("blurred.avi"), [cv2.GaussianBlur(sharp, (0, 0), 2.5).astype(np.uint8)] * 50, 25)
     assert main(["camera", "preview", "--source", "blurred.avi", "--frames", "1"]) == 0
     assert "warning: out of focus" in capsys.readouterr().out
 
@@ -182,11 +172,7 @@ def test_tags_are_printed_and_calibrate_a_camera_that_is_then_watched(capsys: py
     assert "tags.pdf: 2 pages of A4; print at 100 %" in capsys.readouterr().out
     assert Path("tags.pdf").read_bytes().startswith(b"%PDF")
     for name, shift in (("before", (20.0, 10.0)), ("after", (20.0, 50.0))):
-        writer = cv2.VideoWriter(f"{name}.avi", cv2.VideoWriter.fourcc(*"MJPG"), 10, (848, 480), False)
-        frame = floor_scene(848, 480, shift).frame()
-        for _ in range(10):
-            writer.write(frame)
-        writer.release()
+        write_film(Path(f"{name}.avi"), [floor_scene(848, 480, shift).frame()] * 10)
     tags = [f"{tag}={x},{y}" for tag, (x, y, _) in floor_places(3200 * 480 / 848).items()]
     assert main(["camera", "calibrate", "--source", "before.avi", "--tags", *tags, "--out", "c.toml"]) == 0
     assert "size = [848, 480]" in Path("c.toml").read_text(encoding="utf-8")

@@ -12,6 +12,7 @@ from sklearn.tree import DecisionTreeClassifier
 from khepera_forage import as_policy, recall, recall_env
 from khepera_forage.cli.dataset import FOLDER_VARIABLE, food_in_training
 from khepera_forage.cli.main import main
+from khepera_forage.envs.arena_settings import settings_of
 from khepera_forage.experience import Experience
 from khepera_forage.rollouts.training import arrays
 from khepera_forage.sim.arena_file import write_arena
@@ -26,7 +27,6 @@ SOME = Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (0, 59, 0, 215, 39)
 def minari(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("minari")
     pytest.importorskip("h5py")
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "elsewhere"))
 
 
@@ -129,7 +129,9 @@ def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest
     assert main([*command, "--arena", "blocks.toml"]) == 0
     assert Path("data/khepera_forage/blocks-v1/README.md").exists()
     dataset = import_module("minari").load_dataset("khepera_forage/blocks-v1")
-    assert dataset.recover_environment().unwrapped.arena == BLOCKS
+    env = dataset.recover_environment().unwrapped
+    assert env.arena == BLOCKS
+    assert {"foods": env.foods, "limit": env.limit}.items() <= settings_of(BLOCKS).items()
 
 
 def test_food_in_training_is_named_with_its_shares() -> None:

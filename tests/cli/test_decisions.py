@@ -12,11 +12,6 @@ from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.task.decisions import FIELDS, Decisions, decisions_from_text, decisions_text
 
 
-@pytest.fixture(autouse=True)
-def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
 def default(name: str) -> str:
     return f"{getattr(Decisions(), name):g}"
 
@@ -98,14 +93,6 @@ def test_experience_of_other_decisions_is_refused_unless_allowed(
     assert Path(command[-1]).exists()
 
 
-def test_reproduce_refuses_a_folder_with_rows_of_other_decisions(capsys: pytest.CaptureFixture[str]) -> None:
-    reproduce = ["reproduce", "--quick", "--backend", "pymunk", "--out", "thesis"]
-    Path("thesis").mkdir()
-    Path("thesis/recalls.csv").write_text("replication,decisions\n0,v1;separation=20\n")
-    assert main(reproduce) == 2
-    assert "thesis/recalls.csv has rows of other decisions: separation is 20, not 14; " in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("backend", ["pymunk", "compiled"])
 def test_decisions_under_which_no_training_succeeds_are_reported_in_one_line(
     backend: str, capsys: pytest.CaptureFixture[str]
@@ -126,8 +113,8 @@ def test_film_runs_at_the_speed_of_the_rounds() -> None:
 
     durations = []
     for value in ("0.1", "0.2"):
-        options = ["--every", "5", "--decision", f"round_duration={value}"]
+        options = ["--every", "50", "--decision", f"round_duration={value}"]
         assert main(["watch", "recall", "--out", "film.gif", *options]) == 0
         with Image.open("film.gif") as film:
             durations.append(film.info["duration"])
-    assert durations == [500, 1000]
+    assert durations == [5000, 10000]

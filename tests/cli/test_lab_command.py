@@ -17,9 +17,7 @@ from khepera_forage.sim.arenas.named import ARENAS
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import Truth
 from tests.robots.rig import make_rig
-from tests.vision.scene_renderer import render_frame
-
-cv2 = pytest.importorskip("cv2")
+from tests.vision.scene_renderer import render_frame, write_film
 
 
 def test_new_writes_a_file_that_check_accepts(
@@ -51,11 +49,7 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The clicks themselves belong to `khepera-forage camera calibrate`."""
-    film = tmp_path / "film.avi"
-    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 10, (1920, 1080))
-    for _ in range(60):
-        writer.write(np.full((1080, 1920, 3), 128, np.uint8))
-    writer.release()
+    film = write_film(tmp_path / "film.avi", [np.full((1080, 1920, 3), 128, np.uint8)] * 60)
     places: list[tuple[float, float]] = []
 
     def calibrate_command(arguments: argparse.Namespace) -> int:
@@ -66,7 +60,6 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
     clicked = camera.calibrate_command._replace(run=calibrate_command)
     monkeypatch.setattr("khepera_forage.cli.camera.camera_command", Group("", [clicked]))
     monkeypatch.setattr("builtins.input", lambda question: "y")
-    monkeypatch.chdir(tmp_path)
     (tmp_path / "labs").mkdir()
     new = ["lab", "new", "--robot", "e-puck2", "--camera", str(film), "--out", "labs/lab.toml"]
     with make_rig(kind=EPuckFirmware) as rig:
@@ -109,12 +102,8 @@ def test_check_says_what_is_wrong_in_order(tmp_path: Path, capsys: pytest.Captur
 def test_check_waits_for_a_camera_whose_first_frames_are_dark(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    film, file = tmp_path / "film.avi", tmp_path / "lab.toml"
-    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 20, (640, 480))
     bright = render_frame(Truth(((800.0, 700.0, 0.5, 1),), ()))
-    for frame in [*[bright // 50] * 8, *[bright] * 60]:
-        writer.write(cv2.cvtColor(frame, cv2.COLOR_GRAY2BGR))
-    writer.release()
+    film, file = write_film(tmp_path / "film.avi", [*[bright // 50] * 8, *[bright] * 60], 20), tmp_path / "lab.toml"
     file.write_text(lab_text("khepera", ["/dev/nowhere"], (), str(film), None, "corridor"))
     assert main(["lab", "check", str(file)]) == 1
     *_, camera, last = capsys.readouterr().out.splitlines()

@@ -17,9 +17,7 @@ def shell(command: str, folder: Path, **environment: str) -> subprocess.Complete
     return subprocess.run(run, capture_output=True, text=True, env={**os.environ, **environment}, timeout=120)
 
 
-@pytest.mark.parametrize(
-    ("command", "unbuffered"), [("decisions", "1"), ("decisions", ""), ("arena list", ""), ("--help", ""), ("", "")]
-)
+@pytest.mark.parametrize(("command", "unbuffered"), [("decisions", "1"), ("decisions", ""), ("--help", "")])
 def test_closed_pipe_ends_in_silence(command: str, unbuffered: str, tmp_path: Path) -> None:
     done = shell(f"{COMMAND} {command} | true", tmp_path, PYTHONUNBUFFERED=unbuffered)
     assert (done.returncode, done.stderr) == (141, "")
@@ -28,9 +26,8 @@ def test_closed_pipe_ends_in_silence(command: str, unbuffered: str, tmp_path: Pa
 @pytest.mark.parametrize(
     ("command", "file"),
     [
-        ("recall --episodes 1 --out rows.csv 2>&-", "rows.csv"),
         ("train --episodes 1 --seed 1 --out g >&- 2>&-", "g/attempts.csv"),
-        ("watch recall --every 20 --out film.gif 2>&-", "film.gif"),
+        ("watch recall --every 100 --out film.gif 2>&-", "film.gif"),
     ],
 )
 def test_command_without_output_streams_does_its_work(command: str, file: str, tmp_path: Path) -> None:
@@ -51,9 +48,8 @@ def test_output_in_a_narrow_encoding_replaces_characters(tmp_path: Path) -> None
 
 
 def test_virtual_laboratory_without_pseudo_terminals_says_so(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, "tty", None)  # as on Windows
     assert main(["train", "--lab", "virtual", "--episodes", "1"]) == 2
     error = capsys.readouterr().err
@@ -66,4 +62,5 @@ def test_help_of_all_commands_imports_only_what_it_needs(tmp_path: Path) -> None
     assert "be the teacher yourself, with keys in a window" in done.stdout
     imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
     assert "khepera_forage.cli.main" in imported
-    assert not imported & {"cv2", "joblib", "pymunk", "sklearn", "tqdm"}
+    heavy = "cv2 joblib matplotlib numba pygame pymunk scipy shapely sklearn tqdm"
+    assert not imported & set(heavy.split()), "the package itself loads none of them, either"

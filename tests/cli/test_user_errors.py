@@ -13,10 +13,7 @@ NOTHING = "has no effect here; allowed: "
 
 
 @pytest.fixture(autouse=True)
-def folder_without_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.chdir(tmp_path)
+def files(empty_folder_without_display: None) -> None:
     Path("there").mkdir()
     Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18)], [0, 2]).save("there/g1.csv")
     Path("mine.toml").touch()
@@ -77,6 +74,9 @@ def folder_without_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> N
         ("reproduce --jobs 2", f"--jobs {NOTHING}with --backend pymunk"),
         ("reproduce --out ''", "--out: ''; allowed: the name of a file or folder"),
         ("compare --track nowhere", "invalid choice: 'nowhere' (choose from"),
+        ("compare --protocol --only oracle", "--only is 'oracle'; allowed: "),
+        ("compare --protocol --only dagger", "is 'dagger'; allowed on these tracks: attribute_weights"),
+        ("compare --learner nowhere:f", "--learner is 'nowhere:f': No module named 'nowhere'; allowed: package"),
         ("compare --track offline", f"--track {NOTHING}with --protocol"),
         ("compare --protocol --steps 7", f"--steps {NOTHING}without --protocol"),
         ("infer --tables thesis --quick", f"--quick {NOTHING}without --tables"),
@@ -131,6 +131,7 @@ def folder_without_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> N
         ("camera tags --size 5", "size of a robot's tag is 5 mm; allowed: 10 to 170 mm"),
         ("camera tags --food 5 --food-size 5", "size of a food's tag is 5 mm; allowed: 10 to 170 mm"),
         ("camera tags --robots 1-60", "tag is 50; allowed: ids 1 to 49"),
+        ("camera tags --robots 1-3 --food 3", "tag 3 is given twice"),
         ("camera tags --out tags.svg", "would have 7 pages; allowed: a name that ends in .pdf"),
         ("camera markers --grid 13", "tracker numbers is [13]"),
         ("camera markers --out markers.doc", "'markers.doc'; allowed: a name that ends in .svg, .png, .pdf"),

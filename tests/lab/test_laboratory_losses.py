@@ -22,8 +22,7 @@ from khepera_forage.robots.virtual.virtual_khepera import Faults
 from khepera_forage.vision.video import CameraLost, FrameSource
 from tests.lab.laboratories import ARENAS, LAYOUT, drive_all, is_stopped, quiet_laboratory
 from tests.version_0_1 import V0_1
-
-cv2 = pytest.importorskip("cv2")
+from tests.vision.scene_renderer import write_film
 
 
 class FailingSource:
@@ -149,16 +148,13 @@ def test_laboratory_from_a_file_runs_until_its_video_ends(tmp_path: Path) -> Non
     """The real driver on the ports in the file, a real video source, and the wall clock."""
     with quiet_laboratory() as virtual:
         virtual.reset(np.random.default_rng(0), LAYOUT)
-        film = cv2.VideoWriter(str(tmp_path / "film.avi"), cv2.VideoWriter_fourcc(*"MJPG"), 20, (640, 480), False)
-        for _ in range(60):
-            film.write(virtual.frame_source.newest()[0])
-        film.release()
+        film = write_film(tmp_path / "film.avi", [virtual.frame_source.newest()[0] for _ in range(60)], 20)
         ports = virtual.port_urls
         for robot in virtual.robots:
             robot.close()  # only one driver can open a port
         path = tmp_path / "lab.toml"
         path.write_text(
-            f'safe_speed = 3\n[camera]\nsource = "{tmp_path / "film.avi"}"\n'
+            f'safe_speed = 3\n[camera]\nsource = "{film}"\n'
             + "".join(f'[[robots]]\nport = "{url}"\noffset = [0, {300 * i}]\n' for i, url in enumerate(ports))
         )
         requests: list[OperatorRequest] = []

@@ -14,21 +14,12 @@ from khepera_forage.robots.serial import serial_robot
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
-from khepera_forage.sim.arena import Arena, Point, Pose
+from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import Layout
+from tests.sim.worlds import FIELD
 from tests.version_0_1 import RECTANGLE, TIMING
-
-FIELD = Arena(
-    name="field",
-    walls=(Point(0, 0), Point(2000, 0), Point(2000, 2000), Point(0, 2000)),
-    home=Point(1800, 1800),
-    home_radius=100,
-    start=Pose(1000, 1000, 0),
-    foods=(Point(100, 100),),
-)
-"""Wide enough that no robot reaches a wall."""
 
 
 class Rig:

@@ -1,8 +1,10 @@
 """Rendered frames of markers and food placed by a test, and errors of the regions tracked in them."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from pathlib import Path
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -77,6 +79,17 @@ def position_error(region: Region | Detection, x: float, y: float) -> float:
 def heading_error(region: Region | Detection, heading: float) -> float:
     """Degrees from a heading in radians."""
     return abs(math.remainder(region.orientation - math.degrees(heading), 360))
+
+
+def write_film(path: Path, frames: Iterable[Frame], fps: float = 10.0) -> Path:
+    """Write frames, grey or in colour, as a film."""
+    first, *more = frames
+    code, size = cv2.VideoWriter.fourcc(*"MJPG"), first.shape[1::-1]
+    writer = cv2.VideoWriter(str(path), code, fps, size, first.ndim == 3)
+    for frame in (first, *more):
+        writer.write(frame)
+    writer.release()
+    return path
 
 
 def render_frames(
