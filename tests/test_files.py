@@ -63,12 +63,21 @@ def test_row_that_does_not_fit_is_an_error_and_leaves_complete_lines(opened: Any
     assert b"13" in path.read_bytes()[len(whole) :]
 
 
-def test_file_that_exists_stays_whole_when_the_disk_is_full(tmp_path: Path) -> None:
-    path = tmp_path / "arena.toml"
-    write_arena(procedural_arena(0), path)
-    with largest_file(50), pytest.raises(OSError, match=r"arena\.toml"):
-        write_arena(procedural_arena(1), path)
-    assert read_arena(path) == procedural_arena(0)
+@pytest.mark.parametrize(
+    ("write", "one", "other", "read"),
+    [
+        (write_arena, procedural_arena(0), procedural_arena(1), read_arena),
+        (Experience.save, Experience([VECTOR], [0]), Experience([VECTOR], [1]), Experience.load),
+    ],
+)
+def test_file_that_exists_stays_whole_when_the_disk_is_full(
+    write: Any, one: Any, other: Any, read: Any, tmp_path: Path
+) -> None:
+    path = tmp_path / "file"
+    write(one, path)
+    with largest_file(50), pytest.raises(OSError, match=r"file"):
+        write(other, path)
+    assert read(path) == one
     assert list(tmp_path.iterdir()) == [path]
 
 

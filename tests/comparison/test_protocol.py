@@ -178,23 +178,6 @@ def test_wheels_and_many_places_in_small(compare: Callable[..., int]) -> None:
     assert "teacher,-,0,1,100," in wheels
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--track", "teaching"], "--track has no effect here; allowed: with --protocol"),
-        (["--protocol", "--recalls", "3"], "--recalls has no effect here; allowed: without --protocol"),
-        (["--protocol", "--track", "seeing"], "invalid choice: 'seeing'"),
-        (["--protocol", "--only", "oracle"], "--only is 'oracle'; allowed: "),
-        (["--protocol", "--only", "dagger"], "is 'dagger'; allowed on these tracks: attribute_weights"),
-    ],
-)
-def test_bad_options_are_one_line(words: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["compare", *words]) == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1
-
-
 @pytest.fixture
 def alone() -> list[RawEpisode]:
     env = recall_wheels_env("corridor")

@@ -15,7 +15,6 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.world import Layout
-from khepera_forage.vision.rendering import CameraAppearance
 from khepera_forage.vision.tracker import TrackedCamera
 from tests.contracts.suites import CameraContract, RobotContract, Stage, WorldContract
 from tests.version_0_1 import RECTANGLE, V0_1
@@ -25,12 +24,9 @@ pytest.importorskip("cv2")
 
 
 @pytest.fixture
-def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
-    """A laboratory with noise, or without where a class says so."""
-    quiet = getattr(request, "param", "laboratory") == "none"
-    noise = Noise.none() if quiet else replace(Noise.laboratory(), placement_error=1, placement_heading_error=0.5)
-    look = CameraAppearance.none() if quiet else CameraAppearance.laboratory()
-    with virtual_laboratory(RECTANGLE, 1, V0_1, noise=noise, appearance=look) as world:
+def stage() -> Iterator[Stage]:
+    noise = replace(Noise.laboratory(), placement_error=1, placement_heading_error=0.5)
+    with virtual_laboratory(RECTANGLE, 1, V0_1, noise=noise) as world:
         layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))
         world.reset(np.random.default_rng(3), layout)
         yield Stage(world, layout)
@@ -41,7 +37,6 @@ class TestSerialKhepera(RobotContract):
         assert type(stage.robot) is SerialKhepera
 
 
-@pytest.mark.parametrize("stage", ["none", "laboratory"], indirect=True)
 class TestTrackedCamera(CameraContract):
     def test_camera_is_the_real_tracker(self, stage: Stage) -> None:
         assert type(stage.camera) is TrackedCamera

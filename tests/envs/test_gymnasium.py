@@ -27,25 +27,6 @@ def test_check_env_passes(env_id: str, backend: str, monkeypatch: pytest.MonkeyP
     env.close()
 
 
-@pytest.mark.parametrize("mode", ["sync", "async"])
-def test_make_vec_steps_copies_of_the_environment(mode: str) -> None:
-    envs = gym.make_vec(IDS[0], num_envs=2, vectorization_mode=mode)
-    observations, _ = envs.reset(seed=4)
-    alone, _ = gym.make(IDS[0]).reset(seed=5)
-    assert observations["robot_food_distance"][1].tolist() == alone["robot_food_distance"].tolist()
-    _, rewards, _, _, infos = envs.step(envs.action_space.sample())
-    assert rewards.shape == (2,)
-    assert infos["steps"].tolist() == [1, 1]
-    envs.close()
-
-
-def test_import_loads_no_heavy_package() -> None:
-    code = "import khepera_forage, sys; print([m for m in sys.modules if m.split('.')[0] in %r])"
-    heavy = {"pymunk", "sklearn", "scipy", "shapely", "matplotlib", "pygame", "cv2", "numba"}
-    done = subprocess.run([sys.executable, "-c", code % heavy], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
-
-
 def test_version_is_that_of_the_installed_package() -> None:
     from importlib.metadata import version
 

@@ -86,16 +86,15 @@ def test_robots_stand_still_after_the_end_of_a_training_episode(env: Any) -> Non
     assert standing(env.world)
 
 
-@pytest.mark.parametrize("error", [OSError("disk full"), KeyboardInterrupt(), RuntimeError("of a policy")])
-def test_robots_stand_still_after_an_error_between_rounds(env: Any, error: BaseException) -> None:
+def test_robots_stand_still_after_an_interrupt_between_rounds(env: Any) -> None:
     count: list[int] = []
 
     def fail() -> None:
         count.append(1)
         if len(count) == 8:
-            raise error
+            raise KeyboardInterrupt
 
-    with pytest.raises(type(error)):
+    with pytest.raises(KeyboardInterrupt):
         training.train(env, 1, callback=fail)
     assert standing(env.world)
 
@@ -110,13 +109,10 @@ def test_robot_lost_in_a_pause_ends_the_episode(env: Any) -> None:
     assert standing(env.world)
 
 
-@pytest.mark.parametrize("kind", [BehavioursEnv, WheelsEnv])
-def test_recall_is_truncated_with_the_reason(
-    alone: VirtualLaboratory, kind: type[BehavioursEnv] | type[WheelsEnv]
-) -> None:
-    env: gym.Env = kind(world=alone)
+def test_recall_is_truncated_with_the_reason(alone: VirtualLaboratory) -> None:
+    env: gym.Env = WheelsEnv(world=alone)
+    action = np.array((0.5, 0.4, 1.0, -1.0), np.float32)
     env.reset(seed=1)
-    action = 0 if kind is BehavioursEnv else np.array((0.5, 0.4, 1.0, -1.0), np.float32)
     for _ in range(4):
         observation, _, _, truncated, info = env.step(action)
         assert not truncated

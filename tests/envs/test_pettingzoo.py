@@ -5,7 +5,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import pettingzoo
 import pytest
 
 from khepera_forage.envs import paired_corridors_v0, paired_corridors_v1, paired_corridors_wheels_v1
@@ -68,15 +67,3 @@ def test_parallel_learner_hears_the_last_round() -> None:
     for heard in (3, 7, 10):
         observations, *_ = env.step({"teacher_0": heard, "learner_0": 10})
         assert observations["learner_0"][5] == heard
-
-
-@pytest.mark.parametrize("version", ["v0", "v1"])
-def test_training_is_made_by_name(version: str) -> None:
-    name = f"khepera_forage/PairedCorridors-{version}"
-    aec: Any = pettingzoo.make("aec", name, num_learners=2, max_cycles=30)
-    parallel: Any = pettingzoo.make("parallel", name, num_learners=2, max_cycles=30)
-    for env in (aec, parallel):
-        env.reset(seed=1)
-        assert env.unwrapped.metadata["name"] == f"paired_corridors_{version}"
-        assert env.agents == ["teacher_0", "learner_0", "learner_1"]
-        assert env.unwrapped.max_cycles == 30

@@ -13,6 +13,7 @@ from khepera_forage import Decisions
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
+from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.sim.world import Layout
 from tests.arenas import BLOCKS
 
@@ -23,7 +24,7 @@ OTHER = Decisions(food_to_walls=80, food_spacing=150, close_to_food=40, home_rad
 START, FOODS = (200, 300, 90), [(150, 450), (480, 150)]
 
 
-Begun = tuple[Layout, list[int]]
+Begun = tuple[Layout, str, list[int]]
 
 
 def make(name: str, **kwargs: Any) -> Any:
@@ -32,7 +33,7 @@ def make(name: str, **kwargs: Any) -> Any:
 
 def begun(env: Any, seed: int | None = None, options: Any = None) -> Begun:
     env.reset(seed=seed, options=options)
-    return env.layout, [int(food.type) for food in env.forager.food.objects]
+    return env.layout, env.arena.name, [int(food.type) for food in env.forager.food.objects]
 
 
 @pytest.mark.parametrize(
@@ -43,6 +44,7 @@ def begun(env: Any, seed: int | None = None, options: Any = None) -> Begun:
         ("Rectangle", {"decisions": OTHER}, None),
         ("Rectangle", {"foods": 5}, None),
         ("Rectangle", {"arena": BLOCKS, "foods": 3}, None),
+        ("Corridor", {"arena": ProceduralArenas("easy", "test", num_levels=30)}, None),
         ("Rectangle", {}, {"start": START}),
         ("Rectangle", {}, {"foods": FOODS}),
         ("Rectangle", {}, {"start": START, "foods": FOODS}),
@@ -60,8 +62,8 @@ def test_episodes_begin_alike_on_both_backends(name: str, kwargs: dict[str, Any]
             for _ in range(episode):  # an episode may be left before its end
                 other.step(3 if name[-1] != "s" else np.zeros(4))
     free = seen if options is None else seen[1::3]
-    assert len({layout for layout, _ in free}) == len(free)
-    assert {food_type for _, types in seen for food_type in types} == {1, 2, 3}
+    assert len({layout for layout, *_ in free}) == len(free)
+    assert {food_type for *_, types in seen for food_type in types} == {1, 2, 3}
     assert begun(one, 7, options) == begun(other, 7, options) == seen[0]
 
 

@@ -179,20 +179,6 @@ def test_exception_leaves_the_file_incomplete(tmp_path: Path) -> None:
         assert Experience.load(path, recover=True) == Experience([SEARCH], [0], seed=3)
 
 
-def test_failed_save_leaves_the_existing_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "g1.csv"
-    Experience([SEARCH], [0]).save(path)
-
-    def full(descriptor: int) -> None:
-        raise OSError("no space left on device")
-
-    monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(OSError, match="no space"):
-        Experience([HOME], [7]).save(path)
-    assert Experience.load(path) == Experience([SEARCH], [0])
-    assert os.listdir(tmp_path) == ["g1.csv"]
-
-
 RECORDER = """
 import sys
 from khepera_forage.experience import ExperienceWriter
@@ -203,9 +189,8 @@ for number in range(10**9):
 """
 
 
-@pytest.mark.parametrize("lines", [1, 20, 500])
-def test_killed_recording_loses_at_most_its_last_line(lines: int, tmp_path: Path) -> None:
-    path = tmp_path / "g1.csv"
+def test_killed_recording_loses_at_most_its_last_line(tmp_path: Path) -> None:
+    path, lines = tmp_path / "g1.csv", 20
     with subprocess.Popen([sys.executable, "-c", RECORDER, str(path)], stdout=subprocess.PIPE, text=True) as recorder:
         assert recorder.stdout is not None
         for _ in range(lines):

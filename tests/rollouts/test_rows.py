@@ -1,9 +1,6 @@
 """Rows and their files: consistency, writing, strict reading and incomplete files."""
 
-import multiprocessing
 import os
-import signal
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -74,29 +71,6 @@ def test_written_rows_are_read_equal(tmp_path: Path) -> None:
     write_rows(tmp_path / "trainings.csv", TrainingRow, tries)
     assert read_rows(tmp_path / "recalls.csv", RecallRow) == rows
     assert read_rows(tmp_path / "trainings.csv", TrainingRow) == tries
-
-
-def _write_endlessly(path: Path) -> None:
-    with RowWriter(path, RecallRow) as writer:
-        for number in range(10**9):
-            writer.write(recall(recall=number))
-
-
-def test_killed_process_loses_at_most_the_last_row(tmp_path: Path) -> None:
-    path = tmp_path / "rows.csv"
-    process = multiprocessing.get_context("spawn").Process(target=_write_endlessly, args=(path,))
-    process.start()
-    while not (path.exists() and path.stat().st_size > 20_000):
-        assert process.is_alive()
-        time.sleep(0.01)
-    assert process.pid is not None
-    os.kill(process.pid, signal.SIGKILL)
-    process.join()
-    rows = read_rows(path, RecallRow)
-    assert [row.recall for row in rows] == list(range(len(rows)))
-    with RowWriter(path, RecallRow, resume=True) as writer:
-        writer.write(recall(recall=len(rows)))
-    assert len(read_rows(path, RecallRow)) == len(rows) + 1
 
 
 def test_earlier_rows_stay_until_the_first_new_one(tmp_path: Path) -> None:

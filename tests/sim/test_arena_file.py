@@ -15,7 +15,7 @@ from khepera_forage.sim.arenas.procedural import procedural_arena
 from tests.sim.worlds import ELL, FIELD
 from tests.version_0_1 import CORRIDOR, RECTANGLE
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=300)
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=100)
 DEN = """\
 name = "den"
 walls = [[0, 0], [700, 0], [700, 500], [0, 500]]

@@ -175,11 +175,3 @@ def test_a_wrong_number_of_holes_does_not_end_a_track() -> None:
     for holes in (2, 1, 0, 2):
         (region,) = tracks.update([seen(10, 10, holes)], nowhere).regions
         assert (region.label, region.holes) == (0, holes)
-
-
-def test_two_that_meet_can_be_mistaken_for_each_other() -> None:
-    """What feature-based tracking is preferred for (3.5): after a jump, places alone swap teacher and learner."""
-    tracks = Tracks(by_place=True)
-    tracks.update([seen(10, 10, 1), seen(14, 10, 2)], nowhere)
-    regions = tracks.update([seen(14, 10, 1), seen(10, 10, 2)], nowhere).regions
-    assert sorted((r.label, r.holes) for r in regions) == [(0, 2), (1, 1)]

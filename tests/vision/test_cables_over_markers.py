@@ -96,8 +96,8 @@ def test_marker_under_a_cable_is_found_as_exactly_as_without(width: float, grey:
 
 
 @pytest.mark.parametrize("grey", [BLACK, GREY])
-@pytest.mark.parametrize("width", [4.0, 6.0, 12.0])
-@pytest.mark.parametrize("angle", [0.0, 2.0, 5.0, 80.0, 90.0])
+@pytest.mark.parametrize("width", [4.0, 12.0])
+@pytest.mark.parametrize("angle", [0.0, 5.0, 90.0])
 def test_cable_along_a_side_does_not_move_the_marker(angle: float, width: float, grey: float, clear: Errors) -> None:
     """It may cover a fraction of a pixel of the white, beside the black frame."""
     distances, _ = errors(width, grey, 60, angle)

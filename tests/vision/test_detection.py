@@ -38,7 +38,7 @@ def test_markers_are_detected_at_any_pose(name: str) -> None:
     rng, renderer = np.random.default_rng(1), SceneRenderer(APPEARANCES[name], (1500.0, 1200.0))
     tracker = Tracker()
     distances, angles = [], []
-    for _ in range(50):
+    for _ in range(30):
         markers = (random_marker(rng, 1, right=1400), random_marker(rng, 2, left=1700))
         tracker.reset()
         scene = tracker.update(renderer.frame(markers))
@@ -79,7 +79,7 @@ def test_food_is_found_in_bad_pictures_and_under_cables(changes: dict[str, float
     assert found >= 0.98 * 20 * 12
 
 
-@pytest.mark.parametrize("distance", [82.0, 84.0, 86.0, 88.0, 92.0])
+@pytest.mark.parametrize("distance", [82.0, 86.0, 92.0])
 def test_food_partly_under_the_frame_of_a_marker_keeps_its_centre(distance: float) -> None:
     """The black frame of a marker hides a part of food before it; the centre of the rest is up to 0.6 pixels off."""
     rng, renderer, tracker = np.random.default_rng(5), SceneRenderer(), Tracker()
@@ -163,7 +163,7 @@ def test_walls_paper_lines_and_specks_are_ignored() -> None:
 
 def test_random_pictures_give_finite_regions() -> None:
     rng, tracker = np.random.default_rng(0), Tracker()
-    for scale in (1, 2, 4, 8, 16, 32):
+    for scale in (2, 4, 8, 16, 32):
         small = rng.integers(0, 256, (480 // scale + 1, 640 // scale + 1), dtype=np.uint8)
         frame = np.kron(small, np.ones((scale, scale), np.uint8))[:480, :640]
         for region in tracker.update(np.ascontiguousarray(frame)).regions:
@@ -203,7 +203,7 @@ def test_touching_foods_are_separated(gap: float, turn: float) -> None:
         assert min(position_error(d, *place) for d in found) < 0.6
 
 
-@pytest.mark.parametrize("angle", range(0, 360, 20))
+@pytest.mark.parametrize("angle", range(0, 360, 40))
 def test_food_at_the_rim_does_not_move_the_marker(angle: int) -> None:
     """On all sides, from almost hidden to clear of the marker; half hidden food is not reported."""
     renderer, tracker = SceneRenderer(), Tracker()

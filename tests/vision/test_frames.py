@@ -7,42 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
 from khepera_forage.vision.scene import Truth
-from khepera_forage.vision.shapes import MARKER_FEATURES, MARKER_FRAME, MARKER_HOLES
+from khepera_forage.vision.shapes import MARKER_FRAME, MARKER_HOLES
 from tests.vision.scene_renderer import COLUMN, LABORATORY, NONE, PAIR, ROW, Frame, render_frame, render_frames
 
 Floats = NDArray[np.float64]
-
-
-def centroid(weight: Floats) -> tuple[float, float]:
-    """Centroid in pixels, x right and y up."""
-    return float((weight * COLUMN).sum() / weight.sum()), 480 - float((weight * ROW).sum() / weight.sum())
-
-
-@given(x=st.floats(200, 3000), y=st.floats(200, 2200), heading=st.floats(-math.pi, math.pi))
-@settings(max_examples=20)
-def test_markers_and_food_are_exact_to_a_twentieth_of_a_pixel(x: float, y: float, heading: float) -> None:
-    # With everything else black, grey levels are the coverage by white.
-    appearance = replace(NONE, floor=0, black=0, body=0, gripper=0, white=250)
-    for holes in (1, 2):
-        white = render_frame(Truth(((x, y, heading, holes),), ()), appearance).astype(float) / 250
-        ahead = -400 * sum(place[0] for place in MARKER_HOLES[holes]) / (9600 - 400 * holes)
-        cx, cy = centroid(white)
-        assert cx == pytest.approx(x / 5 + ahead / 5 * math.cos(heading), abs=0.05)
-        assert cy == pytest.approx(y / 5 + ahead / 5 * math.sin(heading), abs=0.05)
-        assert white.sum() == pytest.approx(MARKER_FEATURES[holes][0], rel=0.01)
-        # The long side lies along the heading.
-        dx, dy = COLUMN - cx, 480 - ROW - cy
-        turn = math.atan2(2 * (white * dx * dy).sum(), (white * (dx * dx - dy * dy)).sum()) / 2
-        assert math.sin(turn - heading) == pytest.approx(0, abs=math.radians(0.5))
-    white = render_frame(Truth((), ((x, y),)), appearance).astype(float) / 250
-    assert centroid(white) == pytest.approx((x / 5, y / 5), abs=0.05)
-    assert white.sum() == pytest.approx(math.pi * 3.5**2, rel=0.01)
 
 
 def grey_at(frame: Frame, x: float, y: float) -> int:

@@ -64,13 +64,6 @@ def test_tracker_recognises_the_printed_markers(tmp_path: Path) -> None:
         assert (detections[holes].orientation + 180) % 360 - 180 == pytest.approx(0, abs=2)
 
 
-def test_other_suffix_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"allowed: a name that ends in \.svg, \.png, \.pdf"):
-        save_pages(tmp_path / "markers.txt", marker_pages())
-    with pytest.raises(ValueError, match=r"would have 6 pages; allowed: a name that ends in \.pdf"):
-        save_pages(tmp_path / "markers.svg", marker_pages(range(1, 13), grid=True))
-
-
 def test_printed_tags_have_their_true_size(tmp_path: Path) -> None:
     """OpenCV finds them on the page, with corners where they should be."""
     (page,) = tag_pages((1, 7), (), (), 80.0, 24.0)
@@ -87,16 +80,3 @@ def test_printed_tags_have_their_true_size(tmp_path: Path) -> None:
 
 def test_greatest_tag_has_a_page_of_its_own() -> None:
     assert len(tag_pages((1, 2), (), (), 170.0, 24.0)) == 2
-
-
-@pytest.mark.parametrize(
-    ("ids", "size", "message"),
-    [
-        ((3, 3), 80.0, "tag 3 is given twice"),
-        ((50,), 80.0, "tag is 50; allowed: ids 1 to 49"),
-        ((1,), 300.0, r"size of a robot's tag is 300 mm; allowed: 10 to 170 mm"),
-    ],
-)
-def test_impossible_tags_are_refused(ids: tuple[int, ...], size: float, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        tag_pages(ids, (), (), size, 24.0)

@@ -10,7 +10,6 @@ import pytest
 from khepera_forage.noise import Noise
 from khepera_forage.sim.sensing import OverheadCamera
 from khepera_forage.vision.calibration import Calibration
-from khepera_forage.vision.scene import Region
 from khepera_forage.vision.tracker import Tracker, TrackerSettings
 from tests.vision.scene_renderer import (
     LABORATORY,
@@ -71,7 +70,7 @@ def test_labels_are_kept_while_robots_pass_each_other() -> None:
     model = OverheadCamera(lambda: renderer.truth, Noise.none())
     foods = ((700.0, 1300.0), (1300.0, 700.0))
     labels: dict[int, int] = {}
-    for i in range(200):
+    for i in range(100):
         t = i / 20
         one = (1000 + 300 * math.cos(t), 1000 + 300 * math.sin(t), t + math.pi / 2, 1)
         two = (1000 + 130 * math.cos(-t * 0.7), 1000 + 130 * math.sin(-t * 0.7), -t, 2)
@@ -112,49 +111,33 @@ FOOD = (1000.0, 1000.0)
 FAR: Marker = (2000.0, 500.0, 0.0, 1)
 OVER: Marker = (1030.0, 1010.0, 0.5, 1)
 COLUMN, ROW = 200, 280
+SEEN, LOST, GONE = [(0, True)], [(0, False)], list[tuple[int, bool]]()
+Frames = list[tuple[Marker, bool, int, list[tuple[int, bool]]]]
+STORIES: dict[str, tuple[int, Frames]] = {
+    "removed": (3, [(FAR, False, 2, LOST), (FAR, False, 1, GONE)]),
+    "removed, patience 1": (1, [(FAR, False, 1, GONE)]),
+    "removed, patience 7": (7, [(FAR, False, 6, LOST), (FAR, False, 1, GONE)]),
+    "under a marker": (3, [(OVER, True, 30, LOST), (FAR, True, 1, SEEN)]),
+    "removed under a marker": (3, [(OVER, False, 5, LOST), (FAR, False, 2, LOST), (FAR, False, 1, GONE)]),
+    "floor in separate frames": (3, [(OVER, False, 1, LOST), (FAR, False, 2, LOST)] * 7),
+}
+"""Patience, and after a first frame with food: the marker, whether the food is there, frames, and what is tracked."""
 
 
 def foods(tracker: Tracker, frame: Frame) -> list[tuple[int, bool]]:
     return [(r.label, r.found) for r in tracker.update(frame).regions if r.holes == 0]
 
 
-def food(tracker: Tracker, frame: Frame) -> Region:
-    return only_region(tracker.update(frame), 0)
-
-
-@pytest.mark.parametrize("patience", [1, 3, 7])
-def test_removed_food_is_dropped_after_patience_frames(patience: int) -> None:
+@pytest.mark.parametrize("story", STORIES)
+def test_food_is_kept_where_it_may_be_hidden_and_dropped_where_the_floor_is_seen(story: str) -> None:
+    patience, frames = STORIES[story]
     renderer, tracker = SceneRenderer(), Tracker(TrackerSettings(patience=patience))
-    shown = food(tracker, renderer.frame((FAR,), (FOOD,)))
-    for _ in range(patience - 1):
-        assert food(tracker, renderer.frame((FAR,))) == shown._replace(found=False)
-    assert foods(tracker, renderer.frame((FAR,))) == []
-
-
-def test_food_under_a_marker_is_kept_and_found_again() -> None:
-    renderer, tracker = SceneRenderer(), Tracker()
-    shown = food(tracker, renderer.frame((FAR,), (FOOD,)))
-    for _ in range(30):
-        assert food(tracker, renderer.frame((OVER,), (FOOD,))) == shown._replace(found=False)
-    back = food(tracker, renderer.frame((FAR,), (FOOD,)))
-    assert (back.label, back.found) == (shown.label, True)
-
-
-def test_food_removed_under_a_marker_is_dropped_when_the_marker_has_left() -> None:
-    renderer, tracker = SceneRenderer(), Tracker()
-    shown = food(tracker, renderer.frame((FAR,), (FOOD,)))
-    for _ in range(5):
-        assert food(tracker, renderer.frame((OVER,))).label == shown.label
-    seen = [foods(tracker, renderer.frame((FAR,))) for _ in range(3)]
-    assert seen == [[(0, False)], [(0, False)], []]
-
-
-def test_floor_visible_in_separate_frames_does_not_drop_food() -> None:
-    renderer, tracker = SceneRenderer(), Tracker()
-    tracker.update(renderer.frame((FAR,), (FOOD,)))
-    for i in range(20):
-        frame = renderer.frame((FAR,) if i % 3 else (OVER,))
-        assert foods(tracker, frame) == [(0, False)]
+    shown = only_region(tracker.update(renderer.frame((FAR,), (FOOD,))), 0)
+    for marker, is_there, count, tracked in frames:
+        for _ in range(count):
+            assert foods(tracker, renderer.frame((marker,), (FOOD,) * is_there)) == tracked
+            if tracked == LOST:
+                assert only_region(tracker.scene, 0) == shown._replace(found=False)
 
 
 def test_food_at_the_rim_of_a_marker_is_kept() -> None:

@@ -17,7 +17,7 @@ from khepera_forage.sim.arenas.procedural_floor import PASSAGE
 from khepera_forage.sim.waypoints import longest_path
 from tests.sim.arenas.test_family import check_room, usable_floor
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=30)
 everywhere = pytest.mark.parametrize("difficulty", DIFFICULTIES)
 levels = st.integers(0, 2 * LEVELS)
 
