@@ -362,13 +362,19 @@ def stored_vectors(folder: Path, attempts: Sequence[ObservedAttempt]) -> list[li
             warnings.simplefilter("ignore", ExperienceWarning)
             files[path.name] = Experience.load(path, recover=True)
     pairs = sorted(
-        (sum(a != b for a, b in zip_longest(file, attempt.perceived)), number, name)
+        # The file of a lost attempt has another name, unless attempts.csv was full as well.
+        (
+            sum(a != b for a, b in zip_longest(file, attempt.perceived)),
+            (".lost-" in name) != bool(attempt.lost),
+            number,
+            name,
+        )
         for number, attempt in enumerate(attempts)
         for name, file in files.items()
-        if file.seed == attempt.seed and (".lost-" in name) == bool(attempt.lost)
+        if file.seed == attempt.seed
     )
     found: dict[int, list[Vector]] = {}
-    for _, number, name in pairs:
+    for *_, number, name in pairs:
         if number not in found and name in files:
             found[number] = list(files.pop(name))
     return [found.get(number, []) for number in range(len(attempts))]

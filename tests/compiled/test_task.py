@@ -112,7 +112,7 @@ def test_episodes_are_those_of_the_task_in_python(
     assert compiled.backend == python.backend == "compiled"
     rng = np.random.default_rng(0)
     delivered = wrong = 0
-    for seed in range(2 if "decisions" in kwargs else 4):
+    for seed in range(2 if "decisions" in kwargs else 6):
         python.world.seed = seed
         obs, info = compiled.reset(seed=seed)
         other_obs, other_info = python.reset(seed=seed)
