@@ -88,7 +88,7 @@ RESTS, MOVES = "gripper rests", "gripper moves, or its position is read"
 _TIMEOUT = 5.0
 """Seconds after which wheels count as turning for good."""
 _PROGRAM = """
-import os, signal, sys
+import os, select, signal, sys
 # A shell starts programs in the background with some signals ignored, and their children inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 for number in (signal.SIGQUIT, signal.SIGHUP, signal.SIGTSTP):
@@ -99,7 +99,9 @@ with SerialKhepera(sys.argv[1]) as robot:
     robot.drive(Motors(5, 5, 215, 200))
     robot.transmit()
     print("driving", flush=True)
-    sys.stdin.readline()
+    # In turns, because Python may overlook a signal just before a call that waits for ever.
+    while not select.select([sys.stdin], [], [], 0.05)[0]:
+        pass
     os._exit(0)
 """
 PARTS = {
@@ -109,7 +111,7 @@ PARTS = {
     "from the arrival of a round's readings to that of the next round's.",
     "disturbances": f"One robot at {BAUD} baud with random speeds; the last round is undisturbed. Undetectable: "
     "garbled replies that are well-formed. Unknown: readings that could not be confirmed.",
-    "endings": "From the end of a process that drives a robot until the robot receives the stop.",
+    "endings": "From the end of a process that drives a robot until the robot receives the stop, or 5 s have passed.",
 }
 """The tables and their notes."""
 
@@ -304,7 +306,7 @@ def end_processes(ending: str, processes: int) -> list[Measurement]:
                 process.send_signal(number)
             while firmware.turning and time.perf_counter() < begin + _TIMEOUT:
                 time.sleep(0.0005)
-            taken = math.inf if firmware.turning else 1000 * (time.perf_counter() - begin)
+            taken = 1000 * (time.perf_counter() - begin)
             process.kill()
         rows.append(Measurement("endings", ending, "wheels turn on", taken))
     return rows

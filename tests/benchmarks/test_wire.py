@@ -1,6 +1,5 @@
 """`benchmarks/wire.py`: times on the wire are those of the bytes, slow lines are handled, all ends stop robots."""
 
-import math
 from statistics import median
 
 import pytest
@@ -72,4 +71,4 @@ def test_counters_are_right_on_disturbed_lines(rows: list[dict[str, str]]) -> No
 
 def test_every_end_of_a_process_stops_the_robot(rows: list[dict[str, str]]) -> None:
     for ending in ("Ctrl-C", "Ctrl-Z", "kill -9", "SIGSTOP"):
-        assert max(values(rows, "endings", "wheels turn on", ending)) < math.inf
+        assert max(values(rows, "endings", "wheels turn on", ending)) < 5000
