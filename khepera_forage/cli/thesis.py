@@ -23,7 +23,7 @@ INFER = """Approximate Bayesian computation by random forests:
 
 Writes a page with all tables and two pictures. Ten thousand sets take some hours; a run that was killed continues.
 
---tables infers from the tables of another experiment in seconds, with simulated sets that the package contains, and
+--tables infers from the tables of another experiment in a minute, with simulated sets that the package contains, and
 writes its page to a folder of the results' folder. Such an experiment, a pseudo-thesis under known decisions:
 
     khepera-forage reproduce --replications 1 --decision next_to_food=20 --out pseudo

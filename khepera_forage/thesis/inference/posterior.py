@@ -97,6 +97,7 @@ def quantiles(values: Floats, weights: Floats, shares: Sequence[float]) -> list[
 
 def shortest(values: Floats, weights: Floats, share: float) -> tuple[float, float]:
     """The shortest interval that contains at least a share of the weight, 0 to 1."""
+    values, weights = values[weights > 0], weights[weights > 0]  # most sets share no leaf with an experiment
     order = np.argsort(values)
     ordered, below = values[order], np.concatenate([[0.0], np.cumsum(weights[order])])
     last = np.searchsorted(below, below[:-1] + share * below[-1] - 1e-12, side="left") - 1
@@ -143,16 +144,17 @@ def forest_weights(statistics: Floats, targets: Floats, queries: Floats, seed: i
         max_features=1 / 3,
         max_samples=sets,  # about one experiment of each set, and others in the next tree
         random_state=seed,
+        n_jobs=-1,
     )
     values = targets[owners]
     forest.fit(rows, values[:, 0] if values.shape[1] == 1 else values)
-    total = np.zeros((len(asked), sets))
+    total = csr_array((len(asked), sets))
     for tree in (one.tree_ for one in forest.estimators_):
         leaves = tree.apply(rows)
         size = np.bincount(leaves, minlength=tree.node_count)
         shares = csr_array((1.0 / size[leaves], (leaves, owners)), (tree.node_count, sets))
-        total += shares[tree.apply(asked)].toarray()
-    return total / trees
+        total = total + shares[tree.apply(asked)]
+    return np.asarray(total.toarray() / trees)
 
 
 class Determined(StrEnum):
@@ -237,7 +239,7 @@ def _errors(learned: Parameter, weights: Floats, true: Parameter) -> Floats:
     values, sorted_weights = learned.values[order], weights[:, order]
     off = np.abs(values - true.values[:, None])
     below = np.cumsum(sorted_weights, axis=1)[:, :-1]
-    spread = (below * (1.0 - below) * np.diff(values)).sum(axis=1)  # half the mean difference of two draws
+    spread = (below * (1.0 - below)) @ np.diff(values)  # half the mean difference of two draws
     return np.asarray((sorted_weights * off).sum(axis=1) - spread)
 
 
