@@ -80,7 +80,8 @@ def _recalls(names: Sequence[str], contents: Sequence[list[RecallRow]]) -> "Figu
     groups: dict[str, list[RecallRow]] = {}
     for name, rows in zip(names, contents, strict=True):
         for row in rows:
-            groups.setdefault(f"{row.learner}, {row.arena}" + f" ({name})" * bool(name), []).append(row)
+            label = f"{row.learner}, {row.arena} ({name})" if name else f"{row.learner}, {row.arena}"
+            groups.setdefault(label, []).append(row)
     figure = new_figure(WIDTH, 1.2 + _LINE * len(groups))
     food, score = figure.subplots(1, 2)
     shares = {}

@@ -68,13 +68,20 @@ PORT = (
 )
 
 
-def open_robot(arguments: argparse.Namespace) -> Any:
+def open_robot(arguments: argparse.Namespace) -> RealRobot:
     """The driver of the robot at the port, on a line with any latency: these commands have no rounds to keep."""
     if arguments.robot == TOIO.name:
         refuse_ignored(arguments, ["--baud", "--timeout", "--no-watchdog"], "for a robot with a serial line")
     timeout = DEFAULT_TIMEOUT if arguments.timeout is None else arguments.timeout
     options = {"baud": arguments.baud, "timeout": timeout, "watchdog": not arguments.no_watchdog}
     return open_any(arguments.robot, arguments.port, period=None, **options)
+
+
+def open_serial_robot(arguments: argparse.Namespace) -> SerialRobot:
+    """As `open_robot`, for a robot with a serial line."""
+    robot = open_robot(arguments)
+    assert isinstance(robot, SerialRobot)
+    return robot
 
 
 def moved(robot: SerialRobot, command: str, value: int) -> int:
@@ -98,7 +105,7 @@ def probe_command(arguments: argparse.Namespace) -> None:
     model = MODELS[arguments.robot]
     if model is TOIO:
         raise ValueError(f"--robot {model.name}; allowed: {KHEPERA.name}, {E_PUCK.name}, which have a serial line")
-    with open_robot(arguments) as robot:
+    with open_serial_robot(arguments) as robot:
         print(f"port       {robot.port}, {robot.baud} baud")
         identity = robot.protocol.identity
         version = robot.request(identity.command, *identity.values)
@@ -222,7 +229,7 @@ def grip_command(arguments: argparse.Namespace) -> None:
     model = MODELS[arguments.robot]
     if not model.has_gripper:
         raise ValueError(f"--robot {model.name} has no gripper; allowed: {KHEPERA.name}")
-    with open_robot(arguments) as robot:
+    with open_serial_robot(arguments) as robot:
         command, value = _MOVEMENTS[arguments.action]
         position = moved(robot, command, value)
         (barrier,) = robot.request("T,1,G")
