@@ -10,10 +10,10 @@ Writes `recalls.csv`, one row for each recall, and `food.png`. Takes a minute of
 Food delivered (%), as measured by the command above, with 95 % intervals over replications:
 
     training episodes    corridor             rectangle
-            1            39.0 [24.0, 56.0]    22.5 [10.5, 35.0]
-            3            58.0 [41.0, 76.0]    28.0 [13.5, 43.5]
-            5            55.0 [37.0, 74.0]    29.5 [11.5, 49.0]
-           10            57.0 [37.0, 75.0]    35.0 [20.5, 49.0]
+            1            53.0 [37.0, 71.0]    35.0 [20.0, 51.0]
+            3            57.0 [40.0, 75.0]    32.5 [19.5, 45.0]
+            5            48.0 [34.0, 64.0]    27.5 [14.5, 43.0]
+           10            55.0 [37.0, 72.0]    34.5 [19.5, 49.5]
 """
 
 from argparse import RawDescriptionHelpFormatter
