@@ -105,16 +105,18 @@ def _forage(env: BehavioursEnv, arguments: argparse.Namespace) -> Callable[..., 
     with warnings.catch_warnings(record=True) as recovered:
         warnings.simplefilter("always", ExperienceWarning)
         experience = Experience.load(*arguments.experience, decisions=env.decisions, **about)
-    for warning in recovered:
-        if issubclass(warning.category, ExperienceWarning):
-            print(warning.message)
+        # A file is a training episode.
+        files = [len(Experience.load(file, **about)) for file in experience_files(arguments.experience)]
+    for text in dict.fromkeys(str(each.message) for each in recovered if issubclass(each.category, ExperienceWarning)):
+        print(text)
     vectors, behaviours = experience.arrays()
     if name == IMITATOR:
         imitator = NearestNeighbourImitator(env.diagonal, arithmetic=env.decisions.distance_arithmetic)
         policy: Policy = imitator.fit(vectors, behaviours)
     else:
         with own_errors(f"--learner {name}"):
-            policy = learner.learn(vectors, behaviours, env.diagonal, arguments.seed)
+            groups = np.repeat(np.arange(len(files)), files)
+            policy = learner.learn(vectors, behaviours, env.diagonal, arguments.seed, groups)
         forage = own_errors(f"--learner {name}")(forage)
     return partial(forage, policy, learner=name, experience_size=len(behaviours))
 

@@ -232,6 +232,7 @@ def _teach(env: TrainingEnv, teacher: HumanTeacher, files: list[PlannedFile], ar
     print(f"{len(recorded)} episode(s), {vectors} experience vectors, {_agreement(agreed, choices)}")
     decisions = [word for assignment in arguments.decision for word in ("--decision", assignment)]
     words = ["recall", "--arena", arguments.arena or CORRIDOR, "--experience", *map(str, recorded), *decisions]
+    words += ["--food-type", arguments.food_type] if arguments.food_type else []
     print(f"next: khepera-forage {shlex.join(words)}", flush=True)
     if len(recorded) == len(files):
         teacher.show_end()

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from khepera_forage.cli.main import main
+from khepera_forage.experience import Experience
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from tests.limited_disk import largest_file
@@ -58,6 +59,25 @@ def test_recall_reads_a_folder_of_experience(experience: Path, tmp_path: Path) -
     files = [str(experience / f"g{n}.csv") for n in (1, 2)]
     rows = recalled(tmp_path / "folder.csv", "--experience", str(experience))
     assert rows == recalled(tmp_path / "files.csv", "--experience", *files)
+
+
+def test_recall_tells_a_learner_which_vectors_are_of_one_episode(
+    experience: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("grouped.py").write_text(
+        "from collections import Counter\n"
+        "from sklearn.tree import DecisionTreeClassifier\n"
+        "from khepera_forage.policies.learners import OfflineImitation\n"
+        "class Counting(DecisionTreeClassifier):\n"
+        "    def fit(self, X, y, groups):\n"
+        "        print(list(Counter(groups.tolist()).values()))\n"
+        "        return super().fit(X, y)\n"
+        "counting = OfflineImitation('counting', Counting, grouped=True)\n"
+    )
+    recalled(tmp_path / "rows.csv", "--experience", str(experience), "--learner", "grouped:counting")
+    sizes = [len(Experience.load(experience / f"g{number}.csv")) for number in (1, 2)]
+    assert f"{sizes}\n" in capsys.readouterr().out
 
 
 def test_recall_with_another_learner_noise_and_food(experience: Path, tmp_path: Path) -> None:

@@ -162,17 +162,18 @@ class TappingScript:
 def test_person_with_the_teachers_behaviours_records_the_same_file(
     run_script: Callable[[Script], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    decision = ["--decision", "next_to_food=22"]
+    chosen = ["--decision", "next_to_food=22", "--food-type", "PUSHABLE"]
     run_script(HoldingScript())
-    assert main(["teach", "--seed", "2", *FAST, *decision]) == 0
+    assert main(["teach", "--seed", "2", *FAST, *chosen]) == 0
     printed = capsys.readouterr().out
-    assert main(["train", "--episodes", "1", "--seed", "2", "--out", "trained", *decision]) == 0
+    assert main(["train", "--episodes", "1", "--seed", "2", "--out", "trained", *chosen]) == 0
     assert Path("taught/g1.csv").read_bytes() == Path("trained/g1.csv").read_bytes()
     experience = Experience.load("taught/g1.csv")
     assert f"1 episode(s), {len(experience)} experience vectors, 100 %" in printed
     (next_command,) = [line for line in printed.splitlines() if line.startswith("next: ")]
     program, *command = shlex.split(next_command.removeprefix("next: "))
     assert program == "khepera-forage"
+    assert command[-4:] == chosen
     assert main([*command, "--episodes", "1", "--out", "rows.csv"]) == 0
     (row,) = read_rows(Path("rows.csv"), RecallRow)
     assert row.experience_size == len(experience)
