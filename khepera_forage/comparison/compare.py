@@ -20,7 +20,7 @@ from khepera_forage.comparison.learning import (
     settings_text,
     unable,
 )
-from khepera_forage.comparison.page import page
+from khepera_forage.comparison.page import other_arenas, page
 from khepera_forage.comparison.results import (
     DELIVERED,
     Curve,
@@ -140,7 +140,9 @@ def compare(given: Arguments) -> int:
     found = curves(rows, given.seed)
     shown = described({curve.learner: known[curve.learner] for curve in found})
     results = Results(f"{machine()} {command_line()}", shown, found)
-    written = page(*merged(found, shown, against), missing, (given.out / TUNING).exists(), given.quick)
+    elsewhere = other_arenas(rows, shown, given.seed)
+    tuned = (given.out / TUNING).exists()
+    written = page(*merged(found, shown, against), missing, tuned, given.quick, elsewhere)
     with replacing(given.out / RESULTS) as path:
         path.write_text(as_json(results), encoding="utf-8")
     return finish(given, written, shown=1)

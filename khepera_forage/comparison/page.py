@@ -5,11 +5,14 @@ from collections.abc import Mapping, Sequence
 from textwrap import wrap
 from typing import TYPE_CHECKING, NamedTuple
 
-from khepera_forage.comparison.learning import ARENAS
-from khepera_forage.comparison.results import SUCCESS, Curve, ReadLearner
-from khepera_forage.estimates import Column, Table, Value, table_of
+import numpy as np
+
+from khepera_forage.comparison.learning import ARENAS, RecallBatch
+from khepera_forage.comparison.results import DELIVERED, SUCCESS, Curve, ReadLearner
+from khepera_forage.estimates import Column, Floats, Sample, Table, Value, combined, pick, table_of
 from khepera_forage.figures import GREY, OURS, SMALL, THESIS, WIDTH, grid, new_figure, padded
 from khepera_forage.policies.learners import Supervision
+from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.study import SMOKE_TEST, Page, Picture
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 
@@ -87,14 +90,81 @@ def amounts_table(curves: Sequence[Curve]) -> Table:
     )
 
 
+def other_arenas(rows: Sequence[RecallBatch], learners: Mapping[str, ReadLearner], seed: int) -> list[Picture | Table]:
+    """What each learner delivers in each arena after all of its learning; nothing if these are the thesis's arenas.
+
+    Args:
+        rows: With increasing amounts of learning.
+        learners: Those of the rows, by name.
+        seed: Of the resamples.
+    """
+    arenas = list(dict.fromkeys(row.arena for row in rows))
+    if set(arenas) <= set(ARENAS):
+        return []
+    most = {row.learner: row.amount for row in rows}
+    ends = [row for row in rows if row.amount == most[row.learner]]
+    kinds = {
+        "corridor": [arena for arena in arenas if arena == ARENAS[0]],
+        "other named arenas": [arena for arena in arenas if arena not in (ARENAS[0], *DIFFICULTIES)],
+        "procedural arenas": [arena for arena in arenas if arena in DIFFICULTIES],
+    }
+    hidden = [f"in {arena}" for arena in arenas]
+    columns = {kind: own for kind, own in kinds.items() if own} | {f"in {arena}": [arena] for arena in arenas}
+    lines: list[dict[str, Value]] = []
+    values = []
+    for name in most:
+        food = {arena: Sample(pick(ends, learner=name, arena=arena), *DELIVERED[1:3]) for arena in arenas}
+        means = {
+            column: combined([(1 / len(own), food[arena]) for arena in own], np.random.default_rng(seed))
+            for column, own in columns.items()
+        }
+        lines.append({"learner": learners[name].title, **means})
+        values.append([means[column].value for column in hidden])
+    table = table_of(
+        "arenas",
+        "Food delivered in each kind of arena",
+        "In percent of the food that is not poisonous, after all of the learning; every arena counts alike. "
+        "`table_arenas.csv` has each arena.",
+        lines,
+        hidden=hidden,
+    )
+    names = [learners[name].title for name in most]
+    return [Picture("arenas", "food delivered in each arena", _arenas_figure(np.array(values), names, arenas)), table]
+
+
+def _arenas_figure(values: Floats, learners: Sequence[str], arenas: Sequence[str]) -> "Figure":
+    """Percentages as a table of colours: a line for each learner, a column for each arena."""
+    drawn = new_figure(WIDTH, 1.2 + 0.3 * len(learners))
+    drawn.suptitle("Food delivered in each arena (%)")
+    axes = drawn.subplots()
+    axes.imshow(values, cmap="Blues", vmin=0, vmax=100, aspect="auto")
+    for (line, column), value in np.ndenumerate(values):
+        if not math.isnan(value):
+            colour = "white" if value > _DARK else "black"
+            axes.text(column, line, f"{value:.0f}", ha="center", va="center", color=colour, fontsize=SMALL)
+    axes.set_xticks(range(len(arenas)), [arena.replace("_", " ") for arena in arenas], fontsize=SMALL)
+    axes.set_yticks(range(len(learners)), learners, fontsize=SMALL)
+    return drawn
+
+
 def page(
     curves: Sequence[Curve],
     learners: Mapping[str, ReadLearner],
     missing: Mapping[str, str],
     tuned: bool,
     quick: bool = False,
+    elsewhere: Sequence[Picture | Table] = (),
 ) -> Page:
-    """All of it; `missing` says why learners are left out, `tuned` whether settings have a page in `tuning`."""
+    """All of it.
+
+    Args:
+        curves: Of all learners in all arenas.
+        learners: Those of the curves, by name.
+        missing: Why learners are left out, by name.
+        tuned: Whether settings have a page in `tuning`.
+        quick: Whether this is a smoke test.
+        elsewhere: From `other_arenas`.
+    """
     names = list(dict.fromkeys(curve.learner for curve in curves))
     settings = Table(
         "settings",
@@ -119,6 +189,7 @@ def page(
             *([SMOKE_TEST] if quick else []),
             METHOD,
             main_table(curves, learners),
+            *elsewhere,
             "The same after every amount of learning is in `table_amounts.csv`, every batch of recalls in `rows.csv`.",
             settings,
         ],
@@ -148,6 +219,8 @@ class Style(NamedTuple):
 
 
 STYLES = dict(zip(ARENAS, (Style(OURS, "o", "-", ":"), Style(THESIS, "s", "--", "-.")), strict=True))
+_DARK = 60
+"""Percent from which a cell of the picture of arenas is dark."""
 _TITLE = 24
 """Characters in a line of a panel's title."""
 _PANEL, _HEADING, _LEGEND = 1.7, 0.34, 1.0

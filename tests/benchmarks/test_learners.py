@@ -153,6 +153,9 @@ def test_learners_are_tested_in_the_arenas_that_are_named(tmp_path: Path) -> Non
     rows = read(tmp_path / "some" / "rows.csv")
     assert [row["arena"] for row in rows] == list(arenas)
     assert all(row["delivered"] == row["foods"] for row in rows), "food that is not poisonous counts"
+    (line,) = read(tmp_path / "some" / "table_arenas.csv")
+    assert {line[column] for column in ("corridor", "other named arenas", "procedural arenas", "in hard")} == {"100"}
+    assert (tmp_path / "some" / "arenas.png").exists()
     told = refused("learners", "--arenas", "kitchen")
     assert "'kitchen'" in told
     assert "t_maze" in told
