@@ -26,7 +26,8 @@ continues."""
 _LEARNER = """a learner of your own, package.module:name of what makes a classifier; beside those of --only (teacher and
 imitator)"""
 _AGAINST = "a results.json to show beside this run's results, or 'published' for those of the package"
-_ARENAS = "where learners are tested: named arenas, or procedural arenas of a difficulty (corridor rectangle)"
+_ARENAS = """where learners are tested: named arenas, or procedural arenas of a difficulty; in others than the thesis's
+only after all of the learning (corridor rectangle)"""
 _BACKEND = "where the work is done: loky is this machine (loky)"
 
 

@@ -192,7 +192,8 @@ def learn_and_forage(
     """One learner in one replication learns and is tested in some arenas; the rows by amount, then arena.
 
     Amounts are training episodes, queries or steps in increasing order; after each there are so many recalls in each
-    arena. Linear algebra runs on one thread, because sums depend on the number of threads.
+    of the thesis's arenas, and after the last one in each of the others, where recalls take long. Linear algebra runs
+    on one thread, because sums depend on the number of threads.
     """
     sequence = np.random.SeedSequence(seed, spawn_key=(replication,))
     learning, *testing = sequence.spawn(1 + len(ALL_ARENAS))
@@ -202,6 +203,8 @@ def learn_and_forage(
     with threadpool_limits(1), own_errors(f"learner {name}"):
         for amount, learned in zip(amounts, learn(learner, amounts, learning), strict=True):
             for arena in arenas:
+                if arena not in ARENAS and amount != amounts[-1]:
+                    continue
                 foods, rows = 0, list[RecallRow | WheelsRecall]()
                 for level, own in enumerate(seeds[arena], replication * recalls):
                     if isinstance(learner, ReinforcementLearner) and learner.wheels:

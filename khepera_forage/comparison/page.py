@@ -59,6 +59,7 @@ def main_table(curves: Sequence[Curve], learners: Mapping[str, ReadLearner]) -> 
         "After all of the learning",
         f"Means with 95 % bootstrap intervals over replications. Steps to {SHARE} of the food: environment steps when "
         "a batch of recalls first delivered this share, the median over replications; ∞ if more than half never did. "
+        "Only in the thesis's arenas are learners tested before the end. "
         "Gain: food delivered minus that after the first amount of learning.",
         rows,
         dict.fromkeys(whole, 0) | {"learning (s)": 2},

@@ -148,12 +148,15 @@ def test_an_interval_does_not_depend_on_the_other_learners() -> None:
 
 def test_learners_are_tested_in_the_arenas_that_are_named(tmp_path: Path) -> None:
     arenas = ("corridor", "mixed_foods", "hard")
-    run = ("--only", "teacher", "--seeds", "1", "--jobs", "1")
+    run = ("--only", "teacher", "--only", "tree", "--seeds", "1", "--jobs", "1")
     quick_here("learners", tmp_path / "some", *run, "--arenas", *arenas)
     rows = read(tmp_path / "some" / "rows.csv")
-    assert [row["arena"] for row in rows] == list(arenas)
-    assert all(row["delivered"] == row["foods"] for row in rows), "food that is not poisonous counts"
-    (line,) = read(tmp_path / "some" / "table_arenas.csv")
+    teacher = [row for row in rows if row["learner"] == "teacher"]
+    assert [row["arena"] for row in teacher] == list(arenas)
+    assert all(row["delivered"] == row["foods"] for row in teacher), "food that is not poisonous counts"
+    tested = [(row["amount"], row["arena"]) for row in rows if row["learner"] == "tree"]
+    assert tested == [("1", "corridor"), *(("2", arena) for arena in arenas)], "elsewhere after all of the learning"
+    line, _ = read(tmp_path / "some" / "table_arenas.csv")
     assert {line[column] for column in ("corridor", "other named arenas", "procedural arenas", "in hard")} == {"100"}
     assert (tmp_path / "some" / "arenas.png").exists()
     told = refused("learners", "--arenas", "kitchen")
