@@ -37,7 +37,7 @@ __all__ = [
     "train",
 ]
 
-__version__ = "0.2.0"
+__version__ = "0.3.0.dev0"
 
 _PLACES = {
     "Arena": "sim.arena",

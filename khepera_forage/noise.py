@@ -34,14 +34,15 @@ class Noise:
     proximity_floor: float = 6
     """Readings up to this are noise, uniform in 0..this (KSIM2, WSU)."""
     position_jitter: float = 0.06
-    """Standard deviation of a region's centre in pixels of 5 mm. Measured: our tracker on rendered frames is off by
-    0.04 for markers and 0.06 for food, a bare threshold by 0.12 (docs/tracker.md)."""
+    """Standard deviation of a region's centre in pixels of 5 mm. Measured on rendered frames: a bare threshold is off
+    by 0.09 to 0.12, version 0.1 of our tracker was by 0.04 for markers and 0.06 for food, and ours is by 0.03 at most
+    (docs/tracker.md)."""
     heading_jitter: float = 0.35
-    """Standard deviation of a marker's orientation in degrees, before it is rounded to whole ones. Measured: our
-    tracker on rendered frames (docs/tracker.md)."""
+    """Standard deviation of a marker's orientation in degrees, before it is rounded to whole ones. Measured:
+    version 0.1 of our tracker on rendered frames; ours is better, 0.08 (docs/tracker.md)."""
     reversal_rate: float = 0.005
     """Chance that a marker's orientation is reported the wrong way round ("sometimes", 4.2.2). Assumption: the
-    thesis's markers did it; ours, whose holes tell front from back, did not in 60,000 frames (docs/tracker.md)."""
+    thesis's markers did it; ours, whose holes tell front from back, did not in 24,000 (docs/tracker.md)."""
     loss_rate_one_hole: float = 0.001
     """Chance that the tracker loses a one-hole marker. "Once in a while" (5.3.1). Assumption: what caused it (people,
     shadows, the grabber) is not in rendered frames, in which none is lost but under a cable."""
@@ -51,10 +52,11 @@ class Noise:
     """The same for a region without holes. Assumption: as a one-hole marker."""
     loss_rounds: float = 2.0
     """Mean length of a loss in rounds, geometrically distributed. Measured: food under a swaying cable on rendered
-    frames, 2.2 (docs/tracker.md)."""
+    frames, 2.2 with version 0.1 of our tracker; ours has too few losses, a bare threshold 5.1 (docs/tracker.md)."""
     cable_loss_factor: float = 10.0
     """How many times likelier a loss is under a cable (3.7: "more frequent"). It makes food be lost in 1.1 % of the
-    rounds under one; our tracker on rendered frames loses it in 0.6 %, a bare threshold in 7 % (docs/tracker.md)."""
+    rounds under one; on rendered frames a bare threshold loses it in 8 %, version 0.1 of our tracker did in 0.6 %, and
+    ours does in none (docs/tracker.md)."""
     placement_error: float = 3.0
     """Standard deviation in mm with which an operator puts a robot or food on its mark (4.5.2: "a small
     displacement"). Assumption."""

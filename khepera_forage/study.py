@@ -388,8 +388,8 @@ class Page(NamedTuple):
         return [part for part in self.parts if isinstance(part, Table)]
 
 
-def rendered(folder: Path, page: Page) -> list[str]:
-    """Write the tables and pictures of a page, and return its paragraphs."""
+def write(folder: Path, name: str, page: Page) -> None:
+    """Write `<name>.md` with the command and the machine that made it, and its tables and pictures."""
     folder.mkdir(parents=True, exist_ok=True)
     text = [f"# {page.title}"]
     for part in page.parts:
@@ -400,12 +400,7 @@ def rendered(folder: Path, page: Page) -> list[str]:
             text.append(part.markdown().rstrip("\n") if isinstance(part, Table) else part)
     for table in (*page.tables, *page.attachments):
         write_text(folder / f"table_{table.stem}.csv", table.csv())
-    return text
-
-
-def write(folder: Path, name: str, page: Page) -> None:
-    """Write `<name>.md` with the command and the machine that made it, and its tables and pictures."""
-    text = [*rendered(folder, page), "## Command", f"    {command_line()}", machine()]
+    text += ["## Command", f"    {command_line()}", machine()]
     write_text(folder / f"{name}.md", "\n\n".join(text) + "\n")
 
 

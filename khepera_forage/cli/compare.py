@@ -1,9 +1,10 @@
 """`khepera-forage compare`: all learners side by side, and yours among them."""
 
 import argparse
+from pathlib import Path
 
 from khepera_forage.cli.options import command, flag, option, refuse_ignored
-from khepera_forage.comparison import TRACKS
+from khepera_forage.comparison import PROTOCOL, TRACKS
 from khepera_forage.extras import require
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import ARENAS
@@ -18,9 +19,9 @@ DESCRIPTION = """How well each learner forages, and how much experience that too
 
 Imitators, learners that query the teacher, and reinforcement learning, each tested after growing amounts of learning.
 A learner of your own joins them with --learner package.module:name, or for good as an entry point of its package (see
-khepera_forage.policies.register_learner). The comparison of all learners takes hours; that of one imitator takes
-minutes, and --against published shows the published results beside it. --quick is a smoke test. A run that was killed
-continues."""
+khepera_forage.policies.register_learner). The comparison of all learners takes half an hour on two cores; that of one
+imitator takes a minute, and --against published shows the published results beside it. --quick is a smoke test. A run
+that was killed continues."""
 
 
 _LEARNER = """a learner of your own, package.module:name of what makes a classifier; beside those of --only (teacher and
@@ -31,15 +32,20 @@ only after all of the learning (corridor rectangle)"""
 _BACKEND = "where the work is done: loky is this machine (loky)"
 
 
+def _add_study(parser: argparse.ArgumentParser) -> None:
+    add_study_arguments(parser, "learners", *COUNTS)
+    parser.set_defaults(out=None)
+
+
 @command(
-    lambda parser: add_study_arguments(parser, "learners", *COUNTS),
+    _add_study,
     flag("--list", "list the learners that are known here, and end"),
     option("--only", "one learner of --list; may be given several times (all)", metavar="NAME", action="append"),
     option("--learner", _LEARNER, metavar="PLACE", action="append"),
     option("--against", _AGAINST, metavar="FILE"),
     option("--arenas", _ARENAS, None, "NAME", nargs="+", choices=(*ARENAS, *DIFFICULTIES)),
     flag("--tune", "compare settings of each learner instead"),
-    flag("--protocol", "the protocol forage-bench-1 (docs/protocol.md): fixed tracks, amounts, places and seeds"),
+    flag("--protocol", "the protocol forage-bench-1 (docs/protocol.md): in results/forage-bench-1"),
     option("--track", "one track of the protocol; may be given several times (all)", action="append", choices=TRACKS),
     option("--backend", _BACKEND, choices=("loky", "dask"), default="loky"),
     option("--address", "of a Dask cluster (by default a temporary one on this machine)"),
@@ -62,6 +68,7 @@ def compare_command(arguments: argparse.Namespace) -> int:
     else:
         refuse_ignored(arguments, ["--track"], "with --protocol")
     arguments.seeds_given = arguments.seeds is not None
+    arguments.out = arguments.out or Path("results", PROTOCOL if arguments.protocol else "learners")
     given = completed(arguments, *COUNTS)
     if given.tune:
         refuse_ignored(given, ["--learner", "--against", "--arenas"], "without --tune")

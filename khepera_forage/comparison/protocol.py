@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import count
-from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -17,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from khepera_forage.comparison import PROTOCOL
 from khepera_forage.comparison import TRACKS as TRACK_NAMES
 from khepera_forage.comparison.compiled_learning import (
     PLACES,
@@ -53,7 +53,6 @@ from khepera_forage.sim.arenas.thesis import CORRIDOR, RECTANGLE
 from khepera_forage.study import SMOKE_TEST, Arguments, Execute, Job, Page, Rows, collect, finish
 from khepera_forage.task.states import NUM_BEHAVIOURS
 
-NAME = "forage-bench-1"
 GROUPS: dict[str, tuple[str, ...]] = {
     CORRIDOR: (CORRIDOR,),
     RECTANGLE: (RECTANGLE,),
@@ -415,9 +414,7 @@ def run(given: Arguments, learners: Mapping[str, Compared], execute: Execute) ->
     Raises:
         ValueError: A learner was asked for that is on none of the tracks.
     """
-    if given.out == Path("results/learners"):
-        given.out = Path(f"results/{NAME}")
-    given.name = NAME
+    given.name = PROTOCOL
     chosen = list(dict.fromkeys(given.track or TRACKS))
     concerned = {name for track in chosen for name in TRACKS[track].learners}
     concerned |= {name for name, one in learners.items() if name not in LEARNERS and isinstance(one, OfflineImitation)}
@@ -431,7 +428,7 @@ def run(given: Arguments, learners: Mapping[str, Compared], execute: Execute) ->
     for name, why in missing.items():
         print(f"{name} is left out: {why}")
     able = {name: one for name, one in learners.items() if name not in missing}
-    settings = {"protocol": NAME} | {f"learner {name}": settings_text(one) for name, one in able.items()}
+    settings = {"protocol": PROTOCOL} | {f"learner {name}": settings_text(one) for name, one in able.items()}
     most = given.seeds if given.seeds_given else max(track.seeds for track in TRACKS.values())
     found = Rows(())
     if TEACHING in chosen:
@@ -454,8 +451,8 @@ def page(rows: Sequence[Tested], seed: int, quick: bool) -> Page:
             if name == TEACHING and (transfer := _transfer(own, seed)).rows:
                 tables.append(transfer)
     if quick:
-        return Page(f"{NAME}, in small", [SMOKE_TEST, *tables])
-    return Page(NAME, tables)
+        return Page(f"{PROTOCOL}, in small", [SMOKE_TEST, *tables])
+    return Page(PROTOCOL, tables)
 
 
 def _share(rows: Sequence[Tested], seed: int) -> Estimate:
@@ -548,7 +545,7 @@ def datasets(seed: int, episodes: int | None = None) -> dict[str, Callable[[], M
         return about, [one for one, _ in pairs], {"episodes": [one for _, one in pairs]}
 
     return {
-        f"{NAME}/corridor-v1": heard,
-        f"{NAME}/corridor-wheels-v1": lambda: raw(TRAINED),
-        f"{NAME}/alone-wheels-v1": lambda: raw(ALONE),
+        f"{PROTOCOL}/corridor-v1": heard,
+        f"{PROTOCOL}/corridor-wheels-v1": lambda: raw(TRAINED),
+        f"{PROTOCOL}/alone-wheels-v1": lambda: raw(ALONE),
     }

@@ -13,18 +13,7 @@ from khepera_forage.envs.backends import BACKENDS, COMPILED, PYMUNK
 from khepera_forage.estimates import MIN_REPLICATIONS, RESAMPLES, Table, pick, replications
 from khepera_forage.extras import require
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow, common_decisions, refuse_other_decisions
-from khepera_forage.study import (
-    Arguments,
-    Page,
-    Picture,
-    Rows,
-    Tables,
-    collect,
-    done,
-    in_processes,
-    rendered,
-    write_text,
-)
+from khepera_forage.study import Arguments, Page, Picture, Rows, Tables, collect, done, in_processes, write, write_text
 from khepera_forage.task.decisions import Decisions, decisions_text, differences
 from khepera_forage.thesis import figures, tables
 from khepera_forage.thesis.claims import Evidence, claims, gather
@@ -175,8 +164,7 @@ def write_report(
     ]
     empty = [part for part in parts if isinstance(part, Table) and not part.rows]
     shown = [part for part in parts if part not in empty]
-    paragraphs = rendered(folder, Page("The thesis's experiments, repeated", shown, empty))
-    write_text(folder / PAGE, "\n\n".join(paragraphs) + "\n")
+    write(folder, Path(PAGE).stem, Page("The thesis's experiments, repeated", shown, empty))
     write_text(folder / SUMMARY, tables.summary_table(results, old).text())
 
 

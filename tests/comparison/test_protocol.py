@@ -14,7 +14,7 @@ pytest.importorskip("numba")
 
 from khepera_forage.cli.dataset import FOLDER_VARIABLE
 from khepera_forage.cli.main import main
-from khepera_forage.comparison import protocol
+from khepera_forage.comparison import PROTOCOL, protocol
 from khepera_forage.comparison.compiled_learning import (
     Budget,
     Training,
@@ -30,7 +30,6 @@ from khepera_forage.comparison.learning import BASELINES
 from khepera_forage.comparison.protocol import (
     AS_HEARD,
     LATE,
-    NAME,
     PERMUTED,
     SILENT,
     TRACKS,
@@ -165,7 +164,7 @@ def test_a_killed_run_continues(compare: Callable[..., int], capsys: pytest.Capt
     assert "1 of 1 units are done already" in printed
     assert files[1].read_text() == searched
     assert files[2].read_text() == table
-    page = Path(f"out/{NAME}.md").read_text()
+    page = Path(f"out/{PROTOCOL}.md").read_text()
     assert "smoke test" in page
     assert {track for track in TRACKS if f"Track: {track}" in page} == {"teaching", "vocabulary"}
 
@@ -224,20 +223,20 @@ def test_one_command_makes_the_datasets(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "elsewhere"))
     assert main(["dataset", "--protocol", "--episodes", "2", "--out", "data"]) == 0
-    heard = import_module("khepera_forage.experience.minari").from_minari(f"{NAME}/corridor-v1")
+    heard = import_module("khepera_forage.experience.minari").from_minari(f"{PROTOCOL}/corridor-v1")
     unit = next(iter(plan("offline", {"imitator": LEARNERS["imitator"]}, 0, False, 1)))._replace(
         condition="thesis's", amount=2, name="imitator"
     )
     assert np.concatenate([part.arrays()[0] for part in heard]).tolist() == unit.training(0).vectors.tolist()
     for name, actions in (("corridor-v1", ()), ("corridor-wheels-v1", (4,)), ("alone-wheels-v1", (4,))):
-        dataset = minari.load_dataset(f"{NAME}/{name}")
+        dataset = minari.load_dataset(f"{PROTOCOL}/{name}")
         for episode in dataset.iterate_episodes():
             assert episode.actions.shape[1:] == actions
             assert 0.2 < episode.rewards.sum() < 0.95
         env = dataset.recover_environment()
         env.reset(seed=0)
         env.step(episode.actions[0])
-    card = Path(f"data/{NAME}/alone-wheels-v1/README.md").read_text()
+    card = Path(f"data/{PROTOCOL}/alone-wheels-v1/README.md").read_text()
     assert "the teacher, which forages alone" in card
     assert main(["dataset", "--protocol", "--wheels"]) == 2
     assert "--wheels has no effect here; allowed: without --protocol" in capsys.readouterr().err
