@@ -1,6 +1,9 @@
 """The protocol `forage-bench-1`: what its units compute, that a killed run continues, and its datasets."""
 
+import csv
 import gzip
+import zipfile
+from collections import Counter
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -26,19 +29,23 @@ from khepera_forage.comparison.compiled_learning import (
     search,
     thinned,
 )
-from khepera_forage.comparison.learning import BASELINES
+from khepera_forage.comparison.learning import BASELINES, settings_text
 from khepera_forage.comparison.protocol import (
     AS_HEARD,
+    BUDGETS,
+    GROUPS,
     LATE,
     PERMUTED,
     SILENT,
     TRACKS,
     WRONG,
+    Demonstrations,
     page,
     plan,
     spoken,
     wheels_learner,
 )
+from khepera_forage.comparison.results import PUBLISHED, read_results
 from khepera_forage.policies import Teacher
 from khepera_forage.policies.learners import LEARNERS, OfflineImitation, ReinforcementLearner
 from khepera_forage.rollouts.compiled.training import train_learners
@@ -72,6 +79,38 @@ def test_every_learner_that_ships_is_in_a_track() -> None:
     for track in TRACKS:
         keys = [unit.key for unit in plan(track, LEARNERS, 0, False, 3)]
         assert len(set(keys)) == len(keys)
+
+
+def test_the_protocol_is_that_of_the_published_rows() -> None:
+    """Its definition does not change: learners and their settings, conditions, amounts, places, seeds, searches."""
+    with zipfile.ZipFile(Path(__file__).parents[2] / "docs" / "published" / "protocol.zip") as archive:
+        published = list(csv.DictReader(archive.read("rows.csv").decode().splitlines()))
+        found = list(csv.DictReader(archive.read("demonstrations.csv").decode().splitlines()))
+    assert {name: settings_text(one) for name, one in LEARNERS.items()} == {
+        name: one.settings for name, one in read_results(PUBLISHED).learners.items() if name in LEARNERS
+    }
+    assert {"imitator": Budget(24, 20, 16, 160)} == BUDGETS
+    searched = [Demonstrations(row["learner"], int(row["search"]), (0.0,) * 25) for row in found]
+    planned = Counter(
+        (track, unit.name, unit.condition, str(unit.amount), str(unit.replication))
+        for track in TRACKS
+        for unit in plan(track, {**BASELINES, **LEARNERS}, 0, False, 50, list(dict.fromkeys(searched)))
+    )
+    columns = ("track", "learner", "condition", "amount", "replication")
+    units = Counter(tuple(row[column] for column in columns) for row in published if row["place"] == "corridor")
+    assert units == planned
+    for track, one in TRACKS.items():
+        places = {row["place"] for row in published if row["track"] == track}
+        assert places == {place for group in one.places for place in GROUPS[group]}
+    values = ("condition", "place", "recalls", "score", "delivered", "foods", "vectors")
+    wanted = [
+        {column: row[column] for column in values}
+        for row in published
+        if (row["track"], row["learner"], row["replication"]) == ("vocabulary", "imitator", "0")
+    ]
+    run = [row for unit in plan("vocabulary", {"imitator": LEARNERS["imitator"]}, 0, False, 1) for row in unit.run()]
+    repeated = [row for row in run if row.learner == "imitator"]
+    assert [{column: str(getattr(row, column)) for column in values} for row in repeated] == wanted
 
 
 def test_lines_stand_in_the_order_of_the_protocol() -> None:
