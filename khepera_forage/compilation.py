@@ -6,8 +6,7 @@ call. Kept machine code is a convenience: whatever goes wrong with it, an entry 
 Numba's own cache leaves two things to its user. It compares the source file of the entry only, so the name of the
 folder is a checksum of all sources. And in the names of compiled functions it numbers record types, in the order in
 which a process first uses them. So machine code of two processes may have one name for different functions, and a
-process that loads both calls the wrong one. Here these names contain a checksum of the types: functions of one name
-are the same.
+process that loads both would call the wrong one. Here rules become part of the entries, and leave no names.
 """
 
 import functools
@@ -36,6 +35,7 @@ import llvmlite.binding  # type: ignore[import-untyped] # noqa: E402 (after the 
 import numba  # noqa: E402
 from numba.core.errors import NumbaError  # noqa: E402
 from numba.extending import overload as overload  # noqa: E402
+from numba.extending import register_jitable  # noqa: E402
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 _COMPILED = ("geometry", "robots", "vision", "task", "sim", "envs", "policies", "rollouts")
@@ -54,13 +54,10 @@ _lock = threading.RLock()
 def rule(function: _F) -> _F:
     """A function of a module (not a closure) that entries may call; Python calls the plain function.
 
-    It does what numba's `register_jitable` does, but for the names of the compiled functions. It is compiled into its
-    callers.
+    It is compiled into its callers.
     """
-    copy = functools.cache(functools.partial(_named, function))
-    options = _options | {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    del options["nogil"]
-    overload(function, options, strict=False)(lambda *types, **named: copy(f"{types}{named}"))
+    inside = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    register_jitable(error_model="numpy", _nrt=False, **inside)(function)
     return function
 
 
@@ -107,7 +104,7 @@ class _Entry:
             types = tuple(map(numba.typeof, arguments))
         except ValueError:
             return self._in_memory
-        kept = self._dispatcher or _keeping(_named(self._function, str(types)))
+        kept = self._dispatcher or _keeping(self._function)
         first: Exception | None = None
         for dispatcher in (kept, kept, self._in_memory) if kept else (self._in_memory,):
             error = _compile(dispatcher, types)
@@ -120,19 +117,10 @@ class _Entry:
             if isinstance(error, NumbaError):
                 return dispatcher
             if dispatcher.stats.cache_path:  # remove what cannot be loaded, and try again
-                _, _, checksum = dispatcher.py_func.__qualname__.rpartition("_")
-                for path in Path(dispatcher.stats.cache_path).glob(f"*_{checksum}-*"):
+                for path in Path(dispatcher.stats.cache_path).glob(f"*.{self._function.__qualname__}-*"):
                     with suppress(OSError):
                         path.unlink()
         return self._in_memory
-
-
-def _named(function: Callable[..., Any], types: str) -> Callable[..., Any]:
-    """A copy of a function whose name contains a checksum of the types for which it is compiled."""
-    parts = (function.__code__, function.__globals__, None, function.__defaults__, function.__closure__)
-    copy = functools.update_wrapper(FunctionType(*parts), function)
-    copy.__qualname__ += f"_{_checksum(f'{function.__module__}.{function.__qualname__}{types}'.encode())}"
-    return copy
 
 
 def _compile(dispatcher: Any, types: tuple[Any, ...]) -> Exception | None:
@@ -143,7 +131,7 @@ def _compile(dispatcher: Any, types: tuple[Any, ...]) -> Exception | None:
         while not done.wait(_SLOW):
             if dispatcher.stats.cache_misses[types]:  # it is compiling, not loading
                 once = ", once for this version" if dispatcher.stats.cache_path else ""
-                _say(f"compiling kernels{once}: about 20 s ...")
+                _say(f"compiling kernels{once}: about half a minute ...")
                 return
 
     with suppress(RuntimeError):  # no thread starts while the interpreter ends

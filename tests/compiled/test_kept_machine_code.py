@@ -58,7 +58,9 @@ def right(points):
 LEFT = np.array([(1.0, 100.0)] * 2, [("x", "f8"), ("y", "f8")])
 RIGHT = np.array([(100.0, 1.0)] * 2, [("y", "f8"), ("x", "f8")])
 """
-RULES = """
+LONG = """
+        total += np.sin(point.x * i) + np.exp(-point.x * i) * np.cos(total) + np.tan(point.x + i)"""
+RULES = f"""
 import numpy as np
 from khepera_forage.compilation import rule
 
@@ -69,10 +71,7 @@ def double(amount):
 @rule
 def first(point, rounds):
     total = 0.0
-    for i in range(rounds):  # too long to become part of the caller
-        total += np.sin(point.x * i) + np.exp(-point.x * i) * np.cos(total) + np.tan(point.x + i)
-        if total > 1e9:
-            total -= np.sqrt(total) * np.log(total) + np.arctan2(total, point.x)
+    for i in range(rounds):  # too long to become part of the caller on its own account{12 * LONG}
     return point.x + 1e-30 * total
 """
 ADD = """
@@ -185,7 +184,7 @@ PROCESSES = ("left", "right", "left right")
 
 
 def test_functions_of_two_processes_are_not_mixed_up(package: Package) -> None:
-    """Numba alone loads the machine code of one process in the place of that of another, with other record types."""
+    """Without `forceinline`, `right` would call what `first` became for `left`, and return 200."""
     outputs = [package.run(USE.format(calls=calls))[0] for calls in PROCESSES]
     assert outputs[-1] == "2.0 False\n2.0 False\n"
 
@@ -222,6 +221,15 @@ def test_without_a_place_for_files_code_is_compiled_in_memory(
     assert not list(package.sources.parent.parent.rglob("*.nb?"))
 
 
+def test_current_folder_may_be_deleted(package: Package) -> None:
+    code = """
+import os, tempfile
+os.chdir(tempfile.mkdtemp())
+os.rmdir(os.getcwd())
+"""
+    assert package.run(code + ADD) == (COMPILED, "")
+
+
 def test_threads_may_compile_at_the_same_time(package: Package) -> None:
     code = """
 from concurrent.futures import ThreadPoolExecutor
@@ -237,7 +245,7 @@ print(numbers, Compiled.names.count("add"), Compiled.names.count("left"))
 
 
 def test_long_compilation_is_announced(kept: Package) -> None:
-    assert kept.announced == "khepera_forage: compiling kernels, once for this version: about 20 s ...\n"
+    assert kept.announced == "khepera_forage: compiling kernels, once for this version: about half a minute ...\n"
 
 
 @pytest.mark.parametrize(("count", "threads", "parts"), [(1000, 1, 1), (1000, 2, 2), (127, 2, 1), (0, 2, 1)])
