@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from khepera_forage.cli.main import main
 from khepera_forage.noise import Noise
+from khepera_forage.task.decisions import decision_table
 
 if TYPE_CHECKING:  # the tests run without Sphinx
     from sphinx.application import Sphinx
@@ -59,7 +60,17 @@ def noise_table(_: str) -> str:
     return "\n".join(lines + [f"| `{each.name}` | {each.default} | {texts[each.name]} |" for each in fields(Noise)])
 
 
-GENERATORS = {"docstring": lambda name: inspect.getdoc(locate(name)) or "", "noise": noise_table}
+def decisions_table(_: str) -> str:
+    """All decisions, with their defaults."""
+    lines = ["| decision | default | allowed | thesis | meaning |", "|---|---|---|---|---|"]
+    return "\n".join(lines + [f"| `{row.name}` | {' | '.join(row[1:])} |" for row in decision_table()])
+
+
+GENERATORS = {
+    "decisions": decisions_table,
+    "docstring": lambda name: inspect.getdoc(locate(name)) or "",
+    "noise": noise_table,
+}
 """What makes each kind of part, from the text that follows the kind."""
 
 

@@ -22,7 +22,6 @@ from khepera_forage.option_values import OneLineParser
 from khepera_forage.policies.learners import LEARNERS
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
-from khepera_forage.task.decisions import markdown_table
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = {path.relative_to(DOCS).as_posix(): path.read_text(encoding="utf-8") for path in sorted(DOCS.rglob("*.md"))}
@@ -184,12 +183,6 @@ def test_learner_page_lists_all_learners() -> None:
         for name in re.findall(r"`(\w+)`", cell)
     }
     assert listed == set(LEARNERS)
-
-
-def test_decisions_page_has_the_current_table() -> None:
-    assert PAGES["decisions/fields.md"].endswith(f"\n\n{markdown_table()}"), (
-        "replace the table by what python -m khepera_forage.task.decisions prints"
-    )
 
 
 SCRIPTS = "|".join(path.stem for path in (DOCS.parent / "benchmarks").glob("*.py"))

@@ -474,10 +474,3 @@ def decision_table() -> list[DecisionRow]:
         allowed = "; ".join(field.choices) if field.choices else f"{field.least:g} to {field.most:g}"
         rows.append(DecisionRow(name, shown, allowed, field.section, field.reason))
     return rows
-
-
-def markdown_table() -> str:
-    """The default decisions as a table in Markdown, for the page docs/decisions/fields.md."""
-    lines = ["| decision | default | allowed | thesis | meaning |", "|---|---|---|---|---|"]
-    lines += [f"| `{row.name}` | {' | '.join(row[1:])} |" for row in decision_table()]
-    return "\n".join(lines) + "\n"
