@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from khepera_forage.envs.arguments import COMPILED, ArenaPool, Settings, arenas_of, check_backend, food_odds, timing_of
-from khepera_forage.envs.layouts import arena_map_of, known_food
+from khepera_forage.envs.layouts import arena_map_of, known_food, paired_copies
 from khepera_forage.robots.khepera import Motors, Robot, Senses
-from khepera_forage.sim.arena import Arena, copies
-from khepera_forage.sim.pymunk.world import PymunkWorld
+from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.simulation import Simulation
 from khepera_forage.sim.world import Layout, World
 from khepera_forage.task.arena_map import ArenaMap
@@ -151,17 +150,21 @@ class ForagingWorld:
         return self.arenas if self._pool is None else self._copies(self._pool[self._pool.number(key, episode)])
 
     def _copies(self, arena: Arena) -> tuple[Arena, ...]:
-        return copies(arena, len(self._markers)) if len(self._markers) > 1 else (arena,)
+        return paired_copies(arena, len(self._markers)) if len(self._markers) > 1 else (arena,)
 
     def enter(self, arenas: tuple[Arena, ...]) -> None:
         """Let an episode take place in these arenas, in a new world if they are other ones than now."""
         if arenas == self.arenas:
             return
-        kind: type[Simulation] = PymunkWorld
+        kind: type[Simulation]
         if self._backend == COMPILED:
             from khepera_forage.sim.compiled.world import CompiledWorld  # needs numba
 
             kind = CompiledWorld
+        else:
+            from khepera_forage.sim.pymunk.world import PymunkWorld
+
+            kind = PymunkWorld
         _, noise, _, decisions, model = self._settings
         self.world = kind(arenas, self._markers, noise, timing=timing_of(decisions), model=model)
         self.arenas = arenas

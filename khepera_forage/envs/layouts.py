@@ -4,14 +4,15 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from itertools import takewhile
 from typing import Any
 
 from khepera_forage.counter_rng import random_bits
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
-from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot
+from khepera_forage.sim.arena import Arena, Point, Pose, copies
+from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen, is_seen
 from khepera_forage.sim.waypoints import is_home_free, path_tables_of, pixel_walls, way_out
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.arena_map import EVERY_SIDE, OUTSIDE, ArenaMap, Floor, whole_pixels
@@ -103,6 +104,23 @@ def given_places(arena: Arena, foods: int, options: Mapping[str, Any]) -> tuple[
             arena.check_free("food", place, FOOD_RADIUS)
     check_apart(Layout(() if start is None else (start,), places or ()))
     return start, places
+
+
+def paired_copies(arena: Arena, robots: int) -> tuple[Arena, ...]:
+    """An arena and its copies, one for each robot of a training.
+
+    Raises:
+        ValueError: The camera does not see all of them.
+    """
+    check_seen([arena])
+    arenas = copies(arena, robots)
+    seen = len(list(takewhile(is_seen, arenas)))
+    if seen < robots:
+        raise ValueError(
+            f"num_learners is {robots - 1}; allowed: at most {seen - 1}, because the camera sees no more than {seen} "
+            f"copies of the arena {arena.name!r}"
+        )
+    return arenas
 
 
 def arenas_with_marks(arenas: Sequence[Arena], options: Mapping[str, Any]) -> Sequence[Arena]:

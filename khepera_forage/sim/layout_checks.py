@@ -9,6 +9,9 @@ from khepera_forage.sim.world import Layout
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
+_WIDTH, _HEIGHT = PICTURE_WIDTH * MM_PER_PIXEL, PICTURE_HEIGHT * MM_PER_PIXEL
+"""Of the picture, in mm."""
+
 
 def check_seen(arenas: Sequence[Arena]) -> None:
     """Complain about arenas that the camera does not see.
@@ -16,13 +19,18 @@ def check_seen(arenas: Sequence[Arena]) -> None:
     Raises:
         ValueError: One reaches outside the picture of 640 x 480 pixels of 5 mm.
     """
-    x1, y1, x2, y2 = _bounds(arenas)
-    width, height = PICTURE_WIDTH * MM_PER_PIXEL, PICTURE_HEIGHT * MM_PER_PIXEL
-    if x1 < 0 or y1 < 0 or x2 > width or y2 > height:
+    if not all(map(is_seen, arenas)):
+        x1, y1, x2, y2 = _bounds(arenas)
         raise ValueError(
             f"arenas reach from ({x1:g}, {y1:g}) to ({x2:g}, {y2:g}) mm; "
-            f"allowed: (0, 0) to ({width:g}, {height:g}), what the camera sees"
+            f"allowed: (0, 0) to ({_WIDTH:g}, {_HEIGHT:g}), what the camera sees"
         )
+
+
+def is_seen(arena: Arena) -> bool:
+    """Whether the camera sees all of an arena."""
+    x1, y1, x2, y2 = arena.bounds
+    return x1 >= 0 and y1 >= 0 and x2 <= _WIDTH and y2 <= _HEIGHT
 
 
 def cable_anchor(arenas: Sequence[Arena]) -> tuple[float, float]:

@@ -1,14 +1,17 @@
 """`gym.make_vec` on compiled worlds: the episodes of single environments, wrappers, pictures and masks."""
 
+import sys
 from functools import partial
+from pathlib import Path
 from typing import Any
+from unittest.mock import MagicMock
 
 import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode
-from gymnasium.wrappers.vector import RecordEpisodeStatistics
+from gymnasium.wrappers.vector import RecordEpisodeStatistics, RecordVideo
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage import Decisions
@@ -116,6 +119,19 @@ def test_pictures_of_worlds_are_those_of_single_environments() -> None:
     assert len({frame.tobytes() for frame in frames}) == len(frames) == 3
 
 
+def test_film_of_a_large_batch_shows_the_first_world(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Gymnasium's `RecordVideo` takes one picture a world; those after the first sixteen are black."""
+    for module in ("moviepy", "moviepy.video.io.ImageSequenceClip"):
+        monkeypatch.setitem(sys.modules, module, MagicMock())
+    worlds = make(num_envs=64, render_mode="rgb_array")
+    films = RecordVideo(worlds, str(tmp_path / "films"), record_first_only=True)
+    films.reset(seed=0)
+    frames = worlds.render()
+    assert np.array_equal(films.recorded_frames, frames[:1])
+    assert [frame.any() for frame in frames] == [True] * 16 + [False] * 48
+    films.close()
+
+
 def test_batch_tells_what_it_knows_of_each_world() -> None:
     compiled = make(arena=["corridor", "doors"], foods=2)
     plain = make(arena=["corridor", "doors"], foods=2, vectorization_mode="sync", backend="compiled")
@@ -126,7 +142,7 @@ def test_batch_tells_what_it_knows_of_each_world() -> None:
         assert compiled.get_attr(name) == compiled.call(name) == plain.get_attr(name), name
     with pytest.raises(AttributeError, match="compiled worlds have no 'forager'; allowed: arena, "):
         compiled.get_attr("forager")
-    assert 0 < make(num_envs=64).unwrapped.batch.bytes_per_world <= 2048
+    assert sum(part.nbytes for part in make(num_envs=64).unwrapped.batch.worlds) <= 64 * 2048
 
 
 def test_masks_hold_what_applies_and_always_what_the_teacher_does() -> None:

@@ -33,6 +33,14 @@ def test_version_is_that_of_the_installed_package() -> None:
     assert version("khepera-forage") == khepera_forage.__version__
 
 
+def test_compiled_worlds_need_no_pymunk() -> None:
+    code = (
+        "import sys; sys.modules['pymunk'] = None; import gymnasium as gym, khepera_forage; "
+        "gym.make_vec('khepera_forage/Corridor-v1', num_envs=2)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
 def test_spawned_processes_import_the_package_by_the_name() -> None:
     code = (
         "import gymnasium as gym; env = gym.make_vec('khepera_forage:khepera_forage/Corridor-v1', "

@@ -27,13 +27,13 @@ from khepera_forage.envs.compiled.step import (
     stand_ready,
     world_of,
 )
-from khepera_forage.envs.layouts import arena_map_of, arenas_with_marks, no_room_on_marks
+from khepera_forage.envs.layouts import arena_map_of, arenas_with_marks, no_room_on_marks, paired_copies
 from khepera_forage.envs.training_episode import observation_box
 from khepera_forage.noise import Noise
 from khepera_forage.records import dtype_of
 from khepera_forage.robots.model import KHEPERA
-from khepera_forage.sim.arena import Arena, copies
-from khepera_forage.sim.layout_checks import cable_anchor, check_layout, check_seen
+from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.layout_checks import cable_anchor, check_layout
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import has_done_its_part
@@ -78,8 +78,7 @@ def paired_sides(
     """
     noise, decisions = settings.noise, settings.decisions
     arena: Any = settings.arena
-    arenas = tuple(arenas_with_marks(copies(checked_arena(arena, decisions), robots), options or {}))
-    check_seen(arenas)
+    arenas = tuple(arenas_with_marks(paired_copies(checked_arena(arena, decisions), robots), options or {}))
     check_layout(arenas, Layout(tuple(a.start for a in arenas), tuple(food for a in arenas for food in a.foods)))
     foods, anchor = len(arenas[0].foods), cable_anchor(arenas)
     blocks = [arena_block(side, anchor) for side in arenas]

@@ -91,7 +91,7 @@ class RecallVectorEnv(VectorEnv):
         }
         self.render_mode = render_mode
         self._screen = Screen(render_mode, duration)
-        single = self._single(arena=arena, foods=foods, limit=limit, decisions=decisions)
+        single = self._single(arena=arena, foods=foods, limit=limit, decisions=decisions, backend=COMPILED)
         self.single_observation_space, self.single_action_space = (single.observation_space, single.action_space)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
@@ -185,6 +185,7 @@ class RecallVectorEnv(VectorEnv):
         """A picture of each world; None without a `render_mode`, with a warning.
 
         A picture takes about 10 ms. Only the first 16 worlds are drawn, and the pictures of the others are black.
+        Gymnasium's `RecordVideo` tiles all of them: with more than a few worlds, use its `record_first_only=True`.
 
         Raises:
             ResetNeeded: Before the first reset.
