@@ -162,7 +162,7 @@ def import_alone(_: int, __: int) -> float:
 def memory(worlds: int, _: int) -> float:
     """Bytes of a world with one food object."""
     env: Any = gym.make_vec(CORRIDOR, num_envs=worlds)
-    return float(env.unwrapped.batch.bytes_per_world)
+    return float(sum(part.nbytes for part in env.unwrapped.batch.worlds) / worlds)
 
 
 def of_calls(call: Callable[[], Any]) -> float:

@@ -26,7 +26,7 @@ _AT_LEAST = 1.0 - 1e-9
 CELLS = 8
 """Columns and rows of the grid of an arena."""
 KEPT = 8.0
-"""Pixels (36 mm) for which a robot drives to a waypoint before it looks for a shorter way. Nearer than this to the
+"""Pixels (40 mm) for which a robot drives to a waypoint before it looks for a shorter way. Nearer than this to the
 waypoint, it looks in every round, so that it turns to the next one in time."""
 
 

@@ -25,11 +25,6 @@ def length(x: float, y: float) -> float:
     return math.sqrt(x * x + y * y)
 
 
-def sine(degrees: float) -> float:
-    """Sine of an angle in degrees."""
-    return math.sin(math.radians(degrees))
-
-
 def arcsine(value: float) -> float:
     """The angle in degrees, -90..90, that has this sine."""
     return math.degrees(math.asin(value))

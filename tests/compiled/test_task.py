@@ -10,17 +10,26 @@ import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.compiled.step import _write_raw
 from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
+from khepera_forage.records import blank
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions
+from khepera_forage.task.perception import RawData
 from tests.arenas import BLOCKS
 from tests.compiled.decisions import DECISIONS, IDS
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 LOSSES = Noise(loss_rate_food=0.01)
+
+
+def test_every_field_of_raw_data_is_written() -> None:
+    raw, record = RawData((1, 2, 3, 4, 5, 6), *range(7, 6 + len(RawData._fields))), blank(RawData)
+    _write_raw(record, raw)
+    assert vars(record) == {**raw._asdict(), "proximity": [1, 2, 3, 4, 5, 6]}
 
 
 class _FixedKey:

@@ -1,4 +1,4 @@
 """The task in compiled worlds, one or thousands. Needs numba.
 
-`worlds` has the records of a world, `step` is one round of it, `batch` steps many.
+`step` has the records of a world and one round of it, `batch` steps many.
 """

@@ -69,11 +69,6 @@ class CompiledBatch:
         """Of worlds that were seeded and not restarted since."""
 
     @property
-    def bytes_per_world(self) -> int:
-        """Memory of a world."""
-        return int(sum(part.nbytes for part in self.worlds)) // self.num_worlds
-
-    @property
     def arenas(self) -> list[Arena]:
         """The arena in which each world is."""
         return [self._arenas.arena(place) for place in self._places.tolist()]
@@ -172,7 +167,7 @@ class CompiledBatch:
         start_given: bool = False,
         places_given: bool = False,
     ) -> tuple[Any, ...]:
-        """Those of `_step_worlds` after the first two, for the worlds with these numbers, as for `step` and `begin`."""
+        """Those of `_step_worlds` after the first two, for the worlds with these numbers; see `step`, `restart`."""
         given = worlds, actions, waiting, start_given, places_given
         return *self.worlds, self._arenas.blocks, self._places, self._record, *given, self._free
 
@@ -286,8 +281,8 @@ def state_of(world: WorldRecords) -> ForagerState:
 
 def raw_of(world: WorldRecords) -> RawData:
     """What the robot of a compiled world perceives, in Python's numbers."""
-    proximity, *others = world.raw.item(0)
-    return RawData(tuple(proximity.tolist()), *others)
+    values = world.raw.item(0)
+    return RawData._make(tuple(value.tolist()) if isinstance(value, np.ndarray) else value for value in values)
 
 
 def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forager:
