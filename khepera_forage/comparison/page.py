@@ -143,7 +143,7 @@ def _arenas_figure(values: Floats, learners: Sequence[str], arenas: Sequence[str
         if not math.isnan(value):
             colour = "white" if value > _DARK else "black"
             axes.text(column, line, f"{value:.0f}", ha="center", va="center", color=colour, fontsize=SMALL)
-    axes.set_xticks(range(len(arenas)), [arena.replace("_", " ") for arena in arenas], fontsize=SMALL)
+    axes.set_xticks(range(len(arenas)), [arena.replace("_", "\n") for arena in arenas], fontsize=SMALL)
     axes.set_yticks(range(len(learners)), learners, fontsize=SMALL)
     return drawn
 
