@@ -12,7 +12,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -63,19 +63,18 @@ DISTURBANCES = {
 }
 ENDINGS = {
     "Ctrl-C": signal.SIGINT,
+    "Ctrl-Z": signal.SIGTSTP,
+    "kill -9": signal.SIGKILL,
+    "SIGSTOP": signal.SIGSTOP,
     "termination": signal.SIGTERM,
     "hang-up": signal.SIGHUP,
     "Ctrl-\\": signal.SIGQUIT,
-    "Ctrl-Z": signal.SIGTSTP,
     "SIGABRT": signal.SIGABRT,
     "SIGALRM": signal.SIGALRM,
     "SIGXCPU": signal.SIGXCPU,
     "crash (SIGSEGV)": signal.SIGSEGV,
-    "os._exit": None,
-    "kill -9": signal.SIGKILL,
-    "SIGSTOP": signal.SIGSTOP,
 }
-QUICK_ENDINGS = ("Ctrl-C", "Ctrl-Z", "kill -9", "SIGSTOP")
+"""A quick run has the first four."""
 DECISIONS = replace(DEFAULT_DECISIONS, arm_travel_time=1.0)
 """An arm that takes several rounds, as the driver expects, so that rounds with a moving gripper are typical ones."""
 TIMING = timing_of(DECISIONS)
@@ -88,21 +87,20 @@ RESTS, MOVES = "gripper rests", "gripper moves, or its position is read"
 _TIMEOUT = 5.0
 """Seconds after which wheels count as turning for good."""
 _PROGRAM = """
-import os, select, signal, sys
+import signal, sys, time
 # A shell starts programs in the background with some signals ignored, and their children inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 for number in (signal.SIGQUIT, signal.SIGHUP, signal.SIGTSTP):
     signal.signal(number, signal.SIG_DFL)
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-with SerialKhepera(sys.argv[1]) as robot:
+with SerialKhepera(sys.argv[1], period=None) as robot:
     robot.drive(Motors(5, 5, 215, 200))
     robot.transmit()
     print("driving", flush=True)
     # In turns, because Python may overlook a signal just before a call that waits for ever.
-    while not select.select([sys.stdin], [], [], 0.05)[0]:
-        pass
-    os._exit(0)
+    while True:
+        time.sleep(0.05)
 """
 PARTS = {
     "rounds": "Bytes to and from the first robot, their time on the wire (11 bits a byte), and the time of `transmit` "
@@ -182,8 +180,7 @@ def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Measurement]:
     with (
         virtual_fleet(baud, robots, seed) as virtual,
         patch.object(virtual.firmwares[0], "handle", _recorded(virtual.firmwares[0].handle, heard)),
-        closing(SerialKhepera(virtual.ports[0].url, baud=baud)) as first,
-        Fleet([first, *(SerialKhepera(port.url, baud=baud) for port in virtual.ports[1:])]) as fleet,
+        Fleet([SerialKhepera(port.url, baud=baud, period=None) for port in virtual.ports]) as fleet,
     ):
         for number, (left, right) in enumerate(wheels, -_WARM_UP):
             down = number >= 0 and number // _MOVEMENT_PERIOD % 2
@@ -255,7 +252,10 @@ def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[Measurement
     """A robot on a line with one of `DISTURBANCES`; its last round is undisturbed, and shows what remains."""
     wheels = np.random.default_rng(seed).integers(-MAX_SPEED, MAX_SPEED + 1, (rounds, 2)).tolist()
     taken, errors, lost = list[float](), list[int](), 0
-    with virtual_fleet(BAUD, 1, seed) as ((port,), _, advance, truth), SerialKhepera(port.url, baud=BAUD) as robot:
+    with (
+        virtual_fleet(BAUD, 1, seed) as ((port,), _, advance, truth),
+        SerialKhepera(port.url, baud=BAUD, period=None) as robot,
+    ):
         robot.receive()
         for number, (left, right) in enumerate(wheels, 1):
             port.faults = Faults() if number == len(wheels) else DISTURBANCES[disturbance]
@@ -283,32 +283,25 @@ def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[Measurement
 
 def end_processes(ending: str, processes: int) -> list[Measurement]:
     """Processes that end in one way: milliseconds until the wheels stand."""
-    rows, number = [], ENDINGS[ending]
+    rows = []
     for _ in range(processes):
         with (
             virtual_fleet(BAUD, 1, 0) as ((port,), (firmware,), _, _),
             subprocess.Popen(
                 [sys.executable, "-c", _PROGRAM, port.url],
-                stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 process_group=0,
             ) as process,
         ):
-            assert process.stdin is not None
             assert process.stdout is not None
             process.stdout.readline()
             begin = time.perf_counter()
-            if number is None:
-                process.stdin.write(b"\n")
-                process.stdin.flush()
-            else:
-                process.send_signal(number)
+            process.send_signal(ENDINGS[ending])
             while firmware.turning and time.perf_counter() < begin + _TIMEOUT:
                 time.sleep(0.0005)
-            taken = 1000 * (time.perf_counter() - begin)
+            rows.append(Measurement("endings", ending, "wheels turn on", 1000 * (time.perf_counter() - begin)))
             process.kill()
-        rows.append(Measurement("endings", ending, "wheels turn on", taken))
     return rows
 
 
@@ -358,7 +351,8 @@ def main() -> int:
     count = Count("rounds", 200, 12, "rounds at each baud rate and with each number of robots")
     given = parse("wire", __doc__, count, jobs=None)
     rounds, seed, quick = given.rounds, given.seed, given.quick
-    latencies, endings = (QUICK_LATENCIES, QUICK_ENDINGS) if quick else (LATENCIES, ENDINGS)
+    latencies = QUICK_LATENCIES if quick else LATENCIES
+    endings = list(ENDINGS)[: 4 if quick else None]
     units = [
         *(Job(f"{baud} baud", drive, (baud, 1, rounds, seed)) for baud in BAUD_RATES),
         *(Job(f"{n} robots", drive, (BAUD, n, rounds, seed)) for n in FLEETS if n > 1),

@@ -3,7 +3,7 @@
 import contextlib
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pytest
 
@@ -46,6 +46,22 @@ def test_each_robot_receives_its_own_command(count: int) -> None:
             for robot, truth in zip(fleet.robots, rig.robots, strict=True):
                 assert robot.sense() == truth.sense()
     assert rig.is_stopped()
+
+
+def test_robots_are_served_in_parallel() -> None:
+    """Each robot replies only after the other one was asked."""
+    with make_fleet(2) as (rig, fleet):
+        asked = [threading.Event(), threading.Event()]
+        for number, firmware in enumerate(rig.firmwares):
+
+            def handle(line: bytes, number: int = number, handle: Callable[[bytes], bytes] = firmware.handle) -> bytes:
+                if line == b"N":
+                    asked[number].set()
+                    asked[1 - number].wait(20.0)
+                return handle(line)
+
+            firmware.handle = handle  # type: ignore[method-assign]
+        fleet.receive()
 
 
 @pytest.mark.parametrize("lost", [[1], [0, 1]])
