@@ -145,23 +145,21 @@ class Arena:
         )
 
 
-def copies(arena: Arena, count: int, gap: float = 70.0) -> tuple[Arena, ...]:
-    """An arena and its copies side by side the narrow way, then in further rows, with `gap` mm between their walls.
+def copies(arena: Arena, count: int) -> tuple[Arena, ...]:
+    """An arena and its copies side by side the narrow way, then in further rows, with 70 mm between their walls.
 
     The gap keeps a marker of one from covering the floor of the next.
 
     Args:
         arena: The original, which is the first.
         count: How many arenas in all.
-        gap: In mm.
 
     Raises:
-        ValueError: Fewer than one arena, or a negative gap.
+        ValueError: Fewer than one arena.
     """
     if count < 1:
         raise ValueError(f"{count!r} copies of an arena; allowed: at least 1")
-    if not gap >= 0:
-        raise ValueError(f"gap between arenas is {gap!r} mm; allowed: at least 0")
+    gap = 70.0
     x1, y1, x2, y2 = arena.bounds
     width, height = x2 - x1, y2 - y1
     dx, dy = width + gap, height + gap

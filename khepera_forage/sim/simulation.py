@@ -238,10 +238,6 @@ class Simulation(ABC):
             places.append(FoodPlace(float(food.x), float(food.y), lifted))
         return tuple(places)
 
-    def held(self, robot: int = 0) -> int:
-        """Number of the food object in the gripper of a robot, counted in its arena; -1 without."""
-        return int(self.robots[robot].record.held)
-
     def place(self, robot: int, pose: Pose) -> None:
         """Put a robot down elsewhere in its arena, at rest, with the food that it holds.
 

@@ -17,8 +17,7 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.driving import finger_overlap, palm_overlap, push_out
-from tests.sim.worlds import KINDS, Kind, apart, holding, make_world, narrow, of_both_kinds, run
-from tests.version_0_1 import CORRIDOR
+from tests.sim.worlds import Kind, apart, holding, make_world, narrow, of_both_kinds, run
 
 CENTRE = Pose(1000, 1000, 0)
 FAR = (100.0, 100.0)
@@ -143,37 +142,6 @@ def test_lifted_food_does_not_pass_through_a_wall(kind: Kind) -> None:
     food = world.food_places()[0]
     assert not food.lifted
     assert narrow(650).clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
-
-
-@pytest.mark.skipif(len(KINDS) < 2, reason="needs numba")
-def test_picking_up_carrying_and_releasing_is_the_same_on_both_backends_within_3_mm() -> None:
-    """The same commands in both, every round; arm, jaw and barrier read the same."""
-    food = (330.0, 120.0)
-    worlds = [make_world(Pose(200, 115, 0.05), food, arena=CORRIDOR, kind=kind) for kind in KINDS]
-    script = (
-        [(0, 0, 255, 200)] * 11  # lower
-        + [(5, 5, 255, 200)] * 16  # push up to it
-        + [(0, 0, 255, 0)] * 8  # grip
-        + [(0, 0, 215, 0)] * 11  # raise
-        + [(8, 9, 215, 0)] * 15  # carry
-        + [(0, 0, 255, 0)] * 11  # lower
-        + [(0, 0, 255, 200)] * 7  # let go
-        + [(-6, -6, 255, 200)] * 10  # back off
-    )
-    held = []
-    for motors in script:
-        senses, others = (run(world, 1, *motors) for world in worlds)
-        assert (senses.arm, senses.jaw, senses.object_presence) == (others.arm, others.jaw, others.object_presence)
-        pose, other = (world.poses()[0] for world in worlds)
-        assert apart(pose, other) < 3.0
-        assert abs(pose.heading - other.heading) < 0.03
-        place, there = (world.food_places()[0] for world in worlds)
-        assert apart(place, there) < 3.0
-        assert place.lifted == there.lifted
-        held.append(worlds[1].held())
-    assert 0 in held
-    assert held[-1] == -1
-    assert apart(there, Point(*food)) > 60
 
 
 # ---------------------------------------------------------------- no sudden motion
