@@ -1,10 +1,18 @@
+import math
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
+from khepera_forage.robots.serial import serial_robot
 from tests.lab.laboratories import LAYOUT, quiet_laboratory
+
+
+@pytest.fixture(autouse=True)
+def fast_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy machine can make a line look slow; commands would then be confirmed after the round that they are for."""
+    monkeypatch.setattr(serial_robot, "FAST", math.inf)
 
 
 @pytest.fixture
