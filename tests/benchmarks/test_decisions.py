@@ -17,7 +17,7 @@ from khepera_forage.thesis.inference.prior import PRIOR
 from khepera_forage.thesis.inference.simulate import FILE, KEPT, Sets, draw
 from khepera_forage.thesis.inference.summary import fitted_columns, tables_statistics, thesis_statistics
 from tests.benchmarks.conftest import QuickRun
-from tests.benchmarks.running import read, refused
+from tests.benchmarks.running import read
 
 pytest.importorskip("numba")
 
@@ -135,23 +135,7 @@ def test_printed_tables_are_read_like_the_thesis_s_own(tmp_path: Path) -> None:
         tables_statistics(path)
 
 
-def test_wrong_tables_and_options_without_effect_are_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    wrong = tmp_path / "wrong.csv"
-    wrong.write_text("a,b\n1,2\n")
-    for options, words in (
-        (["--tables", str(wrong)], "header is 'a,b'; allowed: 'replication,arena"),
-        (["--tables", str(tmp_path / "none.csv")], "none.csv"),
-        (["--tables", "thesis", "--sets", "5"], "--sets has no effect here; allowed: without --tables"),
-    ):
-        status, told = infer(capsys, *options, "--out", str(tmp_path))
-        assert status == 2
-        assert words in told
-        assert told.count("\n") == 1
-
-
-def test_more_sets_continue_the_run_and_other_experiments_are_refused(out: Path, tmp_path: Path) -> None:
+def test_more_sets_continue_the_run(out: Path, tmp_path: Path) -> None:
     few = Sets.load(out / KEPT)
     shutil.copy(out / FILE, tmp_path)
     counts = (Count("sets", 10, 4, "admissible sets", adds_units=True), Count("experiments", 20, 2, "experiments"))
@@ -162,5 +146,3 @@ def test_more_sets_continue_the_run_and_other_experiments_are_refused(out: Path,
     assert np.array_equal(more.statistics[:3], few.statistics, equal_nan=True)
     for one, other in zip(more.parameters, few.parameters, strict=True):
         assert one.values[:3] == pytest.approx(other.values)
-    told = refused("decisions", "--out", str(tmp_path), "--seed", "1", "--experiments", "1")
-    assert "with experiments '2', and this run has '1'; allowed: the same" in told

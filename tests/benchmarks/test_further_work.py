@@ -1,29 +1,36 @@
 """`benchmarks/further_work.py`: every experiment gives a page, a picture and rows that agree with each other."""
 
+import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import gymnasium as gym
 import numpy as np
 import pytest
 from further_experiments import memory
 from further_experiments import perception as new
+from further_experiments.learned_behaviours import LearnedBehaviours, relations
 from further_experiments.memory import FIXED, PATIENCE, StateLabels, UntilGoal, goal_reached
 from further_experiments.perception import CopiedMotorsEnv, LearnedBehavioursEnv, ObservingTeacher, hand_coded
 from further_experiments.teachers import SimulatedPerson
+from hypothesis import given
+from hypothesis import strategies as st
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher, WeightedImitator
 from khepera_forage.policies.distance import distance
-from khepera_forage.robots.khepera import applicable
+from khepera_forage.robots.khepera import ARM_RAISED, JAW_CLOSED, applicable
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.training import attempt, train
+from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DEFAULT_VALUES
 from khepera_forage.task.perception import RawData, state_vector
 from khepera_forage.task.states import BEHAVIOURS, Behaviour, StateVector
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import is_picture, read
-from tests.benchmarks.test_scripts import EXPERIMENTS, SCRIPTS
+from tests.benchmarks.test_scripts import EXPERIMENTS
 from tests.version_0_1 import V0_1, VALUES
 
 WITHOUT_RECALLS = {"several_learners"}
@@ -91,7 +98,7 @@ def test_conditions_share_their_places_and_replications_have_their_own(out: Path
         seeds = places_of(out, name)
         assert len(seeds) == 2
         assert all(len(kinds) == 1 for kinds in seeds.values())
-    repeated = quick_run("further_work", *(SCRIPTS["further_work"].repeatable or ()))
+    repeated = quick_run("further_work", "--only", "spatial_variety", "--replications", "2")
     assert {folder.name for folder in repeated.iterdir()} == {"spatial_variety"}
     seeds = places_of(repeated, "spatial_variety")
     assert len(seeds) == len(set.union(*seeds.values())) == 4
@@ -320,14 +327,14 @@ def test_without_noise_copied_motors_are_the_teachers() -> None:
 
 
 def test_recall_with_the_given_behaviours_is_recall() -> None:
-    given = recall_env("corridor")
-    own = LearnedBehavioursEnv(arena="corridor", foods=given.foods, limit=given.limit)
+    usual = recall_env("corridor")
+    own = LearnedBehavioursEnv(arena="corridor", foods=usual.foods, limit=usual.limit)
     for seed in (5, 6):
-        assert recall(own, Teacher(), seed) == recall(given, Teacher(), seed)
+        assert recall(own, Teacher(), seed) == recall(usual, Teacher(), seed)
     own.command = lambda behaviour, raw: applicable(hand_coded(Behaviour.WAIT, raw))
     still = recall(own, Teacher(), 5)
-    assert (still.steps, still.delivered) == (given.limit, 0)
-    given.close()
+    assert (still.steps, still.delivered) == (usual.limit, 0)
+    usual.close()
     own.close()
 
 
@@ -354,3 +361,57 @@ def test_every_key_of_a_person_but_the_first_is_late_and_some_are_wrong() -> Non
     assert len(counts) == 10, "WAIT is never pressed"
     assert abs(counts[search] - 4000) < 6 * np.sqrt(5000 * 0.2 * 0.8)
     assert np.all(np.abs(counts[1:] - 1000 / 9) < 6 * np.sqrt(1000 / 9))
+
+
+# ---------------------------------------------------------------- behaviours learned from motors (4.8)
+
+OBSTACLES = RAW._replace(proximity=(0, 10, 20, 30, 40, 50), food_x=60.0)
+
+
+def moved(raw: RawData, x: float, y: float, degrees: int) -> RawData:
+    """The same scene elsewhere: everything turned about the origin, then shifted."""
+    cosine, sine = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+
+    def there(px: float, py: float) -> tuple[float, float]:
+        return x + px * cosine - py * sine, y + px * sine + py * cosine
+
+    (x1, y1), (x2, y2), (x3, y3) = (there(raw.x, raw.y), there(raw.food_x, raw.food_y), there(raw.home_x, raw.home_y))
+    orientation = (raw.orientation + degrees) % 360
+    return raw._replace(x=x1, y=y1, food_x=x2, food_y=y2, home_x=x3, home_y=y3, orientation=orientation)
+
+
+@given(st.floats(-200, 200), st.floats(-200, 200), st.integers(-180, 180))
+def test_relations_do_not_depend_on_the_place(x: float, y: float, degrees: int) -> None:
+    assert relations(moved(OBSTACLES, x, y, degrees)) == pytest.approx(relations(OBSTACLES), abs=1e-6)
+
+
+def forages(env: Any, seeds: range, action: Callable[[int, RawData], Any]) -> int:
+    """Food delivered in episodes under an action that may depend on the correct behaviour and the raw data."""
+    delivered = 0
+    for seed in seeds:
+        (_, info), over = env.reset(seed=seed), False
+        while not over:
+            _, _, terminated, truncated, info = env.step(action(info["correct_behaviour"], env.forager.raw))
+            over = terminated or truncated
+        delivered += info["delivered"]
+    return delivered
+
+
+def test_behaviours_learned_from_the_teacher_s_motors_forage_at_new_places() -> None:
+    raws: list[RawData] = []
+    behaviours: list[int] = []
+
+    def shown(behaviour: int, raw: RawData) -> int:
+        raws.append(raw)
+        behaviours.append(behaviour)
+        return behaviour
+
+    def wheels(behaviour: int, raw: RawData) -> Any:
+        left, right, arm, jaw = learned.command(behaviour, raw)
+        return np.array((left / 20, right / 20, 2.0 * (arm == ARM_RAISED) - 1.0, 2.0 * (jaw == JAW_CLOSED) - 1.0))
+
+    forages(gym.make("khepera_forage/Corridor-v1").unwrapped, range(12), shown)
+    motors = [command(*step, DEFAULT_VALUES) for step in zip(behaviours, raws, strict=True)]
+    learned = LearnedBehaviours().fit(raws, behaviours, motors)
+    delivered = forages(gym.make("khepera_forage/CorridorWheels-v1").unwrapped, range(100, 106), wheels)
+    assert delivered >= 1, "a robot that stands still, or drives at random, delivers nothing"

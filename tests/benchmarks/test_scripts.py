@@ -13,7 +13,7 @@ import pytest
 
 from khepera_forage.study import UNITS
 from tests.benchmarks.conftest import APART, QuickRun
-from tests.benchmarks.running import ROOT, is_picture, quick, quick_here, read, refused
+from tests.benchmarks.running import ROOT, is_picture, quick, read, refused
 
 EXPERIMENTS = (
     *("push_and_avoid", "attribute_weights", "spatial_variety", "state_vector", "action_level", "different_robots"),
@@ -23,6 +23,7 @@ EXPERIMENTS = (
 LEARNERS_RUN = tuple(
     part for name in ("teacher", "random", "imitator", "tree", "dagger_tree") for part in ("--only", name)
 )
+TRACKER_ROWS = ("observations", "limits", "calibrations", "troubles")
 STARTED = (*APART, "backends", "throughput")
 """Scripts that other tests start as a user does."""
 
@@ -34,7 +35,6 @@ class Script:
     Attributes:
         rows: Names of its row files.
         run: Arguments of the quick run that tests share.
-        repeatable: Arguments of a quick run with the same rows on any number of processes; None if rows are times.
         page: Where the page is, in the results' folder.
         needs: Modules without which it cannot run.
         subcommand: Of `khepera-forage`, if the script does the same.
@@ -42,7 +42,6 @@ class Script:
 
     rows: tuple[str, ...]
     run: tuple[str, ...] = ()
-    repeatable: tuple[str, ...] | None = None
     page: str = ""
     needs: tuple[str, ...] = ()
     subcommand: str = ""
@@ -51,38 +50,24 @@ class Script:
 SCRIPTS = {
     "backends": Script(("recalls", "trainings"), needs=("numba",)),
     "decisions": Script((), needs=("numba",), subcommand="infer"),
-    "further_work": Script(
-        ("trainings", "recalls"),
-        repeatable=("--only", "spatial_variety", "--replications", "2"),
-        page="spatial_variety/spatial_variety.md",
-    ),
+    "further_work": Script(("trainings", "recalls"), page="spatial_variety/spatial_variety.md"),
     "lab_faults": Script(("faults", "trainings"), needs=("serial", "cv2")),
-    "learners": Script(("rows",), run=LEARNERS_RUN, repeatable=LEARNERS_RUN, subcommand="compare"),
-    "tracker": Script(
-        ("observations", "limits", "calibrations", "troubles"), repeatable=("--only", "scenes"), needs=("cv2",)
-    ),
+    "learners": Script(("rows",), run=LEARNERS_RUN, subcommand="compare"),
+    "tracker": Script(TRACKER_ROWS, needs=("cv2",)),
     "virtual_lab": Script(("recalls", "trainings"), run=("--jobs", "1"), needs=("serial", "cv2")),
     "wire": Script(("measurements",), needs=("serial",)),
 }
 
 
-def available(*names: str) -> list[object]:
-    """Scripts as parameters, skipped where a module is missing."""
-    return [
+all_scripts = pytest.mark.parametrize(
+    "script",
+    [
         pytest.param(
             name,
-            marks=[
-                pytest.mark.skipif(find_spec(module) is None, reason=f"needs {module}")
-                for module in SCRIPTS[name].needs
-            ],
+            marks=[pytest.mark.skipif(find_spec(module) is None, reason=f"needs {module}") for module in script.needs],
         )
-        for name in names
-    ]
-
-
-all_scripts = pytest.mark.parametrize("script", available(*SCRIPTS))
-same_rows = pytest.mark.parametrize(
-    "script", available(*(name for name in SCRIPTS if SCRIPTS[name].repeatable is not None))
+        for name, script in SCRIPTS.items()
+    ],
 )
 
 
@@ -130,50 +115,24 @@ def test_quick_run_leaves_page_tables_pictures_and_rows(script: str, quick_run: 
     assert [(name, fault) for name, fault in checked if fault] == [], "readable, and shading is explained"
 
 
-def rows_of(script: str, out: Path) -> dict[str, list[str]]:
-    """The lines of all row files but for wall times, which come last in the rows of learners."""
-    folder = page_of(script, out).parent
-    names = [f"{name}.csv" for name in SCRIPTS[script].rows]
-    lines = {name: (folder / name).read_text(encoding="utf-8").splitlines() for name in names}
-    if script == "learners":
-        lines["rows.csv"] = [line.rsplit(",", 1)[0] for line in lines["rows.csv"]]
-    return lines
-
-
-@same_rows
-def test_killed_run_is_continued_with_the_same_rows_by_two_processes(
-    script: str, quick_run: QuickRun, tmp_path: Path
-) -> None:
-    """The run that tests share has one process."""
-    arguments = SCRIPTS[script].repeatable or ()
-    whole = quick_run(script, *arguments)
-    shutil.copytree(whole, tmp_path / "killed")
-    folder = page_of(script, tmp_path / "killed").parent
-    page_of(script, tmp_path / "killed").unlink()
-    with gzip.open(folder / UNITS) as file:
+@pytest.mark.skipif(find_spec("cv2") is None, reason="needs cv2")
+def test_killed_run_is_continued_with_the_same_rows_by_two_processes(quick_run: QuickRun, tmp_path: Path) -> None:
+    """In a process of its own, whose workers must not print errors. The run that tests share has one process."""
+    only = ("--only", "scenes")
+    whole, killed = quick_run("tracker", *only), tmp_path / "killed"
+    shutil.copytree(whole, killed)
+    (killed / "tracker.md").unlink()
+    with gzip.open(killed / UNITS) as file:
         units = [gzip.compress(line) for line in file]
     done = len(units) // 2
     assert 1 <= done < len(units) - 1
     # As a kill in the middle of a write leaves it.
-    (folder / UNITS).write_bytes(b"".join(units[: 1 + done]) + units[1 + done][: len(units[1 + done]) // 2])
-    # One script in a process of its own, whose workers must not print errors; the others import nothing again.
-    run = quick if script == "tracker" else quick_here
-    printed = run(script, tmp_path / "killed", *arguments, "--jobs", "2")
-    counts = re.findall(r"(\d+) of (\d+) units are done already", printed)
-    assert [sum(map(int, part)) for part in zip(*counts, strict=True)] == [done, len(units) - 1]
-    assert rows_of(script, whole) == rows_of(script, tmp_path / "killed")
-    assert page_of(script, tmp_path / "killed").exists()
-    if script == "tracker":
-        assert (whole / "frame.png").read_bytes() == (tmp_path / "killed" / "frame.png").read_bytes()
-
-
-@same_rows
-def test_rows_of_another_seed_are_refused(script: str, quick_run: QuickRun) -> None:
-    arguments = SCRIPTS[script].repeatable or ()
-    out = quick_run(script, *arguments)
-    told = refused(script, "--seed", "2", "--out", str(out), *arguments)
-    assert told.startswith(f"{program(script)}: ")
-    assert "made with seed '1', and this run has '2'; allowed: the same, another folder" in told
+    (killed / UNITS).write_bytes(b"".join(units[: 1 + done]) + units[1 + done][: len(units[1 + done]) // 2])
+    printed = quick("tracker", killed, *only, "--jobs", "2")
+    assert f"{done} of {len(units) - 1} units are done already" in printed
+    assert (killed / "tracker.md").exists()
+    for name in ("frame.png", *(f"{name}.csv" for name in TRACKER_ROWS)):
+        assert (whole / name).read_bytes() == (killed / name).read_bytes()
 
 
 def test_counts_are_checked() -> None:

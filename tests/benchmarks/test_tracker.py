@@ -1,4 +1,6 @@
-"""`benchmarks/tracker.py`: its tables are complete and consistent, and the tracker meets its requirements."""
+"""`benchmarks/tracker.py`: its tables are complete and consistent, and failure has a warning.
+
+That the tracker meets its requirements: `tests/vision`."""
 
 from pathlib import Path
 
@@ -8,7 +10,7 @@ from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
 
 pytest.importorskip("cv2")
-SCENES, ROUNDS = 6, 100
+ROUNDS = 100
 KINDS = {"food": 2, "1 hole": 1, "2 holes": 1}
 """And how many of each there are."""
 
@@ -16,18 +18,6 @@ KINDS = {"food": 2, "1 hole": 1, "2 holes": 1}
 @pytest.fixture(scope="module")
 def out(quick_run: QuickRun) -> Path:
     return quick_run("tracker")
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_tracker_meets_its_requirements(out: Path, kind: str) -> None:
-    rows = read(out / "table_accuracy.csv")
-    (row,) = (row for row in rows if (row["appearance"], row["region"]) == ("laboratory", kind))
-    assert int(row["things"]) == SCENES * KINDS[kind]
-    assert float(row["found (%)"]) > 90
-    assert float(row["within 1 px (%)"]) >= 99
-    if kind != "food":
-        assert float(row["within 3 deg (%)"]) >= 99
-        assert row["reversed"] == "0"
 
 
 def test_all_cameras_observe_the_same_trainings(out: Path) -> None:
@@ -79,11 +69,3 @@ def test_everything_is_found_under_moderate_disturbances_and_failure_has_a_warni
             "warning (%)": float(row["warned"]),
         }
         assert {name: line[name] for name in wanted} == pytest.approx(wanted, rel=1e-4, nan_ok=True)
-
-
-def test_no_marker_is_wrong_or_lost_silently_in_troubles(out: Path) -> None:
-    rows = read(out / "table_troubles.csv")
-    assert len(rows) == 5
-    for row in rows:
-        assert (row["lost without"], row["wrong number, front or phantom"]) == ("0", "0")
-        assert float(row["found (%)"]) > 70

@@ -30,12 +30,6 @@ def files(empty_folder_without_display: None) -> None:
         ("recall --noise wind", "noise source 'wind' is unknown; allowed: wheels, infra-reds"),
         ("recall --decision next_to_foot=17", "recall: decision 'next_to_foot' is unknown; allowed: aimed, arm_after_"),
         ("reproduce --decision next_to_food=nan", "decision next_to_food is nan; allowed: a number from 10 to 30"),
-        ("train --decision patience=1.5", "decision patience is '1.5'; allowed: a whole number from 1 to 10000 rounds"),
-        ("teach --decision equal_distance=x", "equal_distance is 'x'; allowed: 'nearer state', 'farther state'"),
-        ("watch recall --decision v0.2", "version 'v0.2' of the decisions is unknown; allowed: 'v0.1', 'v1'"),
-        ("recall --decision patience=5 --decision v0.1", "decision 'v0.1'; allowed: NAME=VALUE, such as next_to_food"),
-        ("recall --decision patience=5 --decision patience=6", "decision patience is set twice; allowed: once"),
-        ("train --decision next_to_food=25 --decision close_to_food=24", "allowed: at least next_to_food"),
         ("recall --learner tree", f"--learner {NOTHING}with --experience"),
         ("recall --learner ppo --experience there", "--learner is 'ppo'; allowed: imitator, k_nearest"),
         ("recall --learner nowhere:f --experience there", "--learner is 'nowhere:f': No module named 'nowhere'"),
@@ -83,6 +77,7 @@ def files(empty_folder_without_display: None) -> None:
         ("arena show missing.toml", "No such file or directory: 'missing.toml'"),
         ("arena write doors mine.toml/a.toml", "Not a directory: 'mine.toml/a.toml'"),
         ("infer --tables latin.csv", "latin.csv: not UTF-8 text"),
+        ("infer --tables there/g1.csv", "header is '# khepera_forage experience, version 1'; allowed: 'replication,"),
         ("arena show mine.toml", "mine.toml: name is missing"),
         ("arena show circle", "arena is 'circle'; allowed: corridor, rectangle, t_maze"),
         ("arena show doors --level 0", f"--level {NOTHING}with the arena procedural"),
@@ -100,6 +95,9 @@ def files(empty_folder_without_display: None) -> None:
         ("lab check missing.toml", "No such file or directory: 'missing.toml'"),
         ("lab check mine.toml", "mine.toml: robots is empty; allowed: at least one table [[robots]]"),
         ("lab new --out mine.toml", "mine.toml is there already; allowed: another --out"),
+        ("lab new --out none/lab.toml", "lab.toml; allowed: a file in a folder that exists"),
+        ("lab new --robot toio --camera 0", "--camera has no effect here; allowed: for robots under a camera"),
+        ("lab new --robot khepera --food-cube a", "--food-cube has no effect here; allowed: with --robot toio"),
         ("robot probe --port /dev/nowhere", "/dev/nowhere cannot be opened"),
         ("robot probe --port /dev/nowhere --baud 300", "baud 300; allowed: 9600"),
         ("robot probe --port x --robot toio", "--robot toio; allowed: khepera, e-puck2, which have a serial line"),
@@ -162,31 +160,3 @@ def test_error_of_a_learner_in_a_recall_shows_its_own_traceback(capsys: pytest.C
     assert error.startswith("khepera-forage recall: --learner fickle:Fickle failed\nTraceback")
     assert error.endswith("IndexError: too late\n")
     assert "khepera_forage/" not in error
-
-
-COMMON = ("--seed", "--out")
-OPTIONS = {
-    "reproduce": (*COMMON, "--decision"),
-    "train": (*COMMON, "--decision", "--lab", "--continue"),
-    "teach": (*COMMON, "--decision", "--pace"),
-    "recall": (*COMMON, "--decision", "--lab", "--allow-other-decisions"),
-    "watch": (*COMMON, "--decision", "--lab", "--allow-other-decisions"),
-    "compare": (*COMMON, "{offline,teaching,wheels,vocabulary}", "--against"),
-    "infer": (*COMMON, "--tables"),
-    "dataset": (*COMMON, "--decision", "--wheels"),
-    "robot selftest": ("--port", "--baud", "--no-watchdog"),
-    "robot virtual": ("--tcp", "--baud", "--seed"),
-    "camera calibrate": (*COMMON, "--source", "--size", "--points", "--places", "--tags", "--camera", "--check"),
-    "camera preview": (*COMMON, "--source", "--calibration", "--frames"),
-    "camera tags": ("--robots", "--food", "--floor", "--size", "--food-size", "--out"),
-    "lab new": ("--robot", "--out"),
-}
-
-
-@pytest.mark.parametrize("command", OPTIONS)
-def test_help_has_the_options(command: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as stop:
-        main([*command.split(), "--help"])
-    assert stop.value.code == 0
-    text = capsys.readouterr().out
-    assert all(option in text for option in OPTIONS[command])
