@@ -29,12 +29,6 @@ LEARNER_PAGE = PAGES["plug_in_a_learner.md"]
 INDEX = "index.md"
 INCLUDED = {"contributing.md", "changelog.md"}
 """Pages that consist of a file of the repository's own folder."""
-LINKS = [
-    (page, link)
-    for page, text in PAGES.items()
-    for link in re.findall(r"\]\(([^)]+)\)", text)
-    if not link.startswith("http")
-]
 
 
 Show = Callable[..., tuple[dict[str, Any], str]]
@@ -216,14 +210,15 @@ def test_command_of_page_and_its_options_exist(page: str, command: str, monkeypa
         run()
 
 
-@pytest.mark.parametrize(("page", "link"), LINKS)
-def test_link_leads_to_a_file_and_heading(page: str, link: str) -> None:
-    path, _, heading = link.partition("#")
-    target = ((DOCS / page).parent / path).resolve() if path else DOCS / page
-    assert target.exists(), link
-    if heading:
-        titles = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), flags=re.MULTILINE)
-        assert heading in {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}, link
+@pytest.mark.parametrize("page", PAGES)
+def test_links_lead_to_files_and_headings(page: str) -> None:
+    links = [link for link in re.findall(r"\]\(([^)]+)\)", PAGES[page]) if not link.startswith("http")]
+    for path, _, heading in (link.partition("#") for link in links):
+        target = ((DOCS / page).parent / path).resolve() if path else DOCS / page
+        assert target.exists(), path
+        if heading:
+            titles = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), flags=re.MULTILINE)
+            assert heading in {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}, heading
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if "/" not in page and page not in {*INCLUDED, INDEX}])

@@ -45,21 +45,11 @@ def test_train_and_recall_store_their_decisions() -> None:
     assert (row.decisions, row.experience_size) == (text, len(experience))
 
 
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        ([], Decisions()),
-        (["v1"], Decisions()),
-        (["v0.1"], Decisions.v0_1()),
-        (["v0.1", "patience=50"], replace(Decisions.v0_1(), patience=50)),
-        (["v1", "patience=50"], Decisions(patience=50)),
-    ],
-)
-def test_first_decision_may_be_a_version(words: list[str], expected: Decisions) -> None:
-    options = [option for word in words for option in ("--decision", word)]
+def test_first_decision_may_be_a_version() -> None:
+    options = ["--decision", "v0.1", "--decision", "patience=50"]
     assert main(["recall", "--episodes", "1", "--out", "rows.csv", *options]) == 0
     (row,) = read_rows(Path("rows.csv"), RecallRow)
-    assert decisions_from_text(row.decisions) == expected
+    assert decisions_from_text(row.decisions) == replace(Decisions.v0_1(), patience=50)
 
 
 @pytest.mark.parametrize(

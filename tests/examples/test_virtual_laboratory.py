@@ -1,9 +1,5 @@
 """`examples/virtual_laboratory.py`: experience and recalls from real drivers, and robots that stop."""
 
-import os
-import signal
-import threading
-import time
 from pathlib import Path
 from typing import Any
 
@@ -34,12 +30,6 @@ def test_training_and_recalls_leave_experience_and_rows(tmp_path: Path) -> None:
     assert "out has experience files; allowed: another --out" in message
 
 
-def test_mistake_in_the_file_is_reported_in_one_line(tmp_path: Path) -> None:
-    (tmp_path / "lab.toml").write_text('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nbaud = 1\n')
-    message = refused("virtual_laboratory", tmp_path, "--lab", "lab.toml", "--out", "out", status=1)
-    assert "lab.toml: robots[0].baud is 1; allowed: 9600" in message
-
-
 @pytest.fixture
 def example(monkeypatch: pytest.MonkeyPatch) -> Any:
     """The example as a module that keeps its laboratories in `opened`."""
@@ -53,22 +43,6 @@ def example(monkeypatch: pytest.MonkeyPatch) -> Any:
 
     monkeypatch.setattr(module, "virtual_laboratory", opening)
     return module
-
-
-def test_robots_stop_on_an_interrupt(example: Any, tmp_path: Path) -> None:
-    experience = tmp_path / "g1.csv"
-
-    def interrupt() -> None:
-        while not experience.exists() or experience.read_text(encoding="utf-8").count("\n") < 30:
-            time.sleep(0.01)
-        os.kill(os.getpid(), signal.SIGINT)
-
-    hand = threading.Thread(target=interrupt)
-    hand.start()
-    with pytest.raises(KeyboardInterrupt):
-        example.main(["--out", str(tmp_path), *SEED])
-    hand.join()
-    assert is_stopped(example.opened[0])
 
 
 def test_robots_stop_after_an_error(example: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
