@@ -68,6 +68,7 @@ def test_row_that_does_not_fit_is_an_error_and_leaves_complete_lines(opened: Any
     [
         (write_arena, procedural_arena(0), procedural_arena(1), read_arena),
         (Experience.save, Experience([VECTOR], [0]), Experience([VECTOR], [1]), Experience.load),
+        (Calibration.save, Calibration.identity(), Calibration.identity(size=(848, 480)), Calibration.load),
     ],
 )
 def test_file_that_exists_stays_whole_when_the_disk_is_full(

@@ -15,7 +15,7 @@ from khepera_forage.policies.policy import HEARD
 from khepera_forage.rollouts.compiled import training
 from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.rows import TrainingRow
-from khepera_forage.rollouts.training import IncompleteTrainingError, train
+from khepera_forage.rollouts.training import train
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour
 from tests.compiled.decisions import DECISIONS
@@ -173,14 +173,6 @@ def test_training_takes_as_long_as_on_pymunk() -> None:
         ours = getattr(compiled, name)[compiled.complete]
         assert stats.ks_2samp(ours, [getattr(rows[-1], name) for rows in single]).pvalue > 1e-3
     assert stats.ks_2samp(np.bincount(compiled.learner), [len(rows) for rows in single]).pvalue > 1e-3
-
-
-def test_training_that_is_never_complete_raises_the_same_error_as_on_pymunk() -> None:
-    with pytest.raises(RuntimeError, match="none of 3 attempts") as compiled:
-        train_learners(2, max_cycles=9, attempts=3)
-    with pytest.raises(IncompleteTrainingError) as single:
-        train(TrainingEnv(max_cycles=9), np.random.SeedSequence(0), attempts=3)
-    assert str(compiled.value) == str(single.value)
 
 
 def test_experience_of_a_learner_can_be_saved_and_loaded_and_a_missing_one_is_quoted(tmp_path: Any) -> None:

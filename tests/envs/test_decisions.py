@@ -19,7 +19,7 @@ from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, SPEED_UNIT
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
-from khepera_forage.task.states import Behaviour, State
+from khepera_forage.task.states import Behaviour
 from tests.version_0_1 import CORRIDOR, V0_1
 
 pytest.importorskip("numba")
@@ -135,27 +135,6 @@ def test_ends_of_the_set_up_ranges_fit_in_the_named_arenas(name: str) -> None:
 
 
 # ---------------------------------------------------------------- rules
-
-
-@pytest.mark.parametrize(
-    ("decisions", "next_to", "close_to"),
-    [
-        (V0_1, 20, 30),
-        (replace(V0_1, next_to_food=17, close_to_food=40), 17, 40),
-        (replace(V0_1, next_to_food=17, close_to_food=40, equal_distance="farther state"), 16, 39),
-    ],
-)
-@on_both_backends
-def test_thresholds_of_the_decisions_bound_the_states(
-    backend: str, decisions: Decisions, next_to: int, close_to: int
-) -> None:
-    """In front of food that lies 16 to 45 pixels straight ahead, beyond the robot's marker."""
-    env, states = made(gym.make, "Corridor", backend=backend, decisions=decisions, **QUIET), []
-    for pixels in range(16, 46):
-        options = {"start": (100, 115, 0), "foods": [(100 + 5 * pixels, 115)]}
-        states.append(env.reset(seed=1, options=options)[1]["state"])
-    assert states.count(State.NEXT_TO_FOOD) == next_to - 15
-    assert states.count(State.CLOSE_TO_FOOD) == close_to - next_to
 
 
 @pytest.mark.parametrize("holes", [1, 2])

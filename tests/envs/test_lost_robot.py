@@ -245,7 +245,3 @@ def test_operator_who_gives_up_leaves_no_empty_file(tmp_path: Path) -> None:
         with pytest.raises(OperatorGaveUp):
             training.train(env, np.random.SeedSequence(1), path=path)
         assert not path.exists()
-        path.write_text("of an earlier training")
-        with pytest.raises(FileExistsError):
-            training.train(env, np.random.SeedSequence(1), path=path)
-        assert path.read_text() == "of an earlier training"

@@ -67,8 +67,6 @@ BAD: list[tuple[str | bytes, int, str]] = [
     (WHOLE.replace("seed: ", "sead: "), 4, "'# sead: 7'; allowed: '# seed: ' and a value"),
     (decided(""), 6, "decisions are ''; allowed: a version and what differs from it, or no such line"),
     (decided("v2;next_to_food=17"), 6, "version 'v2' of the decisions is unknown; allowed: 'v0.1', 'v1'"),
-    (decided("next_to_food=9"), 6, "decision next_to_food is 9.0; allowed: a number from 10 to 30 pixels"),
-    (decided("Mixed"), 6, "decision 'Mixed'; allowed: NAME=VALUE"),
     (WHOLE.replace("5 mm", "4 mm"), 6, "units are 'distances in pixels of 4 mm"),
     (WHOLE.replace("arms_height,", "arms,"), 7, "columns are 'object_presence,robot_home_distance,foo"),
     (HEADER[:100], 6, "ends in the header; allowed: 7 lines before the rows"),

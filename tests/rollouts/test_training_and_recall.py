@@ -1,24 +1,29 @@
 """Rollouts of training and recall: experience files, attempts and rows."""
 
 import math
-from dataclasses import asdict, replace
+import signal
+import threading
+from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import gymnasium as gym
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from khepera_forage.envs import paired_corridors_v1
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experience import Experience, ExperienceError
+from khepera_forage.envs.wheels_env import WheelsEnv
+from khepera_forage.experience import Experience, ExperienceError, text_format
 from khepera_forage.noise import Noise
-from khepera_forage.policies import NearestNeighbourImitator, Teacher
-from khepera_forage.rollouts.recall import recall, recall_env
-from khepera_forage.rollouts.rows import TEACHER, TrainingRow
-from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, train
-from khepera_forage.task.decisions import Decisions, decisions_text
+from khepera_forage.policies import NearestNeighbourImitator
+from khepera_forage.robots.khepera import JAW_OPEN, MAX_SPEED
+from khepera_forage.rollouts.recall import WheelsRecall, recall, recall_wheels, recall_wheels_env
+from khepera_forage.rollouts.rows import TrainingRow
+from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, delayed_interrupts, train
+from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType
 
 
@@ -154,14 +159,61 @@ def test_rows_of_a_training_are_what_happened_in_its_attempts() -> None:
     assert len({row.seed for row in rows}) == len(rows)
 
 
-def test_rows_and_files_have_the_decisions_of_their_environment(tmp_path: Path) -> None:
-    decisions = replace(Decisions.v0_1(), next_to_food=22, patience=50)
-    path, text = tmp_path / "g1.csv", "v0.1;next_to_food=22;patience=50"
-    experience, rows = train(TrainingEnv(decisions=decisions), np.random.SeedSequence(3), path=path)
-    assert experience.decisions == decisions
-    assert Experience.load(path, decisions=decisions) == experience
-    assert {row.decisions for row in rows} == {text}
-    env = recall_env("corridor", decisions=decisions)
-    assert recall(env, Teacher.of(env), 1, learner=TEACHER).decisions == text
-    row = recall(recall_env("corridor"), Teacher(), 1, learner=TEACHER)
-    assert row.decisions == decisions_text(Decisions())
+# ---------------------------------------------------------------- motors as actions
+
+
+class TeachersMotors:
+    """Commands the motors of the teacher's behaviours, which it reads from the environment."""
+
+    def __init__(self, env: WheelsEnv) -> None:
+        self.env = env
+
+    def act(self, observation: dict[str, Any], rng: np.random.Generator | None = None) -> NDArray[Any]:
+        forager = self.env.forager
+        motors = forager.motors_for(forager.correct_behaviour)
+        jaw = -1.0 if motors.jaw > JAW_OPEN / 2 else 1.0
+        return np.array((motors.left / MAX_SPEED, motors.right / MAX_SPEED, (235 - motors.arm) / 20, jaw))
+
+
+@pytest.mark.parametrize(("arena", "foods"), [("corridor", 1), ("rectangle", 2)])
+def test_recall_with_the_teachers_motors_delivers_all_food(arena: str, foods: int) -> None:
+    env = recall_wheels_env(arena)
+    calls: list[int] = []
+    row = recall_wheels(env, TeachersMotors(env), 1, callback=lambda: calls.append(1))
+    assert row == WheelsRecall(100.0, row.steps, foods, foods, 0, row.steps)
+    assert len(calls) == row.steps + 1 < env.limit
+
+
+# ---------------------------------------------------------------- interrupts
+
+
+def test_interrupt_while_the_file_is_opened_closes_and_deletes_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened: list[IO[Any]] = []
+
+    def interrupted_open(*args: Any, **kwargs: Any) -> IO[Any]:
+        file: IO[Any] = open(*args, **kwargs)  # noqa: SIM115 - the test checks that it is closed
+        opened.append(file)
+        signal.raise_signal(signal.SIGINT)
+        return file
+
+    monkeypatch.setattr(text_format, "open", interrupted_open, raising=False)
+    with pytest.raises(KeyboardInterrupt):
+        train(TrainingEnv(), np.random.SeedSequence(0), path=tmp_path / "g1.csv")
+    assert [file.closed for file in opened] == [True]
+    assert list(tmp_path.iterdir()) == []
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_delayed_interrupts_change_nothing_in_other_threads() -> None:
+    handlers: list[object] = []
+
+    def in_thread() -> None:
+        with delayed_interrupts():
+            handlers.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=in_thread)
+    thread.start()
+    thread.join()
+    assert handlers == [signal.default_int_handler]

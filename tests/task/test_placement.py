@@ -5,15 +5,13 @@ from dataclasses import replace
 from itertools import combinations
 
 import pytest
-import shapely
 from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.layouts import floor_of, random_layout, training_layout
 from khepera_forage.noise import Noise
-from khepera_forage.robots.footprint import GRIPPER_HALF_WIDTH
-from khepera_forage.robots.khepera import FINGER_TIP, FOOD_RADIUS, JAW_ROOT, RADIUS
+from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.layout_checks import check_layout, check_robot
 from khepera_forage.sim.waypoints import check_paths
@@ -77,19 +75,6 @@ def test_random_layout_is_free_and_outside_home(arena: Arena, key: int, foods: i
     layout = random_layout(arena, foods, key, DEFAULT_VALUES)
     assert len(layout.foods) == foods
     check_random(arena, layout, Decisions())
-
-
-def test_random_start_has_room_for_the_gripper_beside_a_thin_wall() -> None:
-    """Robots that started with a wall across the gripper were stuck on pymunk, and thrown in compiled worlds."""
-    thin = Point(848, 752), Point(852, 748), Point(1252, 1148), Point(1248, 1152)
-    arena = replace(FIELD, obstacles=(thin,))
-    fingers = [(JAW_ROOT, -GRIPPER_HALF_WIDTH), (FINGER_TIP, -GRIPPER_HALF_WIDTH)]
-    fingers += [(FINGER_TIP, GRIPPER_HALF_WIDTH), (JAW_ROOT, GRIPPER_HALF_WIDTH)]
-    for seed in range(1500):
-        x, y, heading = random_layout(arena, 1, key_of(seed), DEFAULT_VALUES).starts[0]
-        cosine, sine = math.cos(heading), math.sin(heading)
-        gripper = shapely.Polygon([(x + u * cosine - v * sine, y + u * sine + v * cosine) for u, v in fingers])
-        assert not gripper.intersects(shapely.Polygon(thin)), seed
 
 
 def test_random_starts_and_food_cover_the_floor() -> None:

@@ -66,19 +66,6 @@ def test_saved_calibration_is_loaded_unchanged(tmp_path: Path, calibration: Cali
     assert ("lens =" in path.read_text(encoding="utf-8")) == (calibration.lens is not None)
 
 
-def test_write_that_fails_leaves_the_calibration_of_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    TILTED.save(tmp_path / "calibration.toml")
-
-    def on_full_disk(path: Path, *_: object, **__: object) -> None:
-        path.write_bytes(b"pict")
-        raise OSError("No space left on device")
-
-    monkeypatch.setattr(Path, "write_text", on_full_disk)
-    with pytest.raises(OSError, match="No space left"):
-        PLAIN.save(tmp_path / "calibration.toml")
-    assert Calibration.load(tmp_path / "calibration.toml") == TILTED
-
-
 def load(path: Path, table: dict[str, object]) -> Calibration:
     path.write_text("\n".join(f"{key} = {json.dumps(value)}" for key, value in table.items()))
     return Calibration.load(path)

@@ -129,20 +129,6 @@ def test_tag_of_another_size_is_named(side: float) -> None:
     assert [int(number) for number in named.groups()] == pytest.approx([500, 500, side], abs=4)
 
 
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"markers": "qr"}, "tracker markers is 'qr'; allowed: holes, grid, tags"),
-        ({"numbers": (1, 3)}, r"tracker numbers is \[1, 3\]; allowed with markers 'holes'.*1 to 2"),
-        ({"numbers": ()}, "at least one number"),
-        ({"markers": "tags", "numbers": (1, 2), "food_tags": (2,)}, "food_tags has 2, as numbers"),
-    ],
-)
-def test_impossible_numbers_are_refused(settings: dict[str, object], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        TrackerSettings(**settings)  # type: ignore[arg-type] # wrong on purpose
-
-
 # ---------------------------------------------------------------- tags on the floor
 
 

@@ -212,8 +212,12 @@ def test_food_at_the_last_place_of_a_lost_marker_is_kept() -> None:
         ({"hole_side": 50.0}, r"hole_side is 50\.0"),
         ({"patience": 0}, "patience is 0"),
         ({"patience": 1.5}, r"patience is 1\.5"),
+        ({"markers": "qr"}, "tracker markers is 'qr'; allowed: holes, grid, tags"),
+        ({"numbers": (1, 3)}, r"tracker numbers is \[1, 3\]; allowed with markers 'holes'.*1 to 2"),
+        ({"numbers": ()}, "at least one number"),
+        ({"markers": "tags", "numbers": (1, 2), "food_tags": (2,)}, "food_tags has 2, as numbers"),
     ],
 )
-def test_invalid_settings_are_refused(settings: dict[str, float], message: str) -> None:
+def test_invalid_settings_are_refused(settings: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         TrackerSettings(**settings)  # type: ignore[arg-type] # wrong on purpose
