@@ -81,7 +81,7 @@ def quick(script: str, out: Path, *arguments: str, notes: Path | None = None) ->
         # For this process and those that it starts.
         environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), str(ROOT / "benchmarks")])
     # Not the repository's folder: a script must not depend on the folder it is started in.
-    finished = subprocess.run(command, capture_output=True, text=True, cwd=out.parent, env=environment, timeout=300)
+    finished = subprocess.run(command, capture_output=True, text=True, cwd=out.parent, env=environment, timeout=900)
     assert finished.returncode == 0, finished.stderr
     assert _COMPILING.sub("", finished.stderr) == ""
     return finished.stdout
