@@ -25,7 +25,7 @@ class GrowingMemory(ConfidenceClassifier):
     thirty training episodes.
 
     Args:
-        diagonal: Of the arena foraged in now, in pixels.
+        diagonal: As of `NearestNeighbourImitator`.
         reach: Distance up to which a stimulus belongs to a node; at least 0.
         habituation: 0..1, above 0.
         recovery: 0..1; with 0 nothing is forgotten.
@@ -44,7 +44,7 @@ class GrowingMemory(ConfidenceClassifier):
 
     def __init__(
         self,
-        diagonal: int = 138,
+        diagonal: int | None = None,
         reach: float = 0.02,
         habituation: float = 0.3,
         recovery: float = 0.002,

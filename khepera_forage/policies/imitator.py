@@ -268,14 +268,14 @@ class KNearestImitator(ConfidenceClassifier):
         k: Vectors that vote, at least 1; if there are fewer, all vote.
         weighting: `uniform`, one vote each, or `distance`: votes count by the inverse of the distance, and if some
             vectors equal the query, only these vote.
-        diagonal: Of the arena foraged in now, in pixels.
+        diagonal: As of `NearestNeighbourImitator`.
 
     Attributes:
         classes_: The labels seen, sorted.
         n_features_in_: Number of columns seen.
     """
 
-    def __init__(self, k: int = 5, weighting: str = "uniform", diagonal: int = 138) -> None:
+    def __init__(self, k: int = 5, weighting: str = "uniform", diagonal: int | None = None) -> None:
         self.k = k
         self.weighting = weighting
         self.diagonal = diagonal
@@ -317,7 +317,7 @@ class WeightedImitator(ConfidenceClassifier):
     Vectors of one episode are alike; with `groups`, all vectors of the query's episode are left out.
 
     Args:
-        diagonal: Of the arena foraged in now, in pixels.
+        diagonal: As of `NearestNeighbourImitator`.
         weights: One whole number for each column, at least 0 and not all 0; learned by default.
         choices: The weights that the search tries.
         search_size: Most vectors that the search compares; with more, this many are drawn.
@@ -337,7 +337,7 @@ class WeightedImitator(ConfidenceClassifier):
 
     def __init__(
         self,
-        diagonal: int = 138,
+        diagonal: int | None = None,
         weights: Sequence[int] | None = None,
         choices: Sequence[int] = CHOICES,
         search_size: int = 600,

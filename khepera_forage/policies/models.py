@@ -310,8 +310,7 @@ def _takes(method: Any, count: int) -> bool:
 def completed(policy: Any, env: Any) -> Policy:
     """A policy that knows what it needs of an environment: others stay.
 
-    `Teacher()` becomes `Teacher.of(env)`. A `NearestNeighbourImitator` whose `diagonal` was not given has that of the
-    arena.
+    `Teacher()` becomes `Teacher.of(env)`. An imitator whose `diagonal` was not given has that of the arena.
 
     Args:
         policy: Of a robot, or what `as_policy` makes a policy of.
@@ -320,11 +319,11 @@ def completed(policy: Any, env: Any) -> Policy:
     Raises:
         TypeError: As `as_policy`, like ValueError.
     """
+    if getattr(policy, "diagonal", 0) is None:
+        policy = copy.copy(policy)
+        policy.diagonal = getattr(env.unwrapped, "diagonal", None)
     found = as_policy(policy)
     if isinstance(found, Teacher):
         own = Teacher.of(env)
         return Teacher(found.home_radius or own.home_radius, found.decisions or own.decisions)
-    if getattr(found, "diagonal", 0) is None:
-        found = copy.copy(found)
-        found.diagonal = getattr(env.unwrapped, "diagonal", None)  # type: ignore[attr-defined]
     return found

@@ -15,7 +15,7 @@ from khepera_forage.envs import paired_corridors_v1, paired_corridors_wheels_v1
 from khepera_forage.envs.arguments import set_up_of
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
-from khepera_forage.policies import ModelPolicy, NearestNeighbourImitator, Neighbours, Teacher
+from khepera_forage.policies import KNearestImitator, ModelPolicy, NearestNeighbourImitator, Neighbours, Teacher
 from khepera_forage.policies.classifiers import tree
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels, recall_wheels_env
@@ -51,7 +51,7 @@ def test_teacher_learns_what_it_needs_of_the_environment(given: Any) -> None:
     assert train(paired, 1, teacher=Teacher())[0] == train(paired, 1)[0]
 
 
-def test_imitator_learns_the_diagonal_of_the_arena() -> None:
+def test_imitators_learn_the_diagonal_of_the_arena() -> None:
     used = set()
 
     class Spy(NearestNeighbourImitator):
@@ -63,6 +63,11 @@ def test_imitator_learns_the_diagonal_of_the_arena() -> None:
     for diagonal in (None, 138):
         recall(recall_env("rectangle", limit=10), Spy(diagonal).fit(vectors, behaviours), seed=0)
     assert used == {177, 138}
+    rows = [
+        recall(recall_env("rectangle"), KNearestImitator(diagonal=diagonal).fit(vectors, behaviours), seed=0)
+        for diagonal in (None, 177, 138)
+    ]
+    assert rows[0] == rows[1] != rows[2]
     given = NearestNeighbourImitator().fit(vectors, behaviours)
     assert given.predict_proba(vectors).tolist() == given.set_params(diagonal=138).predict_proba(vectors).tolist()
 
