@@ -15,9 +15,9 @@ from khepera_forage.envs.arguments import set_up_of
 from khepera_forage.envs.laboratories import TAG_SIZE, load_settings
 from khepera_forage.extras import require
 from khepera_forage.lab.settings_file import LabSettings, RobotSettings
+from khepera_forage.robots.drivers import DRIVERS
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.model import MODELS, TOIO
-from khepera_forage.robots.toio.driver import MAT_SIZE, ToioRobot, find_cubes
+from khepera_forage.robots.mat import MatRobot
 from khepera_forage.sim.arena_file import toml
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR
@@ -25,14 +25,14 @@ from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT
 
-_FLOOR, _MAT = (600, 600, 70, PICTURE_HEIGHT * MM_PER_PIXEL), (30, 20, 6, MAT_SIZE[1])
-"""Offset of the first arena, mm between two arenas, and room for all: under a camera, and on a mat."""
+_FLOOR, _MAT = (600, 600, 70), (30, 20, 6)
+"""Offset of the first arena, and mm between two arenas: under a camera, and on a mat."""
 _WARM_UP, _POLL = 2.0, 0.05
 """Seconds within which a camera must show all markers: its first frames may be dark; and from one to the next."""
 
 
 @command(
-    option("--robot", "kind of the robots", choices=tuple(MODELS)),
+    option("--robot", "kind of the robots", choices=tuple(DRIVERS)),
     option("--port", "port of each robot, the teacher first; of toio cubes their names", nargs="+"),
     option("--food-cube", "names of the toio cubes that are the food, one per robot", nargs="*"),
     option("--camera", "the camera: a number, a file or a URL; not for toio cubes"),
@@ -47,18 +47,20 @@ def new_command(arguments: argparse.Namespace) -> int:
         raise FileExistsError(f"{file} is there already; allowed: another --out")
     if not file.absolute().parent.is_dir():
         raise FileNotFoundError(f"--out is {file}; allowed: a file in a folder that exists")
-    kind = arguments.robot or _answer(f"Kind of robots ({', '.join(MODELS)}): ")
-    if kind not in MODELS:
-        raise ValueError(f"robot {kind!r}; allowed: {', '.join(MODELS)}")
-    is_mat = kind == TOIO.name
+    kind = arguments.robot or _answer(f"Kind of robots ({', '.join(DRIVERS)}): ")
+    if kind not in DRIVERS:
+        raise ValueError(f"robot {kind!r}; allowed: {', '.join(DRIVERS)}")
+    driver = DRIVERS[kind]
+    is_mat = issubclass(driver, MatRobot)
     if is_mat:
-        refuse_ignored(arguments, ["--camera", "--calibration"], "for robots under a camera, not for toio cubes")
+        refuse_ignored(arguments, ["--camera", "--calibration"], f"for robots under a camera, not for {kind}")
     else:
-        refuse_ignored(arguments, ["--food-cube"], "with --robot toio")
+        kinds = [name for name, each in DRIVERS.items() if issubclass(each, MatRobot)]
+        refuse_ignored(arguments, ["--food-cube"], f"with --robot {' or '.join(kinds)}")
     ports = arguments.port
     if not ports:
-        what = "Names" if is_mat else "Ports"
-        ports = _answer(f"{_found(is_mat)}\n{what}, the teacher first, separated by spaces: ").split()
+        print("Found at this computer:", *(driver.find() or ["none"]), sep="\n  ")
+        ports = _answer(f"{'Names' if is_mat else 'Ports'}, the teacher first, separated by spaces: ").split()
     works = [_passes(f"robot {port}", _check_robot, RobotSettings(port, "", type=kind)) for port in ports]
     foods, camera, calibration = arguments.food_cube, arguments.camera, arguments.calibration
     if is_mat:
@@ -115,6 +117,9 @@ def _calibrated(camera: str, settings: LabSettings, file: Path) -> str | None:
     if _answer(question, "n").lower() not in ("y", "yes"):
         return None
     words = ["camera", "calibrate", "--source", camera, "--out", str(file), "--places", *corners]
+    question = "Place of the camera as X,Y,HEIGHT in mm, to correct the shift of raised markers (Enter: unknown): "
+    if place := _answer(question, ""):
+        words += [f"--camera={place}"]
     if settings.camera.size is not None:
         words += ["--size", "x".join(map(str, settings.camera.size))]
     return None if main(words) else str(file)
@@ -124,7 +129,10 @@ def lab_text(
     kind: str, ports: Sequence[str], foods: Sequence[str], camera: str, calibration: str | None, arena: str
 ) -> str:
     """The text of a `lab.toml` with arenas side by side."""
-    x, y, gap, room = _MAT if kind == TOIO.name else _FLOOR
+    driver = DRIVERS[kind]
+    (x, y, gap), room = _FLOOR, PICTURE_HEIGHT * MM_PER_PIXEL
+    if issubclass(driver, MatRobot):
+        (x, y, gap), room = _MAT, driver.mat_size[1]
     _, low, _, high = named_arena(arena, set_up_of(DEFAULT_DECISIONS)).bounds
     step = high - low + gap
     low = min(y, (room + gap - step * len(ports)) / 2)
@@ -137,22 +145,11 @@ def lab_text(
     if camera:
         lines += ["", "[camera]", f"source = {camera if camera.isdigit() else toml(camera)}"]
         lines += [f"calibration = {toml(calibration)}"] if calibration else []
-        if not MODELS[kind].has_gripper:  # its tag is small
+        if not driver.model.has_gripper:  # its tag is small
             lines += [] if calibration else ["size = [1920, 1080]"]  # a calibration has a size of its own
             lines += ["", "[tracker]", 'markers = "tags"', f"tag_size = {TAG_SIZE:g}"]
+            lines += [f"marker_height = {driver.model.marker_height:.0f}"]
     return "\n".join(lines) + "\n"
-
-
-def _found(is_mat: bool) -> str:
-    """The serial ports of this computer, or the cubes near it, for a question."""
-    if is_mat:
-        found = find_cubes()
-        return f"Cubes near this computer: {', '.join(found) or 'none was found'}"
-    require("a serial port", "robots")
-    from serial.tools.list_ports import comports
-
-    found = [f"  {port.device}   {port.description}" for port in comports()]
-    return "\n".join(["Serial ports of this computer:", *(found or ["  none"])])
 
 
 def _answer(question: str, default: str | None = None) -> str:
@@ -171,9 +168,8 @@ def check_command(arguments: argparse.Namespace) -> int:
     """Check a laboratory in order: file, robots, camera."""
     settings = load_settings(arguments.file)
     print(f"{arguments.file}: {len(settings.robots)} robots, arena {settings.arena.name}", flush=True)
-    foods = [RobotSettings(port, "food", type=settings.robots[0].type) for port in settings.food_cubes]
     results = [_passes(f"robot {robot.name}", _check_robot, robot, settings.period) for robot in settings.robots]
-    results += [_passes(f"food cube {food.port}", _check_robot, food, settings.period) for food in foods]
+    results += [_passes(food.name, _check_robot, food, settings.period) for food in settings.food_robots]
     name, check = ("food", _check_food) if settings.has_mat else ("camera", _check_camera)
     failed = [*results, _passes(name, check, settings)].count(False)
     print("all is well" if not failed else f"{failed} to repair; begin with the first", flush=True)
@@ -195,7 +191,7 @@ def _check_robot(entry: RobotSettings, period: float = CONTROL_PERIOD) -> str:
     with entry.open(period) as robot:
         robot.receive()
         robot.flash()
-        if isinstance(robot, ToioRobot):
+        if isinstance(robot, MatRobot):
             if not robot.on_mat:
                 raise OSError(f"{entry.port} does not see the mat: put it on the mat")
             return f"{entry.type} at {entry.port}, on the mat at x {robot.pose.x:.0f} mm, y {robot.pose.y:.0f} mm"

@@ -12,7 +12,7 @@ from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.extras import require
 from khepera_forage.noise import SOURCES, Noise, checked_noise
 from khepera_forage.option_values import given_path, whole_number
-from khepera_forage.robots.model import KHEPERA, MODELS, TOIO
+from khepera_forage.robots.model import KHEPERA, MODELS
 from khepera_forage.rollouts import recall as recall_rollouts
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.arena_file import read_arena
@@ -209,11 +209,12 @@ def _opened(lab: str, arena: str | Arena, robots: int, decisions: Decisions) -> 
     name, _, kind = lab.partition(":")
     if name == VIRTUAL_LAB:
         from khepera_forage.envs.laboratories import virtual_cubes, virtual_laboratory
+        from khepera_forage.robots.drivers import FIRMWARES
 
         kind = kind or KHEPERA.name
         if kind not in MODELS:
             raise ValueError(f"--lab {lab}; allowed: {', '.join(f'{VIRTUAL_LAB}:{model}' for model in MODELS)}")
-        if kind == TOIO.name:
+        if kind not in FIRMWARES:
             cubes = virtual_cubes(arena, robots, decisions)
             print(f"virtual laboratory: cubes {', '.join(cubes.port_urls)}, on a mat")
             return cubes

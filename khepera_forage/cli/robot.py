@@ -1,4 +1,4 @@
-"""`khepera-forage robot`: test a real Khepera, e-puck2 or toio cube, or start a virtual robot."""
+"""`khepera-forage robot`: test a real robot, or start a virtual one."""
 
 import argparse
 import math
@@ -13,8 +13,8 @@ from typing import Any
 from khepera_forage.cli.options import Group, command, flag, option, refuse_ignored
 from khepera_forage.cli.virtual import virtual_command
 from khepera_forage.option_values import real_number, whole_number
+from khepera_forage.robots.drivers import DRIVERS
 from khepera_forage.robots.drivers import open_robot as open_any
-from khepera_forage.robots.epuck.driver import INFRA_RED
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
     ARM_RAISED,
@@ -27,13 +27,13 @@ from khepera_forage.robots.khepera import (
     Motors,
     Senses,
 )
-from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS, TOIO
+from khepera_forage.robots.mat import MatRobot
+from khepera_forage.robots.model import KHEPERA
 from khepera_forage.robots.proximity import MAX_READING
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT, RequestRejected
-from khepera_forage.robots.serial.protocol import BAUD_RATES
+from khepera_forage.robots.serial.protocol import BAUD_RATES, Range
 from khepera_forage.robots.serial.serial_robot import SerialRobot
-from khepera_forage.robots.toio.driver import ToioRobot
 
 _REST_TIMEOUT = 4.0
 """Seconds to wait for the gripper: an arm needs 1 s and a jaw 0.6 s (KNET); the rest is margin."""
@@ -60,7 +60,7 @@ _PORT = "/dev/ttyUSB0, socket://host:port, rfc2217://host:port, or the name of a
 _BAUD = f"as set by a Khepera's mode switch: {', '.join(map(str, BAUD_RATES))} (38400; of an e-puck2 115200)"
 _TIMEOUT = f"that a reply may take in addition to the transmission time of its bytes ({DEFAULT_TIMEOUT})"
 PORT = (
-    option("--robot", f"kind of robot ({KHEPERA.name})", choices=tuple(MODELS), default=KHEPERA.name),
+    option("--robot", f"kind of robot ({KHEPERA.name})", choices=tuple(DRIVERS), default=KHEPERA.name),
     option("--port", f"the robot's port: {_PORT}", required=True),
     option("--baud", _BAUD, int),
     option("--timeout", _TIMEOUT, real_number(0.0, MAX_TIMEOUT, "seconds"), "SECONDS"),
@@ -70,7 +70,7 @@ PORT = (
 
 def open_robot(arguments: argparse.Namespace) -> RealRobot:
     """The driver of the robot at the port, on a line with any latency: these commands have no rounds to keep."""
-    if arguments.robot == TOIO.name:
+    if not issubclass(DRIVERS[arguments.robot], SerialRobot):
         refuse_ignored(arguments, ["--baud", "--timeout", "--no-watchdog"], "for a robot with a serial line")
     timeout = DEFAULT_TIMEOUT if arguments.timeout is None else arguments.timeout
     options = {"baud": arguments.baud, "timeout": timeout, "watchdog": not arguments.no_watchdog}
@@ -102,9 +102,10 @@ def moved(robot: SerialRobot, command: str, value: int) -> int:
 @command(*PORT)
 def probe_command(arguments: argparse.Namespace) -> None:
     """Print the robot's versions, sensor readings and response times."""
-    model = MODELS[arguments.robot]
-    if model is TOIO:
-        raise ValueError(f"--robot {model.name}; allowed: {KHEPERA.name}, {E_PUCK.name}, which have a serial line")
+    model = DRIVERS[arguments.robot].model
+    serial = [kind for kind, driver in DRIVERS.items() if issubclass(driver, SerialRobot)]
+    if model.name not in serial:
+        raise ValueError(f"--robot {model.name}; allowed: {', '.join(serial)}, which have a serial line")
     with open_serial_robot(arguments) as robot:
         print(f"port       {robot.port}, {robot.baud} baud")
         identity = robot.protocol.identity
@@ -226,9 +227,9 @@ def drive_command(arguments: argparse.Namespace) -> None:
 @command(*PORT, option("action", "the movement", choices=tuple(_MOVEMENTS)))
 def grip_command(arguments: argparse.Namespace) -> None:
     """Open, close, raise or lower the gripper."""
-    model = MODELS[arguments.robot]
-    if not model.has_gripper:
-        raise ValueError(f"--robot {model.name} has no gripper; allowed: {KHEPERA.name}")
+    able = [kind for kind, driver in DRIVERS.items() if driver.model.has_gripper]
+    if arguments.robot not in able:
+        raise ValueError(f"--robot {arguments.robot} has no gripper; allowed: {', '.join(able)}")
     with open_serial_robot(arguments) as robot:
         command, value = _MOVEMENTS[arguments.action]
         position = moved(robot, command, value)
@@ -243,7 +244,7 @@ class CheckError(Exception):
 @command(*PORT)
 def selftest_command(arguments: argparse.Namespace) -> int:
     """Test every part with small movements, and print which ones work."""
-    failed, checks = 0, CHECKS[arguments.robot]
+    failed, checks = 0, checks_of(DRIVERS[arguments.robot])
     with open_robot(arguments) as robot:
         moving = "wheels, arm and jaw" if robot.model.has_gripper else "the wheels"
         print(f"Keep 30 mm free around the robot: {moving} will move a little.", flush=True)
@@ -264,16 +265,12 @@ def _versions(robot: SerialRobot) -> str:
     return ", ".join(map(str, robot.request(robot.protocol.identity.command)))
 
 
-def _lamps(robot: SerialRobot) -> str:
-    lamps = (0, 1) if robot.model is KHEPERA else range(8)
-    for lamp in lamps:
-        for action in (1, 0):
-            robot.request("L", lamp, action)
-            time.sleep(CONTROL_PERIOD)
-    return f"all {len(lamps)} were switched on and off; check that you saw them"
+def _lamps(robot: RealRobot) -> str:
+    robot.flash()
+    return "all were switched on and off; check that you saw them"
 
 
-def _mat(robot: ToioRobot) -> str:
+def _mat(robot: MatRobot) -> str:
     robot.receive()
     if not robot.on_mat:
         raise CheckError("it does not see the mat: put it on the simple mat, and check that its sensor is clean")
@@ -283,7 +280,9 @@ def _mat(robot: ToioRobot) -> str:
 
 def _infra_reds(robot: SerialRobot) -> str:
     rounds = [robot.request("N") for _ in range(5)]
-    highest = MAX_READING if robot.model is KHEPERA else INFRA_RED.high
+    allowed = robot.protocol.commands["N"].results[0]
+    assert isinstance(allowed, Range)
+    highest = allowed.high
     if any(set(readings) == {highest} for readings in rounds):
         raise CheckError(f"all eight read {highest}")
     medians = [int(statistics.median(map(int, column))) for column in zip(*rounds, strict=True)]
@@ -380,17 +379,30 @@ def _line(robot: SerialRobot) -> str:
     return f"{counts.sent} requests, all answered"
 
 
-_SERIAL = {"infra-reds": _infra_reds, "ambient light": _light, "wheels": _wheels, "a round": _rounds, "line": _line}
-_GRIPPER = {"arm": _arm, "jaw": _jaw, "optical barrier": _barrier}
-CHECKS: dict[str, Mapping[str, Callable[[Any], str]]] = {
-    KHEPERA.name: {"versions": _versions, "lamps": _lamps, **_GRIPPER, **_SERIAL},
-    E_PUCK.name: {"version": _versions, "lamps": _lamps, **_SERIAL},
-    TOIO.name: {"mat": _mat, "wheels": _wheels, "a round": _rounds},
-}
-"""By the kind of robot and the part; each returns what it measured, or raises `CheckError`.
+Check = Callable[[Any], str]
+"""Tests a part of a robot; returns what it measured, or raises `CheckError`."""
 
-The arm comes before the infra-reds: raised, it does not cover them.
-"""
+
+def checks_of(driver: type[RealRobot]) -> dict[str, Check]:
+    """The checks of a kind of robot, by part.
+
+    The arm comes before the infra-reds: raised, it does not cover them.
+    """
+    serial, gripper = issubclass(driver, SerialRobot), driver.model.has_gripper
+    checks: list[tuple[str, Check, bool]] = [
+        ("mat", _mat, issubclass(driver, MatRobot)),
+        ("versions", _versions, serial),
+        ("lamps", _lamps, True),
+        ("arm", _arm, gripper),
+        ("jaw", _jaw, gripper),
+        ("optical barrier", _barrier, gripper),
+        ("infra-reds", _infra_reds, serial),
+        ("ambient light", _light, serial),
+        ("wheels", _wheels, True),
+        ("a round", _rounds, True),
+        ("line", _line, serial),
+    ]
+    return {name: check for name, check, applies in checks if applies}
 
 
 robot_command = Group(

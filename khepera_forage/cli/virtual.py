@@ -12,10 +12,10 @@ import numpy as np
 from khepera_forage.cli.options import command, option, seed
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.option_values import whole_number
+from khepera_forage.robots.drivers import DRIVERS, FIRMWARES
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.model import E_PUCK, KHEPERA, MODELS
+from khepera_forage.robots.model import KHEPERA
 from khepera_forage.robots.serial.protocol import BAUD_RATES
-from khepera_forage.robots.virtual.firmware import FIRMWARES
 from khepera_forage.robots.virtual.virtual_khepera import FAULTS, Faults, VirtualKhepera
 from khepera_forage.sim.arenas.thesis import CORRIDOR
 from khepera_forage.sim.pymunk.world import PymunkWorld
@@ -42,7 +42,8 @@ def virtual_command(arguments: argparse.Namespace) -> None:
     arena = checked_arena(CORRIDOR, DEFAULT_DECISIONS)
     # A robot has no rounds: its firmware has a control period.
     timing = timing_of(DEFAULT_DECISIONS)._replace(round_duration=CONTROL_PERIOD)
-    world = PymunkWorld([arena], (DEFAULT_DECISIONS.recall_marker,), timing=timing, model=MODELS[arguments.robot])
+    model = DRIVERS[arguments.robot].model
+    world = PymunkWorld([arena], (DEFAULT_DECISIONS.recall_marker,), timing=timing, model=model)
     world.reset(world_rng, Layout((arena.start,), arena.foods))
     lock = threading.RLock()
     firmware = FIRMWARES[arguments.robot](world.robots[0], lock)
@@ -50,8 +51,7 @@ def virtual_command(arguments: argparse.Namespace) -> None:
     due, overruns = time.monotonic(), 0
     virtual = VirtualKhepera(firmware, tcp=arguments.tcp, baud=baud or None, faults=faults, rng=fault_rng)
     with _collected_signals() as signals, virtual as khepera:
-        name = "Khepera" if arguments.robot == KHEPERA.name else E_PUCK.name
-        print(f"a virtual {name} at {khepera.url}; Ctrl-C ends it", flush=True)
+        print(f"a virtual {firmware.name} at {khepera.url}; Ctrl-C ends it", flush=True)
         while khepera.connected and not signals:
             due += CONTROL_PERIOD
             late = time.monotonic() - due

@@ -8,9 +8,9 @@ from khepera_forage.envs.arguments import set_up_of, timing_of
 from khepera_forage.extras import require
 from khepera_forage.lab.settings_file import CameraSettings, LabSettings, RobotSettings, parse
 from khepera_forage.lab.virtual_laboratory import VirtualCubeLaboratory, VirtualLaboratory
-from khepera_forage.robots.model import KHEPERA, TOIO, model_of
+from khepera_forage.robots.model import KHEPERA, model_of
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
-from khepera_forage.robots.toio.driver import MAT_SIZE, VIRTUAL
+from khepera_forage.robots.toio.driver import VIRTUAL, ToioRobot
 from khepera_forage.sim.arena import Arena, Point, copies
 from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.sim.arenas.thesis import CORRIDOR
@@ -90,12 +90,12 @@ def virtual_cubes(
     original = _arena(arena, decisions)
     x1, y1, _, y2 = original.bounds
     placed = [original.shifted(_BORDER - x1, _BORDER - y1 + i * (y2 - y1 + _GAP)) for i in range(robots)]
-    width, height = MAT_SIZE
+    width, height = ToioRobot.mat_size
     if any(copy.bounds[2] > width or copy.bounds[3] > height for copy in placed):
         raise ValueError(f"{robots} arenas {original.name} do not fit a mat of {width:.0f} x {height:.0f} mm")
     ports = [f"{VIRTUAL}robot {i}" for i in range(robots)]
     foods = tuple(f"{VIRTUAL}food {i}" for i in range(robots * len(original.foods)))
-    entries = _entries(original, placed, ports, decisions, type=TOIO.name)
+    entries = _entries(original, placed, ports, decisions, type=ToioRobot.model.name)
     period = decisions.round_duration
     return VirtualCubeLaboratory(LabSettings(original, entries, CameraSettings(), period, food_cubes=foods))
 

@@ -1,4 +1,4 @@
-"""Toio cubes in a laboratory: an operator that needs nobody, and the mat as a camera."""
+"""Cubes on a mat in a laboratory: an operator that needs nobody, and the mat as a camera."""
 
 import math
 import time
@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest
 from khepera_forage.robots.khepera import RADIUS, SPEED_UNIT
-from khepera_forage.robots.toio.driver import COMMAND_DURATION, MAT_SIZE, ToioRobot
+from khepera_forage.robots.mat import COMMAND_DURATION, MatRobot
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
 from khepera_forage.vision.shapes import FOOD_FEATURES
@@ -35,8 +35,8 @@ class CubeOperator:
 
     def __init__(
         self,
-        robots: Callable[[], Sequence[ToioRobot]],
-        foods: Callable[[], Sequence[ToioRobot]],
+        robots: Callable[[], Sequence[MatRobot]],
+        foods: Callable[[], Sequence[MatRobot]],
         arenas: Sequence[Arena],
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
@@ -72,9 +72,9 @@ class CubeOperator:
     def _is_outside(self, x: float, y: float) -> bool:
         return all(arena.clearance(Point(x, y)) <= -RADIUS for arena in self._arenas)
 
-    def _place_outside(self, cube: ToioRobot) -> Point:
+    def _place_outside(self, cube: MatRobot) -> Point:
         """The nearest place outside all arenas with room for a cube."""
-        width, height = (int(size - RADIUS) for size in MAT_SIZE)
+        width, height = (int(size - RADIUS) for size in cube.mat_size)
         others = [other.pose[:2] for other in self._cubes() if other is not cube]
         places = [
             Point(x, y)
@@ -86,10 +86,10 @@ class CubeOperator:
             raise OperatorGaveUp(f"the mat has no room beside the arenas for {cube.port}: take it away")
         return min(places, key=lambda place: math.dist(place, cube.pose[:2]))
 
-    def _cubes(self) -> list[ToioRobot]:
+    def _cubes(self) -> list[MatRobot]:
         return [*self._robots(), *self._foods()]
 
-    def _drive(self, cube: ToioRobot, place: Point, heading: float | None = None) -> None:
+    def _drive(self, cube: MatRobot, place: Point, heading: float | None = None) -> None:
         """Drive a cube to a place, and turn it; stops it in any case."""
         try:
             for _ in range(round(_MAX_DRIVE / _STEP)):
@@ -105,7 +105,7 @@ class CubeOperator:
         finally:
             cube.stop()
 
-    def _step(self, cube: ToioRobot, distance: float, turn: float) -> None:
+    def _step(self, cube: MatRobot, distance: float, turn: float) -> None:
         """One short command: turn on the spot, or drive with a small correction."""
         speed = _FAST if distance > _CLOSE else _SLOW
         if distance <= _EXACT or abs(turn) > math.radians(20 if distance > _CLOSE else 12):
@@ -119,7 +119,7 @@ class CubeOperator:
             cube.turn_for(speed - correction, speed + correction, COMMAND_DURATION)
         self._sleep(_STEP)
 
-    def _direction(self, cube: ToioRobot, place: Point) -> float:
+    def _direction(self, cube: MatRobot, place: Point) -> float:
         """The heading to a place, around the other cubes, in radians."""
         x, y, _ = cube.pose
         dx, dy = place.x - x, place.y - y
@@ -142,7 +142,7 @@ class MatCamera:
     tracker does not find.
     """
 
-    def __init__(self, robots: Sequence[ToioRobot], holes: Sequence[int], foods: Sequence[ToioRobot]) -> None:
+    def __init__(self, robots: Sequence[MatRobot], holes: Sequence[int], foods: Sequence[MatRobot]) -> None:
         self._cubes = [*zip(robots, holes, strict=True), *((food, 0) for food in foods)]
         self._foods = foods
         self._scene = Scene(())
@@ -173,7 +173,7 @@ class MatCamera:
             food.close()
 
 
-def _region(label: int, cube: ToioRobot, holes: int) -> Region:
+def _region(label: int, cube: MatRobot, holes: int) -> Region:
     x, y, heading = cube.pose
     degrees = round(math.degrees(heading)) % 360 if holes else 0
     place = x / MM_PER_PIXEL, y / MM_PER_PIXEL

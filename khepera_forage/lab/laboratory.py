@@ -15,8 +15,8 @@ from khepera_forage.lab.operator import Operator, OperatorRequest, RobotMark, as
 from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_OPEN, Motors, RobotLost
+from khepera_forage.robots.mat import MatRobot
 from khepera_forage.robots.real_robot import Fleet, RealRobot, stop_all, stop_and_log
-from khepera_forage.robots.toio.driver import ToioRobot
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.layout_checks import check_apart, check_layout, check_robot, check_seen
 from khepera_forage.sim.records import FoodState, RobotState, constants_of
@@ -207,10 +207,9 @@ class Laboratory:
         with ExitStack() as opened:
             robots = [opened.enter_context(r.open(settings.period, settings.safe_speed)) for r in settings.robots]
             self._fleet = Fleet(robots)
-            self._cubes = [robot for robot in robots if isinstance(robot, ToioRobot)]
-            self._food_cubes = [
-                opened.enter_context(ToioRobot(port, max_speed=settings.safe_speed)) for port in settings.food_cubes
-            ]
+            self._cubes = [robot for robot in robots if isinstance(robot, MatRobot)]
+            foods = [opened.enter_context(r.open(settings.period, settings.safe_speed)) for r in settings.food_robots]
+            self._food_cubes = [food for food in foods if isinstance(food, MatRobot)]
             if settings.has_mat:
                 self._frames = self.camera = MatCamera(self._cubes, self.markers, self._food_cubes)
             else:

@@ -8,12 +8,13 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from khepera_forage.robots.drivers import open_robot, serial_driver
+from khepera_forage.robots.drivers import DRIVERS, open_robot
 from khepera_forage.robots.khepera import MAX_SPEED
-from khepera_forage.robots.model import KHEPERA, MODELS, TOIO
+from khepera_forage.robots.mat import MatRobot
+from khepera_forage.robots.model import KHEPERA
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, MAX_TIMEOUT
-from khepera_forage.robots.toio.driver import MAT_SIZE
+from khepera_forage.robots.serial.serial_robot import SerialRobot
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.arena_file import ArenaPlan, plan_of
 from khepera_forage.sim.arenas.named import ARENAS, named_arena
@@ -52,6 +53,11 @@ class RobotSettings:
     timeout: float = DEFAULT_TIMEOUT
     watchdog: bool = True
     type: str = KHEPERA.name
+
+    @property
+    def is_on_mat(self) -> bool:
+        """Whether it reports its place on a mat itself."""
+        return issubclass(DRIVERS[self.type], MatRobot)
 
     def open(self, period: float, max_speed: int | None = None) -> RealRobot:
         """Open the robot for rounds of `period` seconds; errors are those of its driver."""
@@ -104,8 +110,13 @@ class LabSettings:
 
     @property
     def has_mat(self) -> bool:
-        """Whether the robots are toio cubes, which see their places on a mat themselves."""
-        return self.robots[0].type == TOIO.name
+        """Whether the robots report their places on a mat themselves."""
+        return self.robots[0].is_on_mat
+
+    @property
+    def food_robots(self) -> tuple[RobotSettings, ...]:
+        """The food cubes, which are of the robots' kind."""
+        return tuple(RobotSettings(port, f"food cube {port}", type=self.robots[0].type) for port in self.food_cubes)
 
     @property
     def arenas(self) -> tuple[Arena, ...]:
@@ -133,7 +144,7 @@ def parse(toml: str, set_up: SetUp, period: float, folder: Path = Path()) -> Lab
     robots = given["robots"] = tuple(_robot(i, entry, tracker.markers) for i, entry in enumerate(entries))
     if not robots:
         raise ValueError("robots is empty; allowed: at least one table [[robots]]")
-    if robots[0].type == TOIO.name and "camera" not in given:
+    if robots[0].is_on_mat and "camera" not in given:
         given["camera"] = CameraSettings()
     else:
         camera = table("camera", given.get("camera", {}), _CAMERA_KEYS, ["source"])
@@ -155,8 +166,8 @@ def sample() -> str:
 def _robot(index: int, value: Any, markers: str) -> RobotSettings:
     key = f"robots[{index}]"
     given = table(key, value, _ROBOT_KEYS | {"holes": one_of(MARKER_NUMBERS[markers])}, ["port"])
-    driver = serial_driver(given.get("type", KHEPERA.name))
-    if driver is not None:
+    driver = DRIVERS[given.get("type", KHEPERA.name)]
+    if issubclass(driver, SerialRobot):
         baud = given.get("baud", driver.protocol.baud)
         given["baud"] = one_of(driver.protocol.baud_rates)(f"{key}.baud", baud)
     elif ignored := [name for name in ("baud", "timeout", "watchdog") if name in given]:
@@ -218,20 +229,23 @@ def _check(settings: LabSettings) -> None:
             check_seen((arenas[i],))
         except ValueError as error:
             raise ValueError(f"{offset}: {error}") from None
-    kinds = {robot.type for robot in settings.robots}
-    if TOIO.name not in kinds:
+    drivers = {robot.type: DRIVERS[robot.type] for robot in settings.robots}
+    on_mat = {kind: driver for kind, driver in drivers.items() if issubclass(driver, MatRobot)}
+    if not on_mat:
         if settings.food_cubes:
-            raise ValueError("food_cubes is given; allowed: for robots of type toio")
+            kinds = [kind for kind, driver in DRIVERS.items() if issubclass(driver, MatRobot)]
+            raise ValueError(f"food_cubes is given; allowed: for robots of type {', '.join(kinds)}")
         return
-    if len(kinds) > 1:
-        raise ValueError(f"robots are of types {', '.join(sorted(kinds))}; allowed: toio cubes alone, or other robots")
+    ((kind, driver),) = on_mat.items()
+    if len(drivers) > 1:
+        raise ValueError(f"robots are of types {', '.join(sorted(drivers))}; allowed: {kind} alone, or other robots")
     if not settings.food_cubes and settings.arena.foods:
-        raise ValueError("food_cubes is empty; allowed with toio cubes: a cube for each food (a mat sees no other)")
+        raise ValueError(f"food_cubes is empty; allowed with {kind}: a cube for each food (a mat sees no other)")
     cubes = [*(robot.port for robot in settings.robots), *settings.food_cubes]
     for cube in settings.food_cubes:
         if cubes.count(cube) > 1:
             raise ValueError(f"food_cubes has {cube!r}, which is given twice; allowed: a cube of its own for each food")
-    width, height = MAT_SIZE
+    width, height = driver.mat_size
     for i, arena in enumerate(arenas):
         x1, y1, x2, y2 = arena.bounds
         if not (x1 >= 0 and x2 <= width and y1 >= 0 and y2 <= height):
@@ -253,7 +267,7 @@ _KEYS: dict[str, Reader] = {
     "food_cubes": list_of(text, 0),
 }
 _ROBOT_KEYS: dict[str, Reader] = {
-    "type": one_of(tuple(MODELS)),
+    "type": one_of(tuple(DRIVERS)),
     "port": text,
     "name": text,
     "baud": anything,

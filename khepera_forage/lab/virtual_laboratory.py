@@ -14,9 +14,9 @@ from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.operator import Operator, OperatorGaveUp, OperatorRequest
 from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.noise import Noise, checked_noise
+from khepera_forage.robots.drivers import DRIVERS, FIRMWARES
 from khepera_forage.robots.khepera import CONTROL_PERIOD, WHEEL_DELAY
-from khepera_forage.robots.model import MODELS
-from khepera_forage.robots.virtual.firmware import FIRMWARES, Firmware
+from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
 from khepera_forage.sim.arena import Point, Pose
 from khepera_forage.sim.layout_checks import cable_anchor, check_layout
@@ -94,7 +94,7 @@ class VirtualLaboratory(Laboratory):
         timing = Timing(settings.period / self._rounds_per_period, arm_speed, jaw_speed, wheel_delay)
         # A simulated world has markers with one or two holes; the frames show their numbers.
         holes = [min(robot.holes, 2) for robot in settings.robots]
-        model = MODELS[settings.robots[0].type]
+        model = DRIVERS[settings.robots[0].type].model
         self.simulation = PymunkWorld(arenas, holes, noise, timing=timing, model=model)
         layout = Layout(tuple(a.start for a in arenas), tuple(food for a in arenas for food in a.foods))
         self.simulation.reset(np.random.default_rng(fault_seed), layout)

@@ -1,21 +1,23 @@
-"""The drivers of all kinds of robots."""
+"""The kinds of robots: their drivers, and the firmwares of their virtual ones."""
 
 from typing import Any
 
 from khepera_forage.robots.epuck.driver import SerialEPuck
+from khepera_forage.robots.epuck.firmware import EPuckFirmware
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.model import E_PUCK, KHEPERA, model_of
+from khepera_forage.robots.model import model_of
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.serial.serial_robot import SerialRobot
 from khepera_forage.robots.toio.driver import ToioRobot
+from khepera_forage.robots.virtual.firmware import Firmware
 
-_SERIAL: dict[str, type[SerialRobot]] = {KHEPERA.name: SerialKhepera, E_PUCK.name: SerialEPuck}
-
-
-def serial_driver(kind: str) -> type[SerialRobot] | None:
-    """The driver of a kind of robot with a serial line, None for others; raises `ValueError` for an unknown kind."""
-    return _SERIAL.get(model_of(kind).name)
+DRIVERS: dict[str, type[RealRobot]] = {driver.model.name: driver for driver in (SerialKhepera, SerialEPuck, ToioRobot)}
+"""By the name of the robot's model."""
+FIRMWARES: dict[str, type[Firmware]] = {
+    driver.model.name: firmware for driver, firmware in ((SerialKhepera, Firmware), (SerialEPuck, EPuckFirmware))
+}
+"""Of the robots with a serial line."""
 
 
 def open_robot(
@@ -24,14 +26,13 @@ def open_robot(
     """Open a robot; its driver explains the arguments and raises the errors.
 
     Args:
-        kind: A name in `MODELS`.
+        kind: A name in `DRIVERS`.
         port: Serial port, or name or address of a cube.
         max_speed: Limit of the wheel speeds in speed units, and at most that of the robot.
         period: Seconds of a round.
-        **options: Of a `SerialRobot`; a cube, which has no serial line, ignores them.
+        **options: Of a `SerialRobot`; a robot without a serial line ignores them.
     """
-    driver = serial_driver(kind)
-    limit = None if max_speed is None else min(max_speed, model_of(kind).max_speed)
-    if driver is not None:
-        return driver(port, max_speed=limit, period=period, **options)
-    return ToioRobot(port, max_speed=limit, period=period or CONTROL_PERIOD)
+    model = model_of(kind)
+    driver = DRIVERS[model.name]
+    limit = None if max_speed is None else min(max_speed, model.max_speed)
+    return driver(port, max_speed=limit, period=period, **(options if issubclass(driver, SerialRobot) else {}))

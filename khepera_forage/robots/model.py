@@ -29,6 +29,8 @@ class RobotModel:
             order; of a robot that has none, those of a Khepera, for readings that follow from the map.
         reach: Millimetres on the plan from the robot's centre to that of food that is before it, at most; for a robot
             without a gripper.
+        marker_height: Millimetres on the plan from the floor to its marker, on posts or on top of the robot; 0 without
+            a marker. Assumption.
         has_gripper: Whether it can pick up food. Without one, the arm counts as lowered, and the jaw as open; and the
             marker is no larger than the robot, so that it hides no food.
     """
@@ -43,6 +45,7 @@ class RobotModel:
     infra_reds: tuple[float, ...]
     sensors: tuple[tuple[float, float, float, float], ...]
     reach: float
+    marker_height: float
     has_gripper: bool
 
     @property
@@ -62,6 +65,7 @@ KHEPERA = RobotModel(
     infra_reds=(90.0, 45.0, 10.0, -10.0, -45.0, -90.0, 180.0, 180.0),
     sensors=SENSORS,
     reach=0.0,
+    marker_height=70.0,
     has_gripper=True,
 )
 KHEPERA_ORDER = (5, 6, 7, 0, 1, 2, 3, 4)
@@ -83,6 +87,7 @@ E_PUCK = RobotModel(
         for a in (math.radians(_E_PUCK_INFRA_REDS[i]) for i in KHEPERA_ORDER)
     ),
     reach=BARRIER + FOOD_RADIUS,
+    marker_height=45.0 / _E_PUCK_SCALE,
     has_gripper=False,
 )
 """GCtronic: 70 mm across, 1,000 steps or 128.8 mm a turn of a wheel, at most 1,100 steps/s."""
@@ -100,6 +105,7 @@ TOIO = RobotModel(
     infra_reds=(),
     sensors=SENSORS,
     reach=BARRIER + FOOD_RADIUS,
+    marker_height=0.0,
     has_gripper=False,
 )
 """Sony: cubes of 31.8 mm, which know their place on a printed mat."""

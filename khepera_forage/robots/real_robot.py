@@ -22,7 +22,16 @@ from queue import Empty, SimpleQueue
 from types import FrameType
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
-from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, Motors, RobotLost, Senses, applicable, check_finite
+from khepera_forage.robots.khepera import (
+    ARM_DOWN,
+    CONTROL_PERIOD,
+    JAW_OPEN,
+    Motors,
+    RobotLost,
+    Senses,
+    applicable,
+    check_finite,
+)
 from khepera_forage.robots.model import RobotModel
 
 T = TypeVar("T")
@@ -88,7 +97,8 @@ class RealRobot(ABC):
 
     Args:
         port: Name of the connection.
-        max_speed: Limit of the wheel speeds in speed units; at most that of the model.
+        max_speed: Limit of the wheel speeds in speed units; that of the model by default.
+        period: Seconds of a round; None of a program without rounds.
 
     Attributes:
         model: What this kind of robot can do.
@@ -100,13 +110,14 @@ class RealRobot(ABC):
 
     model: ClassVar[RobotModel]
 
-    def __init__(self, port: str, max_speed: int) -> None:
+    def __init__(self, port: str, *, max_speed: int | None = None, period: float | None = CONTROL_PERIOD) -> None:
+        max_speed = self.model.max_speed if max_speed is None else max_speed
         if not 1 <= max_speed <= self.model.max_speed:
             raise ValueError(f"max_speed {max_speed}; allowed: 1..{self.model.max_speed} speed units")
         self.port = port
         self.stop_confirmed = self._food_ahead = False
         self._proximity: Proximity | None = None
-        self._max_speed = max_speed
+        self._max_speed, self._period = max_speed, period
         self._command: Motors | None = None
         self._senses: Senses | None = None
         self._suspended = self._closed = self._in_urgent = False
@@ -145,6 +156,11 @@ class RealRobot(ABC):
     def _limited(self, speed: float) -> float:
         """A wheel speed within `max_speed`."""
         return max(-self._max_speed, min(self._max_speed, speed))
+
+    @staticmethod
+    @abstractmethod
+    def find() -> list[str]:
+        """The ports of this computer at which such a robot may be, each with a description."""
 
     @abstractmethod
     def flash(self) -> None:
@@ -431,8 +447,7 @@ def _add(robot: RealRobot) -> None:
         _open_robots = (*_open_robots, robot)
         if threading.current_thread() is not threading.main_thread():
             return  # Python allows handlers only in the main thread; `atexit` and the watchdogs remain.
-        # Ctrl-Z, and the terminal access of a process in the background.
-        for name in {"SIGTSTP", "SIGTTIN", "SIGTTOU", "SIGCONT"} & signal.Signals.__members__.keys():
+        for name in {"SIGTSTP", "SIGCONT"} & signal.Signals.__members__.keys():
             number = signal.Signals[name]
             current = signal.getsignal(number)
             # Leave ignored signals, and handlers not installed by Python, which cannot be called from here. A handler

@@ -12,7 +12,7 @@ from khepera_forage.cli.lab import lab_text
 from khepera_forage.cli.main import main
 from khepera_forage.cli.options import Group
 from khepera_forage.envs.laboratories import load_settings
-from khepera_forage.robots.virtual.firmware import EPuckFirmware
+from khepera_forage.robots.epuck.firmware import EPuckFirmware
 from khepera_forage.sim.arenas.named import ARENAS
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import Truth
@@ -52,12 +52,12 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
 
     def calibrate_command(arguments: argparse.Namespace) -> int:
         places.extend(arguments.places)
-        Calibration.identity((1000.0, 1000.0, 2000.0), arguments.size).save(arguments.out)
+        Calibration.identity(arguments.camera, arguments.size).save(arguments.out)
         return 0
 
     clicked = camera.calibrate_command._replace(run=calibrate_command)
     monkeypatch.setattr("khepera_forage.cli.camera.camera_command", Group("", [clicked]))
-    monkeypatch.setattr("builtins.input", lambda question: "y")
+    monkeypatch.setattr("builtins.input", lambda question: "y" if "Calibrate" in question else "1000,1000,2000")
     (tmp_path / "labs").mkdir()
     new = ["lab", "new", "--robot", "e-puck2", "--camera", str(film), "--out", "labs/lab.toml"]
     with make_rig(kind=EPuckFirmware) as rig:
@@ -69,7 +69,8 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
     assert places == [(600, 600), (1250, 600), (1250, 830), (600, 830)], "the corners of the corridor"
     settings = load_settings("labs/lab.toml")
     assert settings.camera.calibration is not None
-    assert settings.camera.calibration.exists()
+    assert Calibration.load(settings.camera.calibration).camera == (1000, 1000, 2000)
+    assert settings.tracker.marker_height == 35, "on top of a robot that is 45 mm high, on the plan"
     assert settings.camera.size is None, "frames have the size of the calibration"
     assert settings.tracker.markers == "tags", "a larger marker would hide the food that an e-puck2 pushes"
 

@@ -15,8 +15,8 @@ from khepera_forage.lab.operator import OperatorGaveUp
 from khepera_forage.lab.settings_file import parse
 from khepera_forage.lab.virtual_laboratory import VirtualCubeLaboratory
 from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.mat import MatPose
 from khepera_forage.robots.toio import virtual
-from khepera_forage.robots.toio.driver import CubePose
 from khepera_forage.sim.world import Layout
 from tests.version_0_1 import SET_UP, V0_1
 
@@ -87,7 +87,7 @@ def test_spare_food_cube_leaves_the_arena_of_a_recall() -> None:
     with VirtualCubeLaboratory(parse(FILE, SET_UP, 0.1).for_recall()) as lab:
         (arena,) = lab.arenas
         for seed, name in enumerate(("food1", "food2")):
-            lab.table.cube(name, CubePose(arena.home.x, arena.home.y, 0.0))
+            lab.table.cube(name, MatPose(arena.home.x, arena.home.y, 0.0))
             lab.reset(np.random.default_rng(seed), Layout((arena.start,), arena.foods))
             (food,) = lab.food_places()
             assert math.dist(food[:2], arena.foods[0]) <= 15
@@ -134,7 +134,7 @@ def test_lost_cube_stops_all_and_takes_a_person(lab: VirtualCubeLaboratory) -> N
             "robots[1].type is 'cube'; allowed: k",
         ),
         (('type = "toio"', ""), "food_cubes is given; allowed: for robots of type toio"),
-        (('["virtual:food1", "virtual:food2"]', "[]"), "food_cubes is empty; allowed with toio cubes: a cube for each"),
+        (('["virtual:food1", "virtual:food2"]', "[]"), "food_cubes is empty; allowed with toio: a cube for each"),
         (('"virtual:food2"]', '"virtual:food1"]'), "food_cubes has 'virtual:food1', which is given twice; allowed: a"),
         (('"virtual:food2"]', '"virtual:learner"]'), "food_cubes has 'virtual:learner', which is given twice"),
     ],

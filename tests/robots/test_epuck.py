@@ -6,10 +6,10 @@ import pytest
 
 from khepera_forage.robots.epuck.driver import PROTOCOL as E_PUCK
 from khepera_forage.robots.epuck.driver import SerialEPuck
+from khepera_forage.robots.epuck.firmware import EPuckFirmware
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.serial.protocol import Reply, Request
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-from khepera_forage.robots.virtual.firmware import EPuckFirmware
 from tests.robots.driver_process import start_driver, wait_for, wait_for_exit
 from tests.robots.rig import make_rig
 

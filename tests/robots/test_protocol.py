@@ -72,7 +72,7 @@ def test_words_are_decoded_as_text_even_after_a_partial_reply(text: str) -> None
 
 @pytest.mark.parametrize("name", sorted(COMMANDS))
 def test_wrong_values_and_numbers_of_values_are_rejected(name: str) -> None:
-    arguments, results, _ = COMMANDS[name]
+    arguments, results = COMMANDS[name]
     lowest, values = [r.low for r in arguments], [r.low if isinstance(r, Range) else "5" for r in results]
     for wrong in ([*lowest, 1], lowest[1:] if lowest else [1, 1]):
         with pytest.raises(ArgumentError, match="allowed"):

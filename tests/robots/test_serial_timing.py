@@ -255,6 +255,27 @@ def test_counters_continue_after_a_pause_at_full_speed(pause: float, monkeypatch
         assert robot.sense().left_pulses == pytest.approx(2000 * line.now, abs=200)
 
 
+def test_counters_are_right_after_the_wheels_were_held(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Replies are lost for a second: the wheels did not turn as commanded all the time, and the counters say so."""
+    lost_from = math.inf
+
+    def script(request: bytes, number: int) -> list[Action]:
+        if lost_from <= line.now < lost_from + 1.0:
+            return []
+        count = 0 if line.now < lost_from else 512
+        return [b"h,%d,%d\r\n" % (count, count)] if request == b"H" else NumberedReplies({})(request, number)
+
+    line = SimulatedLine(script).install(monkeypatch)
+    with SerialKhepera("simulated", watchdog=False) as robot:
+        robot.drive(FORWARD)
+        robot.transmit()
+        robot.receive()
+        lost_from = line.now
+        robot.receive()
+        assert b"D,0,0" in line.sent_since(lost_from), "held"
+        assert robot.sense().left_pulses == 512
+
+
 @pytest.mark.parametrize("wrong", [b"h,5000,5000", b"h,1,900", b"h,-490,490", b"h,20500,500"])
 def test_wrong_counters_are_corrected_by_the_next_ones(wrong: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
     """A reply whose digits were changed may be well-formed: no wrong count lasts, and none counts as a restart."""

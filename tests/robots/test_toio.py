@@ -5,7 +5,8 @@ import pytest
 pytest.importorskip("toio")
 
 from khepera_forage.robots.khepera import Motors, RobotLost
-from khepera_forage.robots.toio.driver import CubePose, ToioRobot
+from khepera_forage.robots.mat import MatPose
+from khepera_forage.robots.toio.driver import ToioRobot
 from khepera_forage.robots.toio.virtual import RADIUS, Table, use_table
 
 
@@ -15,7 +16,7 @@ class SteppedTable:
     def __init__(self) -> None:
         self.now = 0.0
         self.table = Table(lambda: self.now, interval=0.001)
-        self.cube = self.table.cube("a", CubePose(200.0, 200.0, 0.0))
+        self.cube = self.table.cube("a", MatPose(200.0, 200.0, 0.0))
         use_table(self.table)
 
     def advance(self, seconds: float) -> None:
@@ -87,7 +88,7 @@ def test_cube_off_the_mat_keeps_its_last_place(stepped: SteppedTable) -> None:
     with ToioRobot("virtual:a") as robot:
         robot.receive()
         there = robot.pose
-        stepped.cube.pose = CubePose(-100.0, 0.0, 0.0)
+        stepped.cube.pose = MatPose(-100.0, 0.0, 0.0)
         robot.receive()
         assert not robot.on_mat
         assert robot.pose == there

@@ -18,18 +18,13 @@ COUNTER = Range(-(2**15), 2**16 - 1)
 
 PROTOCOL = Protocol(
     commands={
-        "B": Command((Range(0, 2),), (), "body light: off, on, toggle"),
-        "D": Command((SPEED,) * 2, (), "set the speeds, left and right"),
-        "E": Command((), (SPEED,) * 2, "speeds as commanded"),
-        "L": Command((Range(0, 8), Range(0, 2)), (), "switch a light, 8 for all: off, on, toggle"),
-        "N": Command((), (INFRA_RED,) * 8, "proximity, clockwise from the front right"),
-        "O": Command((), (Range(0, 4095),) * 8, "ambient light, in the same order"),
-        "P": Command((COUNTER,) * 2, (), "set the step counters"),
-        "Q": Command((), (COUNTER,) * 2, "read the step counters"),
-        "S": Command((), (), "stop, and switch all lights off"),
-        "V": Command(
-            (), (Text(r"Version [ -+\--~]+", "a version"),), "version; a line with that of the hardware follows"
-        ),
+        "D": Command((SPEED,) * 2, ()),  # set the speeds, left and right
+        "E": Command((), (SPEED,) * 2),  # speeds as commanded
+        "L": Command((Range(0, 8), Range(0, 2)), ()),  # switch a light, 8 for all: off, on, toggle
+        "N": Command((), (INFRA_RED,) * 8),  # proximity, clockwise from the front right
+        "O": Command((), (Range(0, 4095),) * 8),  # ambient light, in the same order
+        "Q": Command((), (COUNTER,) * 2),  # read the step counters
+        "V": Command((), (Text(r"Version [ -+\--~]+", "a version"),)),  # a line with that of the hardware follows
     },
     # As in the firmware of the e-puck1.
     banner=("WELCOME to the SerCom protocol on e-Puck", 'the EPFL education robot type "H" for help'),
@@ -38,7 +33,6 @@ PROTOCOL = Protocol(
     baud_rates=(115200,),
     baud=115200,
     stop_bits=1,
-    motion=("D",),
     counters=("Q", 16),
     lamps=(8,),
     remark="HW version",
@@ -71,11 +65,10 @@ class SerialEPuck(SerialRobot):
         infra_reds, counters = (
             [int(value) for value in reply.values] for reply in self._exchange([Request("N"), Request("Q")])
         )
-        if self._counters.update(*counters):
-            self._must_restore = True
+        self._count(*counters)
         readings = [max(0, infra_reds[i]) * (MAX_READING + 1) // _FULL_READING for i in KHEPERA_ORDER]
         a, b, c, d, e, f, g, h = readings
         step = self.model.pulse / self.model.scale / PULSE
-        left, right = (round(count * step) for count in self._counters.total)
+        left, right = (round(count * step) for count in self._counts)
         presence = PRESENT if min(infra_reds[0], infra_reds[7]) >= TOUCHED else 0
         return Senses((a, b, c, d, e, f, g, h), left, right, ARM_DOWN, JAW_OPEN, presence)

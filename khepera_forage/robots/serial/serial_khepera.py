@@ -72,15 +72,13 @@ class SerialKhepera(SerialRobot):
                 unconfirmed = self._unconfirmed(self._read(again))
             self.statistics.unknown += len(unconfirmed)
         left, right = values[_COUNTERS]
-        if self._counters.update(left, right):
-            self._must_restore = True
+        self._count(left, right)
         a, b, c, d, e, f, g, h = values[_PROXIMITY]
         # A real arm can be raised further, or lie at the back.
         arm_position = max(ARM_RAISED, min(ARM_DOWN, self._arm.value))
         jaw_position = max(JAW_CLOSED, min(JAW_OPEN, self._jaw.value))
         presence = PRESENT if self._barrier.value else 0
-        counts = self._counters.total
-        return Senses((a, b, c, d, e, f, g, h), *counts, arm_position, jaw_position, presence)
+        return Senses((a, b, c, d, e, f, g, h), *self._counts, arm_position, jaw_position, presence)
 
     def _read(self, requests: list[Request]) -> dict[Request, tuple[int, ...]]:
         """The values of replies, all numbers; 1 for an interrupted barrier."""

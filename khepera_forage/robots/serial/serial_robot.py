@@ -5,7 +5,8 @@ from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import ClassVar, TypeVar
 
-from khepera_forage.robots.khepera import CONTROL_PERIOD, SPEED_UNIT, Motors, RobotLost, Senses
+from khepera_forage.extras import require
+from khepera_forage.robots.khepera import CONTROL_PERIOD, Motors, RobotLost, Senses
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT, FAST, Line, LineTiming, RobotRestarted
 from khepera_forage.robots.serial.protocol import Protocol, Reply, Request, wrap_counter
@@ -27,9 +28,8 @@ _MAX_RESTARTS = 5
 """Restarts tolerated within one call; after more, the robot counts as lost: its power supply is unusable."""
 _FLASH = 0.3
 """Seconds."""
-_RESTART_JUMP, _RESERVE = 1000, 1.5
-"""Counts by which a counter does not change in a round: it was reset, or the reading is wrong. After a longer time
-it is what the wheels turn at most, with this factor."""
+_MOST_COUNTS = 1000
+"""No counter changes by more in a round: after such a jump, counters nearer to zero than this were reset."""
 
 
 class SerialRobot(RealRobot):
@@ -38,9 +38,9 @@ class SerialRobot(RealRobot):
     `transmit` always sends the wheel speeds, so that a robot that was held, or that restarted unnoticed, moves again. A
     robot whose replies are lost or late drives on at its last speed: its wheels are therefore stopped 0.5 s after the
     beginning of a call that is not complete, and *held* until the next `transmit`, like those of a robot in a fleet
-    whose others are late: whatever would turn them is sent as a stop meanwhile. The driver notices a restart of the
-    robot (its power supply failed) by the banner or by the counters. It then sends the last command again and continues
-    the counters.
+    whose others are late: whatever would turn them is sent as a stop meanwhile. After a restart of the robot (its power
+    supply failed), which the banner or the counters show, the driver sends the last command again. After a banner it
+    continues the counters.
 
     Args:
         port: Any argument of `serial.serial_for_url`: a device, `socket://host:port`, `rfc2217://host:port`.
@@ -69,9 +69,8 @@ class SerialRobot(RealRobot):
         watchdog: bool = True,
         period: float | None = CONTROL_PERIOD,
     ) -> None:
-        super().__init__(port, self.model.max_speed if max_speed is None else max_speed)
+        super().__init__(port, max_speed=max_speed, period=period)
         self.baud = self.protocol.baud if baud is None else baud
-        self._period = period
         self._base_timeout = timeout
         self._watchdog: Watchdog | None = None
         self._moves = False
@@ -85,12 +84,12 @@ class SerialRobot(RealRobot):
             self.protocol,
             baud=self.baud,
             timeout=timeout,
-            replace=lambda request: STOP if self._held and self._turns(request) else request,
+            replace=lambda request: STOP if self._held and request.command == STOP.command else request,
             check=self._check,
         )
         self.statistics = self._line.statistics
-        fastest = self.model.max_speed * SPEED_UNIT * self.model.scale / self.model.pulse
-        self._counters = Counters(self.protocol.counters[1], fastest, self._line.now)
+        self._raw_counts = self._counts = (0, 0)
+        """The last reading of the counters; and the counts of the wheels, without wrap-around and restarts."""
         self._open(self._begin_session)
         if watchdog:
             self._watchdog = start_watchdog(port, self._line.descriptor, self.protocol.encode_request(STOP))
@@ -114,16 +113,20 @@ class SerialRobot(RealRobot):
         """
         return self.begin(lambda: self._request(Request(command, values))).result().values
 
+    @staticmethod
+    def find() -> list[str]:
+        """See `RealRobot`."""
+        require("a serial port", "robots")
+        from serial.tools.list_ports import comports
+
+        return [f"{port.device}   {port.description}" for port in comports()]
+
     def flash(self) -> None:
         """See `RealRobot`."""
         for action in (1, 0, 1, 0):
             for lamp in self.protocol.lamps:
                 self.request("L", lamp, action)
             time.sleep(_FLASH)
-
-    def _turns(self, request: Request) -> bool:
-        """Whether a request sets the wheels in motion."""
-        return request.command in self.protocol.motion and (request.command == "C" or any(request.values))
 
     # The methods below run in the robot's thread.
 
@@ -173,7 +176,7 @@ class SerialRobot(RealRobot):
                 return work()
             except RobotRestarted:
                 self._must_restore = True
-                self._counters.restarted = True
+                self._raw_counts = 0, 0
                 restarts += 1
                 if restarts > _MAX_RESTARTS:
                     raise RobotLost(self.port, "restart", restarts, "it restarts again and again") from None
@@ -210,11 +213,20 @@ class SerialRobot(RealRobot):
 
     def _request(self, request: Request) -> Reply:
         self._begin_call()
-        if request.command in self.protocol.motion:
-            self._moves = self._turns(request)
+        if request.command == STOP.command:
+            self._moves = any(request.values)
             if self._moves:
                 self._held = self.stop_confirmed = False
         return self._exchange([request])[0]
+
+    def _count(self, left: int, right: int) -> None:
+        """Add a reading of the counters; the next one corrects one whose digits were changed."""
+        reading, bits = (left, right), self.protocol.counters[1]
+        changes = [wrap_counter(new - old, bits) for new, old in zip(reading, self._raw_counts, strict=True)]
+        # Perhaps a restart whose banner was lost: a command that is sent twice does no harm.
+        self._must_restore |= max(map(abs, changes)) > _MOST_COUNTS > max(map(abs, reading))
+        self._counts = self._counts[0] + changes[0], self._counts[1] + changes[1]
+        self._raw_counts = reading
 
     def _stop_wheels(self) -> None:
         self._begin_call(_STOP_DURATION)
@@ -241,46 +253,3 @@ class SerialRobot(RealRobot):
 
     def _note_sent(self, command: Motors | None) -> None:
         """Record that a command was sent; None if what was sent is lost, and must be sent again completely."""
-
-
-class Counters:
-    """Counts of two wheels from the first reading on, continued across wrap-around and restarts of the robot.
-
-    The counts between the last reading and a restart are lost: less than one round's worth. `restarted` is set when the
-    robot has sent its banner: its counters begin at zero again. Wheels turn by `fastest` counts a second at most.
-    """
-
-    def __init__(self, bits: int, fastest: float, now: Callable[[], float]) -> None:
-        self.total = (0, 0)
-        self._bits, self._fastest, self._now = bits, fastest, now
-        self._read_at = now()
-        self._raw: tuple[int, int] | None = None
-        self._doubt: tuple[int, int] | None = None
-        self.restarted = False
-
-    def update(self, left: int, right: int) -> bool:
-        """Add a reading. One that jumps, which a disturbed one may, counts if the next one agrees with it.
-
-        Returns whether it shows a restart whose banner was not received: a jump to near zero.
-        """
-        raw, now = (left, right), self._now()
-        if self._raw is None:
-            self._raw, self.total, self._read_at = raw, raw, now
-            return False
-        most = max(_RESTART_JUMP, _RESERVE * self._fastest * (now - self._read_at))
-        jumped = self._jump(raw, self._raw) > most
-        if jumped and not self.restarted and (self._doubt is None or self._jump(raw, self._doubt) > most):
-            self._doubt = raw
-            return False
-        was_reset = (self.restarted or jumped) and self._jump(raw, (0, 0)) <= most
-        noticed = was_reset and not self.restarted
-        left_change, right_change = raw if was_reset else self._changes(raw, self._raw)
-        self.total = self.total[0] + left_change, self.total[1] + right_change
-        self._raw, self._read_at, self._doubt, self.restarted = raw, now, None, False
-        return noticed
-
-    def _changes(self, new: tuple[int, int], old: tuple[int, int]) -> tuple[int, int]:
-        return wrap_counter(new[0] - old[0], self._bits), wrap_counter(new[1] - old[1], self._bits)
-
-    def _jump(self, new: tuple[int, int], old: tuple[int, int]) -> int:
-        return max(map(abs, self._changes(new, old)))

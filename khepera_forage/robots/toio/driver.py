@@ -10,41 +10,29 @@ import threading
 import time
 from collections.abc import Callable, Coroutine
 from functools import cache
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from khepera_forage.extras import require
-from khepera_forage.robots.khepera import ARM_DOWN, CONTROL_PERIOD, JAW_OPEN, PRESENT, PULSE, RADIUS, RobotLost, Senses
+from khepera_forage.robots.khepera import ARM_DOWN, CONTROL_PERIOD, JAW_OPEN, PRESENT, PULSE, RobotLost, Senses
+from khepera_forage.robots.mat import COMMAND_DURATION, MatPose, MatRobot
 from khepera_forage.robots.model import TOIO
-from khepera_forage.robots.real_robot import RealRobot
 
 if TYPE_CHECKING:
     from toio.device_interface import CubeInterface
 
 _PLAN = 560 / 411 / TOIO.scale
 """Millimetres on the plan for one unit of the mat's positions (toio-sdk-for-unity)."""
-
-
-class CubePose(NamedTuple):
-    """A place on the plan: x and y in mm, x to the right and y up; heading in radians, counter-clockwise from x."""
-
-    x: float
-    y: float
-    heading: float
-
-
 _LEFT, _RIGHT, _TOP, _BOTTOM = 98, 402, 142, 358
 """Positions on the simple mat, the A3 sheet of 414 x 294 mm that comes with each cube; y points down."""
-MAT_SIZE = (_RIGHT - _LEFT) * _PLAN, (_BOTTOM - _TOP) * _PLAN
-"""Width and height on the plan, 712 x 506 mm, whose origin is the lower left corner. Both corridors fit."""
 
 
-def to_plan(x: float, y: float, angle: float) -> CubePose:
+def to_plan(x: float, y: float, angle: float) -> MatPose:
     """Convert a position of the mat, whose angle is in degrees clockwise from x."""
     heading = math.remainder(-math.radians(angle), math.tau)
-    return CubePose((x - _LEFT) * _PLAN, (_BOTTOM - y) * _PLAN, heading)
+    return MatPose((x - _LEFT) * _PLAN, (_BOTTOM - y) * _PLAN, heading)
 
 
-def to_mat(pose: CubePose) -> tuple[int, int, int] | None:
+def to_mat(pose: MatPose) -> tuple[int, int, int] | None:
     """Convert a place on the plan; None off the mat."""
     x, y = round(_LEFT + pose.x / _PLAN), round(_BOTTOM - pose.y / _PLAN)
     is_on_mat = _LEFT <= x <= _RIGHT and _TOP <= y <= _BOTTOM
@@ -55,30 +43,24 @@ T = TypeVar("T")
 
 VIRTUAL = "virtual:"
 """A port that begins like this is a virtual cube; see `toio.virtual`."""
-COMMAND_DURATION = 300
-"""Milliseconds that a motor command lasts, or two periods: the cube of a program that has ended stops by itself."""
 SLOWEST_UNIT, FASTEST_UNIT = 8, 115
 """Motor speeds that have an effect; a wheel does not turn below."""
 _MAX_SILENCE = 0.5
 """Seconds without a position after which a cube on the mat counts as lost; it sends one every 10 ms."""
 _SCAN_TIMEOUT = 10.0
-_MOST_CUBES = 50
+_MOST_CUBES, _FIND_TIMEOUT = 50, 3.0
 _WRITE_TIMEOUT = 2.0
 _POLL = 0.002
 _OFF_MAT = 0.02
 """Seconds to wait for a position of a cube that does not see the mat: it sends none."""
 _FLASH = b"\x03\x64\x01\x01\xff\xff\xff"
 """Light for one second, white."""
-_LOOK_AHEAD = 8.0
-"""mm on the plan in which a wall before the cube stops it."""
-_ALONG = 1.0
-"""mm by which a cube may come nearer to a wall: it drives along it."""
 _POSITION, _POSITION_MISSED = 0x01, 0x03
 """First bytes of a notification."""
 
 
-class ToioRobot(RealRobot):
-    """A cube on a mat. See `RealRobot`.
+class ToioRobot(MatRobot):
+    """A cube on a mat. See `MatRobot`.
 
     Each command lasts 0.3 s, or two periods if they are longer, so that the wheels of a cube stop by themselves when
     the program ends in any way or the connection is lost; it has no watchdog process. A cube has neither gripper nor
@@ -89,12 +71,6 @@ class ToioRobot(RealRobot):
         max_speed: Limit of the wheel speeds in speed units.
         period: Seconds of a round, at most 0.5.
 
-    Attributes:
-        pose: Its last place on the plan.
-        on_mat: Whether it sees the mat.
-        clearance: Distance in mm from a place on the plan to the nearest wall, negative behind it; None without walls.
-            A mat has no walls, so that the driver itself keeps the cube within them: it turns it along the wall.
-
     Raises:
         ValueError: A speed that is not allowed.
         RobotLost: The cube was not found, or does not reply.
@@ -102,17 +78,14 @@ class ToioRobot(RealRobot):
     """
 
     model = TOIO
+    mat_size = (_RIGHT - _LEFT) * _PLAN, (_BOTTOM - _TOP) * _PLAN
+    """712 x 506 mm. Both corridors fit."""
 
-    def __init__(self, port: str, *, max_speed: int | None = None, period: float = CONTROL_PERIOD) -> None:
-        super().__init__(port, self.model.max_speed if max_speed is None else max_speed)
+    def __init__(self, port: str, *, max_speed: int | None = None, period: float | None = CONTROL_PERIOD) -> None:
+        super().__init__(port, max_speed=max_speed, period=period)
         require("a toio cube", "toio")
-        self.pose = CubePose(0.0, 0.0, 0.0)
-        self.on_mat = False
-        self.clearance: Callable[[float, float], float] | None = None
-        self._period = period
         self._cube: Any = None
         self._notifications = 0
-        self._travel = (0.0, 0.0)
         self._open(self._connect)
 
     @property
@@ -128,6 +101,18 @@ class ToioRobot(RealRobot):
         limit = max(float(self._max_speed), SLOWEST_UNIT / self.model.unit)
         factor = limit / max(abs(left), abs(right), limit)
         self.begin(lambda: self._write_motors(factor * left, factor * right, milliseconds)).result()
+
+    @staticmethod
+    def find() -> list[str]:
+        """See `RealRobot`; none without Bluetooth."""
+        require("a toio cube", "toio")
+        from toio import BLEScanner
+
+        try:
+            found = _wait(BLEScanner.scan(_MOST_CUBES, timeout=_FIND_TIMEOUT), 2 * _FIND_TIMEOUT)
+            return [cube.name for cube in found if cube.name]
+        except Exception:  # bleak has an error for each system and kind of trouble
+            return []
 
     def flash(self) -> None:
         """See `RealRobot`."""
@@ -176,14 +161,7 @@ class ToioRobot(RealRobot):
         """Take a notification, in the thread of the Bluetooth connection."""
         if payload[0] == _POSITION:
             x, y, angle = (int.from_bytes(payload[i : i + 2], "little") for i in (1, 3, 5))
-            pose, last = to_plan(x, y, angle), self.pose
-            if self.on_mat:
-                turn = math.remainder(pose.heading - last.heading, math.tau)
-                middle = last.heading + turn / 2
-                forward = (pose.x - last.x) * math.cos(middle) + (pose.y - last.y) * math.sin(middle)
-                side = turn * self.model.plan_base / 2
-                self._travel = self._travel[0] + forward - side, self._travel[1] + forward + side
-            self.pose, self.on_mat = pose, True
+            self._note_place(to_plan(x, y, angle))
         elif payload[0] == _POSITION_MISSED:
             self.on_mat = False
         self._notifications += 1
@@ -203,26 +181,14 @@ class ToioRobot(RealRobot):
 
     def _transmit(self) -> None:
         if self._command is not None:
-            left, right, _, _ = self._command
-            forward = (left + right) / 2
-            if forward and self.clearance is not None:
-                x, y, heading = self.pose
-                ahead = math.copysign(_LOOK_AHEAD, forward)
-                here = self.clearance(x, y)
-                after, to_right, to_left = (
-                    self.clearance(x + ahead * math.cos(heading + turn), y + ahead * math.sin(heading + turn))
-                    for turn in (0.0, -0.5, 0.5)
-                )
-                if after < min(RADIUS, here) - _ALONG:
-                    # A wall would turn it along: to the side with more room.
-                    turn = math.copysign(abs(forward), to_left - to_right)
-                    left, right = -turn, turn
+            left, right = self._along_walls(*self._command[:2])
+            period = self._period or CONTROL_PERIOD
             # Wheels do not turn slower than the slowest speed: turn for a part of the round.
             part = min(1.0, max(abs(left), abs(right)) * self.model.unit / SLOWEST_UNIT)
             if 0.0 < part < 1.0:
-                self._write_motors(left / part, right / part, 10 * max(1, round(100 * self._period * part)))
+                self._write_motors(left / part, right / part, 10 * max(1, round(100 * period * part)))
             else:
-                self._write_motors(left, right, max(COMMAND_DURATION, round(2000 * self._period)))
+                self._write_motors(left, right, max(COMMAND_DURATION, round(2000 * period)))
 
     def _receive(self) -> None:
         self._wait_for_position(_MAX_SILENCE if self.on_mat else _OFF_MAT)
@@ -254,18 +220,6 @@ class ToioRobot(RealRobot):
         if self._cube is not None and self._cube.is_connect():
             with contextlib.suppress(Exception):  # a lost cube cannot be disconnected
                 _wait(self._cube.disconnect(), _WRITE_TIMEOUT)
-
-
-def find_cubes(timeout: float = 3.0) -> list[str]:
-    """The names of the cubes that can be connected; none without Bluetooth."""
-    require("a toio cube", "toio")
-    from toio import BLEScanner
-
-    try:
-        found = _wait(BLEScanner.scan(_MOST_CUBES, timeout=timeout), 2 * timeout)
-        return [cube.name for cube in found if cube.name]
-    except Exception:  # bleak has an error for each system and kind of trouble
-        return []
 
 
 def _motor_unit(speed: float) -> int:

@@ -13,8 +13,9 @@ from uuid import UUID
 
 from khepera_forage.extras import require
 from khepera_forage.robots.khepera import SPEED_UNIT
+from khepera_forage.robots.mat import MatPose
 from khepera_forage.robots.model import TOIO
-from khepera_forage.robots.toio.driver import FASTEST_UNIT, MAT_SIZE, SLOWEST_UNIT, CubePose, to_mat
+from khepera_forage.robots.toio.driver import FASTEST_UNIT, SLOWEST_UNIT, ToioRobot, to_mat
 
 require("a virtual cube", "toio")
 
@@ -44,7 +45,7 @@ class Table:
         self._lock = threading.RLock()
         self._cubes: dict[str, VirtualCube] = {}
 
-    def cube(self, name: str, pose: CubePose | None = None) -> "VirtualCube":
+    def cube(self, name: str, pose: MatPose | None = None) -> "VirtualCube":
         """The cube with a name; a new one stands at a free place unless one is given."""
         with self._lock:
             if name not in self._cubes:
@@ -63,13 +64,13 @@ class Table:
                     cube.drive(self._now, _STEP)
                 self._separate()
 
-    def _free_place(self) -> CubePose:
+    def _free_place(self) -> MatPose:
         """A place beside the others, in a row along the upper border."""
-        width, height = MAT_SIZE
+        width, height = ToioRobot.mat_size
         number = len(self._cubes)
         columns = int(width // (3 * RADIUS))
         row, column = divmod(number, columns)
-        return CubePose(1.5 * RADIUS * (2 * column + 1), height - 1.5 * RADIUS * (2 * row + 1), 0.0)
+        return MatPose(1.5 * RADIUS * (2 * column + 1), height - 1.5 * RADIUS * (2 * row + 1), 0.0)
 
     def _separate(self) -> None:
         """Push cubes apart that overlap; a cube that drives moves one that stands."""
@@ -84,13 +85,13 @@ class Table:
                     for cube, part in ((first, -share), (second, 1.0 - share)):
                         x, y, heading = cube.pose
                         push = overlap * part / distance
-                        cube.pose = CubePose(x + push * dx, y + push * dy, heading)
+                        cube.pose = MatPose(x + push * dx, y + push * dy, heading)
 
 
 class VirtualCube(CubeInterface):
     """One cube, as toio-py sees it; `pose` is its place on the plan."""
 
-    def __init__(self, table: Table, name: str, pose: CubePose) -> None:
+    def __init__(self, table: Table, name: str, pose: MatPose) -> None:
         self.pose = pose
         self._table, self._name = table, name
         self._units = (0, 0)
@@ -112,7 +113,7 @@ class VirtualCube(CubeInterface):
         x, y, heading = self.pose
         turn, forward = (right - left) / TOIO.plan_base, (left + right) / 2
         middle = heading + turn / 2
-        self.pose = CubePose(x + forward * math.cos(middle), y + forward * math.sin(middle), heading + turn)
+        self.pose = MatPose(x + forward * math.cos(middle), y + forward * math.sin(middle), heading + turn)
 
     async def __aenter__(self) -> "VirtualCube":
         await self.connect()
