@@ -1,4 +1,4 @@
-"""Real Kheperas under a real overhead camera: the `World` of the thesis's experiments."""
+"""Real robots under an overhead camera, or on a mat: the `World` of the thesis's experiments."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -32,7 +32,7 @@ CHECK_ROUNDS = 30
 
 
 class Laboratory:
-    """Robots on serial ports, each in its own copy of the arena, under one camera.
+    """Robots, each in its own copy of the arena, under one camera or on a mat.
 
     One round: send all commands, wait for the clock, read all sensors, take the newest frame. Any exception in a round,
     including Ctrl-C, first stops all robots and is then raised. `reset` reconnects a robot that was lost. The poses and

@@ -54,11 +54,6 @@ class RobotSettings:
     watchdog: bool = True
     type: str = KHEPERA.name
 
-    @property
-    def is_on_mat(self) -> bool:
-        """Whether it reports its place on a mat itself."""
-        return issubclass(DRIVERS[self.type], MatRobot)
-
     def open(self, period: float, max_speed: int | None = None) -> RealRobot:
         """Open the robot for rounds of `period` seconds; errors are those of its driver."""
         return open_robot(
@@ -111,7 +106,7 @@ class LabSettings:
     @property
     def has_mat(self) -> bool:
         """Whether the robots report their places on a mat themselves."""
-        return self.robots[0].is_on_mat
+        return issubclass(DRIVERS[self.robots[0].type], MatRobot)
 
     @property
     def food_robots(self) -> tuple[RobotSettings, ...]:
@@ -144,7 +139,7 @@ def parse(toml: str, set_up: SetUp, period: float, folder: Path = Path()) -> Lab
     robots = given["robots"] = tuple(_robot(i, entry, tracker.markers) for i, entry in enumerate(entries))
     if not robots:
         raise ValueError("robots is empty; allowed: at least one table [[robots]]")
-    if robots[0].is_on_mat and "camera" not in given:
+    if issubclass(DRIVERS[robots[0].type], MatRobot) and "camera" not in given:
         given["camera"] = CameraSettings()
     else:
         camera = table("camera", given.get("camera", {}), _CAMERA_KEYS, ["source"])
@@ -213,7 +208,7 @@ def _arena(value: Any, set_up: SetUp) -> Arena:
 
 
 def _check(settings: LabSettings) -> None:
-    """Check what the robots share: unique ports and names, arenas side by side and in view, and a mat for cubes."""
+    """Check what robots share: one type, unique ports and names, arenas side by side and in view, or on the mat."""
     arenas = settings.arenas
     for i, robot in enumerate(settings.robots):
         offset = f"robots[{i}].offset is {list(robot.offset)}"
@@ -229,18 +224,17 @@ def _check(settings: LabSettings) -> None:
             check_seen((arenas[i],))
         except ValueError as error:
             raise ValueError(f"{offset}: {error}") from None
-    drivers = {robot.type: DRIVERS[robot.type] for robot in settings.robots}
-    on_mat = {kind: driver for kind, driver in drivers.items() if issubclass(driver, MatRobot)}
-    if not on_mat:
+    kinds = sorted({robot.type for robot in settings.robots})
+    if len(kinds) > 1:
+        raise ValueError(f"robots are of types {', '.join(kinds)}; allowed: one type, because each has its own scale")
+    driver = DRIVERS[kinds[0]]
+    if not issubclass(driver, MatRobot):
         if settings.food_cubes:
-            kinds = [kind for kind, driver in DRIVERS.items() if issubclass(driver, MatRobot)]
-            raise ValueError(f"food_cubes is given; allowed: for robots of type {', '.join(kinds)}")
+            on_mat = [kind for kind, each in DRIVERS.items() if issubclass(each, MatRobot)]
+            raise ValueError(f"food_cubes is given; allowed: for robots of type {', '.join(on_mat)}")
         return
-    ((kind, driver),) = on_mat.items()
-    if len(drivers) > 1:
-        raise ValueError(f"robots are of types {', '.join(sorted(drivers))}; allowed: {kind} alone, or other robots")
     if not settings.food_cubes and settings.arena.foods:
-        raise ValueError(f"food_cubes is empty; allowed with {kind}: a cube for each food (a mat sees no other)")
+        raise ValueError(f"food_cubes is empty; allowed with {kinds[0]}: a cube for each food (a mat sees no other)")
     cubes = [*(robot.port for robot in settings.robots), *settings.food_cubes]
     for cube in settings.food_cubes:
         if cubes.count(cube) > 1:

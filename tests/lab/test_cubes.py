@@ -120,7 +120,7 @@ def test_lost_cube_stops_all_and_takes_a_person(lab: VirtualCubeLaboratory) -> N
             ("offset = [30, 256]", "offset = [300, 256]"),
             r"robots[1].offset is [300.0, 256.0]: its arena leaves the mat",
         ),
-        (('type = "toio"\nport = "virtual:l', 'port = "virtual:l'), "robots are of types khepera, toio; allowed: toio"),
+        (('type = "toio"\nport = "virtual:l', 'port = "virtual:l'), "robots are of types khepera, toio; allowed: one"),
         (
             ('port = "virtual:l', 'baud = 9600\nport = "virtual:l'),
             "robots[1].baud is given; allowed: for a robot with a",

@@ -120,6 +120,7 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
         ("offset =", "timeout = 0\noffset =", "robots[1].timeout is 0; allowed: 0.01 to 10 seconds"),
         ("offset =", "watchdog = 1\noffset =", "robots[1].watchdog is 1; allowed: true, false"),
         ("offset =", "holes = 3\noffset =", "robots[1].holes is 3; allowed: 1, 2"),
+        ("offset =", 'type = "e-puck2"\noffset =', "robots are of types e-puck2, khepera; allowed: one type, because"),
         ("offset = [0, 300]", 'offset = [0, "a"]', "robots[1].offset is [0, 'a']; allowed: [x mm, y mm]"),
         ("offset = [0, 300]", "offset = [0, 200]", "robots[1].offset is [0.0, 200.0]: its arena overlaps"),
         ("offset = [0, 300]", "offset = [0, 2300]", "robots[1].offset is [0.0, 2300.0]: arenas reach"),
