@@ -293,7 +293,7 @@ def _light(robot: SerialRobot) -> str:
     light = [int(value) for value in robot.request("O")]
     if max(light) == 0:
         raise CheckError("all eight read 0, the value of the brightest light")
-    return f"{min(light)}..{max(light)} (about 500 is dark)"
+    return f"{min(light)}..{max(light)} (the higher, the darker)"
 
 
 def _wheels(robot: RealRobot) -> str:
