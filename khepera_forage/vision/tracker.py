@@ -6,6 +6,7 @@
 import logging
 import math
 from collections.abc import Callable, Collection, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from khepera_forage.extras import require
@@ -34,7 +35,8 @@ _MARKER_FRAMES, _FOOD_FRAMES = 3, 2
 _TURN = 60.0
 """Degrees by which a marker turns at most from one frame to the next: a Khepera turns by less than 20 in a round."""
 _YOUNG, _LOST = 10, 5
-"""A marker that was found in fewer frames is dropped when it has been lost for this many: half a second of rounds."""
+"""A marker that was found in fewer frames is dropped when it has been lost for this many, half a second of rounds, and
+its place has been empty."""
 _OVERLAP = MARKER_WIDTH / MM_PER_PIXEL / 2
 """Pixels between the middles of two markers that no two robots can have."""
 
@@ -48,8 +50,9 @@ class Tracker:
 
     An uncertain shape is lost; it is never reported with a number that may be wrong, and `warnings` names the cause. A
     new region, or one that has jumped or is reversed, counts when two (food) or three (markers) consecutive frames
-    agree on it, except in the first frame. Food is dropped once its last place is inside the picture, clear of every
-    marker, and has looked like floor in `settings.patience` consecutive frames.
+    agree on it, except in the first frame. Where a marker was lost, another counts only after the place has been empty.
+    Food is dropped once its last place is inside the picture, clear of every marker, and has looked like floor in
+    `settings.patience` consecutive frames.
 
     Not thread-safe.
 
@@ -105,17 +108,25 @@ class Tracker:
     def update(self, frame: Frame) -> Scene:
         """The scene after one more frame; arguments and errors as for `detect`."""
         shown = self.detect(frame)
-        plates, before, self._visible = self._plates(shown), self._visible, {}
+        hidden, before, self._visible = self._hidden(shown), self._visible, {}
+        plates = [_plate(marker) for marker in (*shown, *hidden) if marker.holes]
+        shows_floor = self._detector.shows_floor  # type: ignore[union-attr] # there is one now
 
         def visible(x: float, y: float) -> bool:
-            assert self._detector is not None
-            if not self._detector.shows_floor(plates, x, y):
+            if not shows_floor(plates, x, y):
                 return False
             self._visible[x, y] = before.get((x, y), 0) + 1
             return self._visible[x, y] >= self.settings.patience
 
-        detections, doomed = self._confirmation.check(shown, self.scene)
+        detections, doomed = self._confirmation.check(shown, self.scene, hidden, partial(shows_floor, []))
         self.scene = self._tracks.update(detections, visible, doomed)
+        for marker in shown:
+            if marker.holes and marker not in detections:
+                place = place_text(marker.x, marker.y)
+                self.warnings["uncertain"] = (
+                    f"marker {marker.holes} seems to be at {place}: it counts when three frames agree; if another "
+                    "marker was lost there, also take it away for a moment"
+                )
         for region in self.scene.regions:
             if region.holes and not region.found:
                 place = place_text(region.x, region.y)
@@ -146,26 +157,26 @@ class Tracker:
             )
         return detector, grey
 
-    def _plates(self, detections: Sequence[Detection]) -> list[Plate]:
-        """The markers of a frame, and the last places of those that were lost before it."""
-        markers: list[Detection | Region] = [d for d in detections if d.holes]
-        regions = [r for r in self.scene.regions if r.holes]
-        # In featureless tracking a lost region may have been anything, or may have a new label.
-        for region in () if self.settings.featureless else regions:
+    def _hidden(self, detections: Sequence[Detection]) -> list[Region]:
+        """Markers of the last scene that a frame does not show at their places, nor perhaps elsewhere."""
+        if self.settings.featureless:
+            return []  # a lost region may have been anything, or may have a new label
+        hidden, markers = [], [r for r in self.scene.regions if r.holes]
+        for region in markers:
             # Any marker with its number can be this region, if the frame shows all of them.
             same = [d for d in detections if d.holes == region.holes]
-            all_shown = len(same) >= sum(r.holes == region.holes for r in regions)
+            all_shown = len(same) >= sum(r.holes == region.holes for r in markers)
             if not all_shown and all(_distance(d, region) > GATE for d in same):
-                markers.append(region)
-        poses = ((m.x * MM_PER_PIXEL, m.y * MM_PER_PIXEL, math.radians(m.orientation)) for m in markers)
-        return [Plate(x, y, math.cos(turn), math.sin(turn)) for x, y, turn in poses]
+                hidden.append(region)
+        return hidden
 
 
 class Confirmation:
     """Holds back what one bad frame shows: a new region, one that has jumped, a marker that is reversed.
 
-    Such a detection counts when consecutive frames agree on it; in the first frame all count. A marker that was found
-    only a few times, or whose place another marker takes, is no marker.
+    Such a detection counts when consecutive frames agree on it; in the first frame all count. What lasts may still be
+    wrong: where one marker was lost, no other counts until the place has been empty. A marker that was found only a few
+    times, and has left an empty place, is no marker.
 
     Args:
         by_place: As for `Tracks`.
@@ -178,13 +189,30 @@ class Confirmation:
         # Frames in which a region was found, and those since it was lost, by its label.
         self._found: dict[int, int] = {}
         self._lost: dict[int, int] = {}
+        # Labels of lost markers whose last place has been empty.
+        self._gone = set[int]()
 
-    def check(self, detections: Sequence[Detection], scene: Scene) -> tuple[list[Detection], set[int]]:
-        """The detections of a frame that count, given the scene before it, and labels of lost markers that are none."""
+    def check(
+        self,
+        detections: Sequence[Detection],
+        scene: Scene,
+        hidden: Sequence[Region],
+        shows_floor: Callable[[float, float], bool],
+    ) -> tuple[list[Detection], set[int]]:
+        """The detections of a frame that count, and the labels of lost markers that are none.
+
+        Args:
+            detections: What the frame shows.
+            scene: The scene before it.
+            hidden: Markers of that scene that it does not show.
+            shows_floor: Whether it shows the floor at a place (pixels).
+        """
         regions = scene.regions
         found = self._found = {r.label: self._found.get(r.label, 0) + r.found for r in regions}
         lost = self._lost = {r.label: 0 if r.found else self._lost.get(r.label, 0) + 1 for r in regions}
         lost_markers = [r for r in regions if r.holes and not r.found]
+        self._gone = {r.label for r in hidden if r.label in self._gone or shows_floor(r.x, r.y)}
+        covered = [r for r in hidden if r.label not in self._gone]
         confirmed, candidates = [], []
         for detection in detections:
             frames = 1 + max((n for d, n in self._candidates if self._agree(d, detection, 1)), default=0)
@@ -192,7 +220,11 @@ class Confirmation:
             if not detection.holes and any(_distance(detection, r) < 2 * _OVERLAP for r in lost_markers):
                 needed = _YOUNG  # it may be a part of the marker
             continues = any(self._agree(r, detection, 1 + lost[r.label]) for r in regions)
-            if self._first or frames >= needed or continues:
+            in_sight = any(r.found and self._agree(r, detection, 1) for r in regions)
+            misread = not in_sight and any(
+                detection.holes not in (0, r.holes) and _distance(detection, r) < _OVERLAP for r in covered
+            )
+            if self._first or (not misread and (frames >= needed or continues)):
                 confirmed.append(detection)
             else:
                 candidates.append((detection, frames))
@@ -200,7 +232,7 @@ class Confirmation:
         return confirmed, {
             r.label
             for r in lost_markers
-            if (found[r.label] < _YOUNG and lost[r.label] >= _LOST)
+            if (found[r.label] < _YOUNG and lost[r.label] >= _LOST and r.label in self._gone)
             or any(d.holes not in (0, r.holes) and _distance(d, r) < _OVERLAP for d in confirmed)
         }
 
@@ -320,6 +352,11 @@ class TrackedCamera:
 def _distance(one: Region | Detection, other: Region | Detection) -> float:
     """Pixels between two regions."""
     return math.hypot(one.x - other.x, one.y - other.y)
+
+
+def _plate(marker: Region | Detection) -> Plate:
+    turn = math.radians(marker.orientation)
+    return Plate(marker.x * MM_PER_PIXEL, marker.y * MM_PER_PIXEL, math.cos(turn), math.sin(turn))
 
 
 def _region(label: int, detection: Detection) -> Region:

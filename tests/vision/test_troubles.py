@@ -21,6 +21,7 @@ from tests.vision.scene_renderer import (
     Marker,
     SceneRenderer,
     heading_error,
+    only_region,
     position_error,
     random_marker,
 )
@@ -126,7 +127,7 @@ def hand(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
 def test_marker_in_trouble_is_right_or_a_warning_names_the_cause(
     trouble: Trouble | None, appearance: CameraAppearance, least: int
 ) -> None:
-    """A found marker is within a pixel and 5 degrees; a lost one has a warning; no other marker appears."""
+    """For ten frames, a found marker is within a pixel and 5 degrees; a lost one has a warning; no other appears."""
     renderer, tracker = SceneRenderer(appearance, seed=5), Tracker()
     right = wrong = 0
     for i in range(24):
@@ -134,16 +135,55 @@ def test_marker_in_trouble_is_right_or_a_warning_names_the_cause(
         tracker.reset()
         tracker.update(renderer.frame((marker,)))
         change = partial(trouble, marker=marker, rng=renderer.rng) if trouble else None
-        scene = tracker.update(renderer.frame((marker,), (), change))
-        (own,) = [r for r in scene.regions if r.holes == marker[3]]
-        assert [r for r in scene.regions if r.holes and r is not own] == [], "no phantom robot"
-        if own.found:
-            right += 1
-            wrong += position_error(own, *marker[:2]) > 1.0 or heading_error(own, marker[2]) > 5
-        else:
-            assert tracker.warnings.keys() & {"glare", "cover", "pale holes", "cables", "holes", "lost"}
+        frame = renderer.frame((marker,), (), change)
+        for _ in range(10):
+            scene = tracker.update(frame)
+            (own,) = [r for r in scene.regions if r.holes == marker[3]]
+            assert [r for r in scene.regions if r.holes and r is not own] == [], "no phantom robot"
+            if own.found:
+                wrong += position_error(own, *marker[:2]) > 1.0 or heading_error(own, marker[2]) > 5
+            else:
+                assert tracker.warnings.keys() & {"glare", "cover", "pale holes", "cables", "holes", "lost"}
+        right += own.found
     assert wrong == 0
     assert right >= least
+
+
+SPOTS = [
+    ((1692.1, 1784.1, -1.697, 2), {"x": 1687.6, "y": 1748.8, "amplitude": 234.0, "size": 5.27}),
+    ((1176.3, 1754.8, -0.351, 2), {"x": 1206.1, "y": 1743.9, "amplitude": 236.0, "size": 5.11}),
+]
+"""Markers, and reflections on them that make the other marker in some frames."""
+
+
+@pytest.mark.parametrize(("marker", "spot"), SPOTS)
+@pytest.mark.parametrize("clean", [3, 30])
+def test_reflection_that_stays_makes_no_other_marker(clean: int, marker: Marker, spot: dict[str, float]) -> None:
+    renderer, tracker = SceneRenderer(seed=5), Tracker()
+    for _ in range(clean):
+        tracker.update(renderer.frame((marker,)))
+    read = 0
+    for _ in range(40):
+        scene = tracker.update(renderer.frame((marker,), (), partial(brightened, **spot)))
+        assert [(r.holes, r.found) for r in scene.regions] == [(2, False)]
+        read += "uncertain" in tracker.warnings
+    assert read > 3, "without a track it would be the other marker"
+    assert only_region(tracker.update(renderer.frame((marker,))), 2).found
+
+
+def test_robot_that_takes_the_place_of_another_counts_after_the_place_was_empty() -> None:
+    renderer, tracker = SceneRenderer(seed=5), Tracker()
+    place = 1000.0, 1000.0, 0.5
+    for _ in range(12):
+        tracker.update(renderer.frame(((*place, 2),)))
+    for _ in range(5):
+        assert [(r.holes, r.found) for r in tracker.update(renderer.frame(((*place, 1),))).regions] == [(2, False)]
+        assert "take it away for a moment" in tracker.warnings["uncertain"]
+    tracker.update(renderer.frame(()))
+    for _ in range(3):
+        scene = tracker.update(renderer.frame(((*place, 1),)))
+    assert [(r.holes, r.found) for r in scene.regions] == [(1, True)]
+    assert tracker.warnings == {}
 
 
 def test_one_frame_of_glare_leaves_no_phantom_robot() -> None:
