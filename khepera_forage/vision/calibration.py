@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.files import replacing
-from khepera_forage.toml_table import Reader, anything, content_of, list_of, naming, numbers, table, text_of
+from khepera_forage.toml_table import Reader, anything, content_of, list_of, naming, number, numbers, table, text_of
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 
@@ -30,6 +30,8 @@ Matrix = tuple[float, ...]
 
 DEFAULT_SIZE: Size = (int(PICTURE_WIDTH), int(PICTURE_HEIGHT))
 """Of the thesis's camera (3.4)."""
+FLOOR_TAG_SIDE = 100.0
+"""Side in mm of a tag on the floor, as printed."""
 _REPEATS, _CONVERGED = 20, 1e-12
 _LEAST_SLOPE = 0.05
 """Least distance by which a point moves outwards in the picture, as a share of how far it would move without the
@@ -126,6 +128,7 @@ class Calibration:
         size: Width and height in pixels of the picture that was calibrated.
         tags: Where the picture shows the middle (u, v) of each floor tag, by its id: they reveal a camera that was
             moved.
+        tag_side: Side of the floor tags in mm.
 
     Raises:
         ValueError: Not four points, a value that is not finite, three points on a line, floor
@@ -138,6 +141,7 @@ class Calibration:
     lens: Lens | None = None
     size: Size = DEFAULT_SIZE
     tags: Mapping[int, Point] = field(default_factory=dict, hash=False)
+    tag_side: float = FLOOR_TAG_SIDE
     _to_floor: Matrix = field(init=False, repr=False, compare=False)
     _to_picture: Matrix = field(init=False, repr=False, compare=False)
 
@@ -249,7 +253,8 @@ class Calibration:
             )
         if self.tags:
             values["tags"] = [(tag, *pixel) for tag, pixel in sorted(self.tags.items())]
-            lines.append("# tags: id of each floor tag, and the pixel of its middle.")
+            values["tag_side"] = self.tag_side
+            lines.append("# tags: id of each floor tag, and the pixel of its middle; tag_side: their side in mm.")
         lines += [f"{key} = {json.dumps(value)}" for key, value in values.items()]
         with replacing(Path(path)) as file:
             file.write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -465,6 +470,7 @@ _KEYS: dict[str, Reader] = {
     "camera": anything,
     "lens": numbers("[k1, k2]"),
     "size": list_of(anything, 0),
+    "tag_side": number(1.0, 1000.0, "mm"),
     "tags": lambda key, value: {int(tag): (u, v) for tag, u, v in list_of(numbers("[id, u, v]"), 0)(key, value)},
 }
 """Of a calibration file."""

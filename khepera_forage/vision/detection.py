@@ -34,6 +34,8 @@ _NEAR, _DARK, _MOST_DARK = 1.5, 0.6, 0.5
 """Radii of food where floor is expected, the share of the floor's brightness below which a place is dark, and the
 least share of dark places around a white part of a tag."""
 _CIRCLE = [(math.cos(k * math.pi / 8), math.sin(k * math.pi / 8)) for k in range(16)]
+_FLOOR_TAG = 0.75
+"""Sides of a floor tag around its middle in which nothing is food, and nothing is reported."""
 _CLEARANCE = 13.0
 """Least distance in mm between the disc of food and a marker: the marker's black frame (8 mm), and a pixel of error."""
 _FLOOR_TOLERANCE = 0.25
@@ -141,6 +143,9 @@ class Detector:
         self._diagonal = math.hypot(settings.marker_length, settings.marker_width) * scale
         self._least, self._most = (share * self._marker_area for share in _MARKER_AREA)
         self._white, self._blur, self._until_measured = 0.0, 0.0, 0
+        # Region coordinates.
+        self._floor_tags = [calibration.to_region(*middle) for middle in calibration.tags.values()]
+        self._floor_reach = _FLOOR_TAG * calibration.tag_side / MM_PER_PIXEL
 
     def reduced(self, grey: Frame) -> Frame:
         """A frame of about 5 mm a pixel."""
@@ -165,7 +170,7 @@ class Detector:
         if self._settings.tag_ids:
             found = [d for d in found if d.holes or (self._is_clear(d.x, d.y, places) and self._is_on_floor(d))]
         self.warnings |= warnings
-        return tags + found
+        return tags + [d for d in found if d.holes or not self._is_floor_tag(d.x, d.y)]
 
     def shows_floor(self, plates: list[Plate], x: float, y: float) -> bool:
         """Whether the disc of food at a place (region coordinates) shows the floor."""
@@ -343,8 +348,13 @@ class Detector:
             self._report("bright area", 8.0 * column + 4, 8.0 * row + 4)
 
     def _report(self, trouble: str, u: float, v: float, height: float = 0.0) -> None:
-        place = place_text(*self._calibration.to_region(u, v, height))
-        self.warnings[trouble] = TROUBLES[trouble].format(place=place)
+        place = self._calibration.to_region(u, v, height)
+        if not self._is_floor_tag(*place):
+            self.warnings[trouble] = TROUBLES[trouble].format(place=place_text(*place))
+
+    def _is_floor_tag(self, x: float, y: float) -> bool:
+        """Whether a floor tag lies at a place: its cells look like food, and all of it like a damaged marker."""
+        return any(math.dist((x, y), tag) <= self._floor_reach for tag in self._floor_tags)
 
     def _detection(
         self, contour: Contour, edge: bool, moments: ShapeMoments, marker: Reading | None = None

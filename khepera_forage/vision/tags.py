@@ -30,8 +30,6 @@ CELLS = 6
 """Cells across a tag, with its border."""
 _SIDES = (60.0, 30.0, 15.0)
 """Sides in pixels of floor tags that are searched before the picture is calibrated."""
-FLOOR_SIZE = 100.0
-"""Side in mm of a tag on the floor, as printed; the search for tags that have moved allows half of it."""
 _LEAST_PIXELS = 13.0
 """Side in pixels of the smallest tag that is read."""
 _CABLE, _BLUR = 6.0, 2.5
@@ -122,7 +120,7 @@ class TagDetector:
         self._never_seen = set(settings.tag_ids)
         # Region pixels around a tag's middle within which white belongs to the tag.
         self.reach = (0.75 * settings.tag_size + 12) / MM_PER_PIXEL
-        self._floor_ids, self._floor_side = (tuple(sorted(calibration.tags)), FLOOR_SIZE / calibration.mm_per_pixel())
+        self._floor_ids, self._floor_side = tuple(sorted(calibration.tags)), calibration.tag_side * scale
         self._turns = deque(self._floor_ids)
 
     def detect(self, grey: Frame) -> tuple[list[Detection], dict[str, str]]:
@@ -191,7 +189,9 @@ class TagDetector:
             return {}
         found = dict(find_tags(grey, self._floor_ids, self._floor_side))
         shifts = list(map(self._shift, found, found.values()))
-        if not shifts or float(np.median(shifts)) < _MOVED:
+        if not shifts:
+            return {"floor tags": "no floor tag is in sight: the camera was moved, or something hides them all"}
+        if float(np.median(shifts)) < _MOVED:
             return {}
         return {
             "camera moved": f"the camera has moved since its calibration: floor tags appear {np.median(shifts):.0f} mm "
@@ -201,7 +201,7 @@ class TagDetector:
     def _near(self, grey: Frame, tag: int) -> list[Corners]:
         """Corners of a floor tag that is seen near its place; none otherwise."""
         u, v = self._calibration.tags[tag]
-        reach = math.ceil(_NEAR * FLOOR_SIZE / MM_PER_PIXEL / self._calibration.scale(u, v))
+        reach = math.ceil(_NEAR * self._calibration.tag_side / MM_PER_PIXEL / self._calibration.scale(u, v))
         left, top = max(0, math.floor(u) - reach), max(0, math.floor(v) - reach)
         part = np.ascontiguousarray(grey[top : math.floor(v) + reach, left : math.floor(u) + reach])
         found = find_tags(part, self._floor_ids, self._floor_side)
@@ -274,7 +274,7 @@ def fit_to_tags(
             for right, ahead in ((-1, 1), (1, 1), (1, -1), (-1, -1))
         ]
     fit = fit_calibration(points, corners, camera, size)
-    calibration = replace(fit.calibration, tags=dict(zip(seen, middles, strict=True)))
+    calibration = replace(fit.calibration, tags=dict(zip(seen, middles, strict=True)), tag_side=side)
     return fit._replace(
         calibration=calibration,
         residuals=distances(calibration, middles, floor),

@@ -187,3 +187,26 @@ def test_camera_that_was_knocked_is_noticed_at_the_next_frame(tmp_path: Path) ->
         tracker.update(frame)
         tracker.update(floor_scene(640, 480, shift, turn).frame())
         assert "the camera has moved since its calibration" in tracker.warnings["camera moved"]
+
+
+def test_small_floor_tags_are_watched_and_are_nothing_else(tmp_path: Path) -> None:
+    middles = {tag: pose[:2] for tag, pose in floor_places(1800.0).items()}
+    frame = floor_scene(1280, 720, side=45.0).frame()
+    fitted = fit_to_tags(find_floor_tags(frame, sorted(middles)), middles, None, (1280, 720)).calibration
+    assert fitted.tag_side == pytest.approx(45, abs=4)
+    fitted.save(tmp_path / "tags.toml")
+    tracker = Tracker(calibration=Calibration.load(tmp_path / "tags.toml"))
+    assert tracker.update(frame).regions == ()
+    assert tracker.warnings == {}
+    tracker.update(floor_scene(1280, 720, (20.0, 60.0), side=45.0).frame())
+    assert "camera moved" in tracker.warnings
+    tracker.update(np.full_like(frame, 105))
+    assert tracker.warnings["floor tags"].startswith("no floor tag is in sight: the camera was moved")
+
+
+def test_cells_of_a_floor_tag_are_no_food() -> None:
+    scene = Scene(1280, 720)
+    scene.put(tag_sheet(17, 100.0), (1600.0, 900.0, 1.5))
+    assert len(Tracker().update(scene.frame()).regions) == 1
+    calibration = replace(Calibration.identity(size=(1280, 720)), tags={17: scene.pixel(1600.0, 900.0)})
+    assert Tracker(calibration=calibration).update(scene.frame()).regions == ()
