@@ -109,7 +109,7 @@ class Tracker:
         """The scene after one more frame; arguments and errors as for `detect`."""
         shown = self.detect(frame)
         hidden, before, self._visible = self._hidden(shown), self._visible, {}
-        plates = [_plate(marker) for marker in (*shown, *hidden) if marker.holes]
+        plates = [_plate(marker) for marker in shown if marker.holes] + [_plate(marker) for marker in hidden]
         shows_floor = self._detector.shows_floor  # type: ignore[union-attr] # there is one now
 
         def visible(x: float, y: float) -> bool:

@@ -150,21 +150,21 @@ def test_marker_in_trouble_is_right_or_a_warning_names_the_cause(
 
 
 SPOTS = [
-    ((1692.1, 1784.1, -1.697, 2), {"x": 1687.6, "y": 1748.8, "amplitude": 234.0, "size": 5.27}),
-    ((1176.3, 1754.8, -0.351, 2), {"x": 1206.1, "y": 1743.9, "amplitude": 236.0, "size": 5.11}),
+    ((1692.1, 1784.1, -1.697, 2), (1687.6, 1748.8, 234.0, 5.27)),
+    ((1176.3, 1754.8, -0.351, 2), (1206.1, 1743.9, 236.0, 5.11)),
 ]
 """Markers, and reflections on them that make the other marker in some frames."""
 
 
 @pytest.mark.parametrize(("marker", "spot"), SPOTS)
 @pytest.mark.parametrize("clean", [3, 30])
-def test_reflection_that_stays_makes_no_other_marker(clean: int, marker: Marker, spot: dict[str, float]) -> None:
+def test_reflection_that_stays_makes_no_other_marker(clean: int, marker: Marker, spot: tuple[float, ...]) -> None:
     renderer, tracker = SceneRenderer(seed=5), Tracker()
     for _ in range(clean):
         tracker.update(renderer.frame((marker,)))
     read = 0
     for _ in range(40):
-        scene = tracker.update(renderer.frame((marker,), (), partial(brightened, **spot)))
+        scene = tracker.update(renderer.frame((marker,), (), lambda picture: brightened(picture, *spot)))
         assert [(r.holes, r.found) for r in scene.regions] == [(2, False)]
         read += "uncertain" in tracker.warnings
     assert read > 3, "without a track it would be the other marker"
