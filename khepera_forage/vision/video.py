@@ -111,7 +111,7 @@ class VideoSource:
     ends. Failed reads are repeated, and streams opened again, until the timeout. Colour becomes grey.
 
     Frames of another size with the aspect ratio of `settings.size` are scaled to it, and other aspect ratios are
-    refused. Without a size, frames of 4 : 3 are scaled to 640 x 480, and others are left as they are.
+    refused. Without a size, that of the first frame is taken.
 
     A context manager: leaving it closes the source.
 
@@ -275,10 +275,7 @@ class VideoSource:
         import cv2
 
         height, width = grey.shape
-        if self._size is None:
-            wide, high = DEFAULT_SIZE
-            self._size = DEFAULT_SIZE if width * high == height * wide else (width, height)
-        wide, high = self._size
+        wide, high = self._size = self._size or (width, height)
         if width * high != height * wide:
             raise ValueError(
                 f"frames of {width} x {height}; allowed: {wide} x {high}, or another size with this aspect ratio"

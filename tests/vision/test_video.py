@@ -78,11 +78,11 @@ def test_close_twice_is_allowed_and_use_after_close_is_refused(tmp_path: Path) -
 @pytest.mark.parametrize(
     ("width", "height", "size", "shape"),
     [
-        *((320, 240, None, (480, 640)), (1280, 960, None, (480, 640))),
-        *((848, 480, None, (480, 848)), (848, 480, (424, 240), (240, 424))),
+        *((320, 240, None, (240, 320)), (1280, 960, None, (960, 1280))),
+        *((1280, 960, (640, 480), (480, 640)), (848, 480, (424, 240), (240, 424))),
     ],
 )
-def test_frames_with_the_same_aspect_ratio_are_scaled_and_others_delivered_as_they_are(
+def test_frames_are_scaled_to_a_size_that_is_given_and_otherwise_delivered_as_they_are(
     tmp_path: Path, width: int, height: int, size: tuple[int, int] | None, shape: tuple[int, int]
 ) -> None:
     path = video(tmp_path / "video.avi", [100] * 5, 10, width, height)
