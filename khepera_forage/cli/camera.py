@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.cli.options import Group, check_ending, command, flag, option, out, refuse_ignored, seed
+from khepera_forage.cli.options import Group, check_ending, command, option, out, refuse_ignored, seed
 from khepera_forage.envs.rendering.output import FILM_EXTRAS, save_film
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
@@ -157,7 +157,6 @@ _CAMERA = "position of the camera in mm, to correct the shift of markers above t
     *SOURCE,
     _add_points,
     option("--camera", _CAMERA, lambda text: _coordinates(text, 3), "X,Y,HEIGHT"),
-    flag("--check", "take a picture and print the regions found in it, in mm"),
     out("calibration.toml", "file"),
 )
 def calibrate_command(arguments: argparse.Namespace) -> None:
@@ -165,7 +164,6 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
     require("khepera-forage camera calibrate", "camera")
     from khepera_forage.vision.calibration import fit_calibration
     from khepera_forage.vision.tags import find_floor_tags, fit_to_tags
-    from khepera_forage.vision.tracker import Tracker
 
     name, given = next((name, each) for name in ("points", "places", "tags") if (each := getattr(arguments, name)))
     tags = dict(given) if name == "tags" else {}
@@ -179,8 +177,7 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
     if name == "points":
         picture, floor = zip(*given, strict=True)
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    by_camera = name != "points" or arguments.check
-    with closing(open_source(arguments, paced=False)) if by_camera else nullcontext() as source:
+    with closing(open_source(arguments, paced=False)) if name != "points" else nullcontext() as source:
         size = arguments.size or DEFAULT_SIZE
         if source is not None:
             size = source.newest()[0].shape[::-1]
@@ -193,8 +190,6 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
         else:
             fit = fit_calibration(picture, floor, arguments.camera, size)
         _print_errors(fit, picture, floor)
-        if arguments.check and source is not None:
-            print(f"seen now: {described(Tracker(calibration=fit.calibration).update(source.newest()[0]))}")
     fit.calibration.save(arguments.out)
     print(f"written to {arguments.out}")
 
@@ -272,6 +267,7 @@ _FILM = "save the last picture (.png), or all pictures as a film (.gif, .mp4, .a
     option("--numbers", "markers or tags in use, such as 1-4 (all of the kind; tags: 1-4)", ids, "NUMBERS"),
     option("--tag-size", "side of a robot's tag (80)", float, "MM", default=TrackerSettings().tag_size),
     option("--food-tags", "tags on food (none)", ids, "IDS", default=()),
+    option("--food-tag-size", "side of food's tags (24)", float, "MM", default=TrackerSettings().food_tag_size),
     option("--frames", f"stop after N frames (no limit; {_FILM_FRAMES} with --out)", whole_number(1), "N"),
     option("--out", _FILM, given_path, "FILE"),
 )
@@ -290,7 +286,11 @@ def preview_command(arguments: argparse.Namespace) -> None:
     calibration = Calibration.load(arguments.calibration) if arguments.calibration else None
     numbers = arguments.numbers or _IN_USE[arguments.markers]
     settings = TrackerSettings(
-        markers=arguments.markers, numbers=numbers, food_tags=arguments.food_tags, tag_size=arguments.tag_size
+        markers=arguments.markers,
+        numbers=numbers,
+        tag_size=arguments.tag_size,
+        food_tags=arguments.food_tags,
+        food_tag_size=arguments.food_tag_size,
     )
     size = None if calibration is None else calibration.size
     with closing(open_source(arguments, path is None, size)) as source:

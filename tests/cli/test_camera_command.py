@@ -71,6 +71,7 @@ def test_preview_saves_pictures_and_films_that_it_can_read(capsys: pytest.Captur
     capsys.readouterr()
     assert preview("--markers", "tags", "--tag-size", "40") == 2
     assert "tags of 40 mm are 8 pixels wide in the picture" in capsys.readouterr().err
+    assert preview("--food-tags", "20", "--food-tag-size", "70", "--frames", "1", "--out", "last.png") == 0
 
 
 def test_preview_names_the_setting_to_change(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -135,12 +136,6 @@ def test_residuals_show_a_wrong_point(capsys: pytest.CaptureFixture[str]) -> Non
         assert main(["camera", "calibrate", "--points", *CORNERS, middle]) == 0
         printed = capsys.readouterr().out
         assert largest[0] <= max(map(float, re.findall(r": (\d+\.\d) mm off", printed))) <= largest[1]
-
-
-def test_calibrate_check_prints_the_regions(capsys: pytest.CaptureFixture[str]) -> None:
-    points = ["--points", *CORNERS, "--check", "--source", "virtual"]
-    assert main(["camera", "calibrate", *points]) == 0
-    assert re.search(r"seen now: .*marker 2 ", capsys.readouterr().out)
 
 
 def test_calibrate_from_clicks_in_a_window(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
