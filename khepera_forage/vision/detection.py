@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 import cv2
 import numpy as np
 
+from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.image_quality import BLUR_LIMIT, white_and_blur
@@ -139,8 +140,8 @@ class Detector:
         self._gap_kernel = np.ones((max(1, math.ceil(_GAP * scale)) + 1,) * 2, np.uint8)
         # In pixels of the picture.
         self._food_area = math.pi * settings.food_radius**2 * scale**2
-        self._marker_area = settings.marker_length * settings.marker_width * scale**2
-        self._diagonal = math.hypot(settings.marker_length, settings.marker_width) * scale
+        self._marker_area = MARKER_LENGTH * MARKER_WIDTH * scale**2
+        self._diagonal = math.hypot(MARKER_LENGTH, MARKER_WIDTH) * scale
         self._least, self._most = (share * self._marker_area for share in _MARKER_AREA)
         self._white, self._blur, self._until_measured = 0.0, 0.0, 0
         # Region coordinates.

@@ -52,7 +52,6 @@ class ImageQuality(NamedTuple):
 
     Attributes:
         floor: Median grey level of the floor.
-        saturated: Share of pixels at 255.
         noise: Standard deviation of the noise of single pixels, grey levels.
         contrast: Brightness of white shapes as a multiple of the floor's around them; None without white shapes.
         blur: Standard deviation in pixels of the blur of their borders; None without white shapes.
@@ -60,7 +59,6 @@ class ImageQuality(NamedTuple):
     """
 
     floor: float
-    saturated: float
     noise: float
     contrast: float | None
     blur: float | None
@@ -77,7 +75,7 @@ class ImageQuality(NamedTuple):
             f"contrast {known(self.contrast, '.2f')} (at least {settings.contrast * _CONTRAST_RESERVE:.2f}), "
             f"blur {known(self.blur, '.1f', ' px')} (at most {BLUR_LIMIT:g}), "
             f"floor {self.floor:.0f} ({low:g} to {high:g}), "
-            f"noise {self.noise:.1f} (at most {NOISE_LIMIT:g}), saturated {100 * self.saturated:.1f} %, "
+            f"noise {self.noise:.1f} (at most {NOISE_LIMIT:g}), "
             f"print {known(self.print, '.2f')} (at most {PRINT_LIMIT:g})"
         )
 
@@ -139,7 +137,6 @@ def measure_quality(frame: Frame) -> ImageQuality:
     white = [shape for shape in shapes if shape[0] >= _SIMILAR * highest]
     return ImageQuality(
         float(np.median(segmentation.floor)),
-        float(np.count_nonzero(frame == 255) / frame.size),
         _noise(frame),
         float(np.median([contrast for contrast, _ in white])) if white else None,
         float(np.median([blur for _, blur in white])) if white else None,

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erf
 
-from khepera_forage.robots.khepera import MARKER_LENGTH
+from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.segmentation import ImagePatch, ShapeMoments, shape_moments
-from khepera_forage.vision.shapes import ARRANGEMENTS, HOLE_SIDE
+from khepera_forage.vision.shapes import ARRANGEMENTS
 from khepera_forage.vision.tracker_settings import TrackerSettings
 from khepera_forage.vision.video import Frame
 
@@ -43,8 +43,6 @@ _SAME_SHAPE, _OTHER_SIZE = 0.05, 0.06
 in size from which a marker is searched for at its own size."""
 _MIN_AREA = 0.6
 """Share of a marker's area that must be seen."""
-_MAX_OUTSIDE = 1.0
-"""Pixels by which a corner may lie outside the picture."""
 _OPENING = 1.3
 """In diameters of food: shapes that stick out from a marker and are narrower than this are not part of it."""
 _CORNERS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
@@ -118,8 +116,6 @@ _THICK, _THICK_BESIDE_CABLES = np.ones((5, 5), np.uint8), np.ones((7, 7), np.uin
 """Samples of which all must be so dark: what cables leave beside them is thinner."""
 _WHITE = 0.85
 """Share of the samples inside a marker that are no brighter than its white."""
-_GLARE, _LEAST_GLARE = 1.06, 0.012
-"""Brightness of a reflection, as a share of white, and the least share of the marker that it covers."""
 
 # ------------------------------------------------------------------ cables
 
@@ -167,7 +163,7 @@ class MarkerDetector:
         self._height = settings.marker_height
         diameter = max(3, round(_OPENING * 2 * settings.food_radius / calibration.mm_per_pixel()))
         self._opening_kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (diameter, diameter))
-        self._size = np.array((settings.marker_length, settings.marker_width)) / MM_PER_PIXEL
+        self._size = np.array((MARKER_LENGTH, MARKER_WIDTH)) / MM_PER_PIXEL
         # Standard deviations of a rectangle are its sides over the root of 12.
         self._deviations = self._size / math.sqrt(12)
         self._border = _BorderFit(self._size)
@@ -198,9 +194,6 @@ class MarkerDetector:
             return None
         steps, middle = self._steps(moments)
         corners = middle + _CORNERS * self._size / 2 @ steps.T
-        outside = np.maximum(-corners, corners - self._calibration.size).max()
-        if outside > _MAX_OUTSIDE:
-            return None  # it would be measured shifted and turned
         upright = self._upright(frame, middle, steps * (own_size if clear else 1.0))
         reading = self._pattern.read(upright, moments.level)
         if not reading.forward:
@@ -353,16 +346,14 @@ class _HolePattern:
     """Compares upright images of markers with the arrangements of holes in use; `shape` is theirs."""
 
     def __init__(self, settings: TrackerSettings) -> None:
-        self.shape = shape = round(settings.marker_width / _SAMPLE), round(settings.marker_length / _SAMPLE)
+        self.shape = shape = round(MARKER_WIDTH / _SAMPLE), round(MARKER_LENGTH / _SAMPLE)
         arrangements, side = ARRANGEMENTS.get(settings.markers, ARRANGEMENTS["holes"])
-        side *= settings.hole_side / HOLE_SIDE
-        stretch = settings.marker_length / MARKER_LENGTH
         self._readings: list[Reading] = []
         patterns = []
         used = arrangements.keys() if settings.markers == "tags" else settings.numbers
         for number in sorted(used):
             centres = arrangements[number]
-            for sign in (stretch, -stretch):
+            for sign in (1, -1):
                 area = len(centres) * (side / MM_PER_PIXEL) ** 2
                 self._readings.append(Reading(number, sign > 0, area))
                 patterns.append(
@@ -389,9 +380,6 @@ class _HolePattern:
         if crossed:
             rest, visibility = _without_cables(rest, crossed)
         best, misfit, pale = self._best(rest, visibility)
-        inside = white[_INSIDE]
-        if np.count_nonzero(cv2.blur(inside, (5, 5)) > _GLARE) > _LEAST_GLARE * inside.size:
-            return Reading(0, trouble="glare")
         dark = (rest > (_UNEXPLAINED_BESIDE_CABLES if crossed else _UNEXPLAINED)) & self._blank[best]
         if cv2.erode(dark.astype(np.uint8), _THICK_BESIDE_CABLES if crossed else _THICK).any():
             return Reading(0, trouble="cover")

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.extras import require
+from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.calibration import DEFAULT_SIZE, Calibration
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene, kind_text
 from khepera_forage.vision.tracker_settings import TrackerSettings
@@ -50,11 +51,8 @@ def draw_scene(
     calibration = calibration or Calibration.identity(size=frame.shape[::-1])
     enlargement = max(1, round(frame.shape[1] / DEFAULT_SIZE[0]))
     thickness, size = (enlargement + 1) // 2, _TEXT_SIZE + _TEXT_GROWTH * (enlargement - 1)
-    tags, tip = settings.markers == "tags", settings.marker_length / MM_PER_PIXEL * 0.8
-    length, width = (
-        (settings.tag_size if tags else side) / MM_PER_PIXEL / 2
-        for side in (settings.marker_length, settings.marker_width)
-    )
+    tags, tip = settings.markers == "tags", MARKER_LENGTH / MM_PER_PIXEL * 0.8
+    length, width = ((settings.tag_size if tags else side) / MM_PER_PIXEL / 2 for side in (MARKER_LENGTH, MARKER_WIDTH))
     box = [(length, width), (-length, width), (-length, -width), (length, -width)]
     radius = settings.food_radius / MM_PER_PIXEL
     disc = [(radius * x, radius * y) for x, y in _CIRCLE]

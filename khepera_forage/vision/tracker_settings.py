@@ -4,8 +4,7 @@ import math
 from dataclasses import dataclass, fields
 from typing import NoReturn
 
-from khepera_forage.robots.khepera import FOOD_HEIGHT, FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
-from khepera_forage.vision.shapes import HOLE_SIDE
+from khepera_forage.robots.khepera import FOOD_HEIGHT, FOOD_RADIUS
 
 MARKER_NUMBERS = {"holes": range(1, 3), "grid": range(1, 13), "tags": range(1, 50)}
 """The numbers of the markers of each kind."""
@@ -24,12 +23,6 @@ class TrackerSettings:
     floor of medium intensity (3.1) is about twice as bright."""
     tolerance: float = 0.3
     """Greatest relative error of a marker's length and width, and of food's diameter."""
-    marker_length: float = MARKER_LENGTH
-    """Long side of a marker, along the robot's heading (figure 3.9)."""
-    marker_width: float = MARKER_WIDTH
-    """Short side of a marker."""
-    hole_side: float = HOLE_SIDE
-    """Side of the black squares in a marker."""
     food_radius: float = FOOD_RADIUS
     """Radius of a food object (3.1)."""
     marker_height: float = 70.0
@@ -78,18 +71,10 @@ class TrackerSettings:
         both = set(self.numbers) & set(self.food_tags)
         if self.markers == "tags" and both:
             raise ValueError(f"tracker food_tags has {min(both)}, as numbers; allowed: each tag once")
-        width = self.marker_width
-        sizes = ("marker_length", "marker_width", "hole_side", "food_radius", "tag_size", "food_tag_size")
         for name, wrong, allowed in (
-            *((size, getattr(self, size) == 0, "above 0 mm") for size in sizes),
+            *((size, getattr(self, size) == 0, "above 0 mm") for size in ("food_radius", "tag_size", "food_tag_size")),
             ("tolerance", not 0 < self.tolerance < 1, "between 0 and 1"),
             ("contrast", self.contrast <= 1, "above 1"),
-            (
-                "marker_length",
-                self.marker_length < 1.2 * width,
-                f"at least 1.2 times the marker_width of {width!r}, or the axis is uncertain",
-            ),
-            ("hole_side", self.hole_side > 0.5 * width, f"up to half the marker_width, which is {width!r}"),
             ("patience", self.patience < 1 or self.patience != int(self.patience), "whole frames, at least 1"),
         ):
             if wrong:

@@ -129,6 +129,20 @@ def test_edge_flag_is_set_at_the_picture_edge() -> None:
         assert abs(marker.x - x / 5) < 1
 
 
+def test_marker_that_the_border_cuts_is_right_or_lost() -> None:
+    renderer, tracker, found = SceneRenderer(seed=9), Tracker(), 0
+    for i in range(20):
+        y, heading = renderer.rng.uniform((300, -math.pi), (2100, math.pi)).tolist()
+        reach = abs(60 * math.cos(heading)) + abs(40 * math.sin(heading))
+        marker = (reach - float(renderer.rng.uniform(5, 30)), y, heading, 1 + i % 2)
+        for detection in tracker.detect(renderer.frame((marker,))):
+            assert detection.holes == marker[3]
+            assert position_error(detection, *marker[:2]) < 1
+            assert heading_error(detection, heading) < 5
+            found += 1
+    assert found >= 14
+
+
 def test_repeated_frames_give_equal_results() -> None:
     frame = SceneRenderer().frame(PAIR.markers, PAIR.foods)
     before, tracker = frame.copy(), Tracker()

@@ -208,8 +208,6 @@ def test_food_at_the_last_place_of_a_lost_marker_is_kept() -> None:
         ({"contrast": math.nan}, "contrast is nan"),
         ({"tolerance": 0.0}, "tolerance"),
         ({"food_radius": 0.0}, "food_radius"),
-        ({"marker_length": 80.0}, r"marker_length is 80\.0.*1\.2 times"),
-        ({"hole_side": 50.0}, r"hole_side is 50\.0"),
         ({"patience": 0}, "patience is 0"),
         ({"patience": 1.5}, r"patience is 1\.5"),
         ({"markers": "qr"}, "tracker markers is 'qr'; allowed: holes, grid, tags"),
