@@ -105,7 +105,11 @@ def tag_pages(
         if not 1 <= tag <= 49:
             raise ValueError(f"tag is {tag}; allowed: ids 1 to 49")
     pages = []
-    for kind, group, size in (("robot", robots, robot_size), ("food", food, food_size), ("floor", floor, FLOOR_TAG_SIDE)):
+    for kind, group, size in (
+        ("robot", robots, robot_size),
+        ("food", food, food_size),
+        ("floor", floor, FLOOR_TAG_SIDE),
+    ):
         if not 10 <= size <= 170:
             raise ValueError(f"size of a {kind}'s tag is {size:g} mm; allowed: 10 to 170 mm")
         step = size + 2 * max(5.5, size / 10)
