@@ -30,7 +30,7 @@ Matrix = tuple[float, ...]
 
 DEFAULT_SIZE: Size = (int(PICTURE_WIDTH), int(PICTURE_HEIGHT))
 """Of the thesis's camera (3.4)."""
-FLOOR_TAG_SIDE = 100.0
+FLOOR_SIDE = 100.0
 """Side in mm of a tag on the floor, as printed."""
 _REPEATS, _CONVERGED = 20, 1e-12
 _LEAST_SLOPE = 0.05
@@ -141,7 +141,7 @@ class Calibration:
     lens: Lens | None = None
     size: Size = DEFAULT_SIZE
     tags: Mapping[int, Point] = field(default_factory=dict, hash=False)
-    tag_side: float = FLOOR_TAG_SIDE
+    tag_side: float = FLOOR_SIDE
     _to_floor: Matrix = field(init=False, repr=False, compare=False)
     _to_picture: Matrix = field(init=False, repr=False, compare=False)
 

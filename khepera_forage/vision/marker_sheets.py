@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from khepera_forage.extras import require
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
-from khepera_forage.vision.calibration import FLOOR_TAG_SIDE
+from khepera_forage.vision.calibration import FLOOR_SIDE
 from khepera_forage.vision.shapes import ARRANGEMENTS, MARKER_FRAME
 
 if TYPE_CHECKING:
@@ -105,11 +105,7 @@ def tag_pages(
         if not 1 <= tag <= 49:
             raise ValueError(f"tag is {tag}; allowed: ids 1 to 49")
     pages = []
-    for kind, group, size in (
-        ("robot", robots, robot_size),
-        ("food", food, food_size),
-        ("floor", floor, FLOOR_TAG_SIDE),
-    ):
+    for kind, group, size in (("robot", robots, robot_size), ("food", food, food_size), ("floor", floor, FLOOR_SIDE)):
         if not 10 <= size <= 170:
             raise ValueError(f"size of a {kind}'s tag is {size:g} mm; allowed: 10 to 170 mm")
         step = size + 2 * max(5.5, size / 10)
