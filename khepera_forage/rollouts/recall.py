@@ -15,11 +15,13 @@ from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.arguments import whole_number
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.noise import Noise
+from khepera_forage.noise import Noise, noise_name
 from khepera_forage.policies import Neighbours
 from khepera_forage.policies.models import completed
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arena import Arena
+from khepera_forage.sim.simulation import Simulation
+from khepera_forage.sim.world import World
 from khepera_forage.task.decisions import decisions_text
 from khepera_forage.task.episode import DecisionCounts, count_decision
 from khepera_forage.task.food_tracking import is_collected
@@ -42,6 +44,11 @@ def stopping(env: Any) -> Iterator[None]:
     except BaseException:
         env.world.stop()
         raise
+
+
+def noise_of_world(world: World) -> str:
+    """The noise condition that rows of a world name: "laboratory", "none", or "other"; real robots are "laboratory"."""
+    return noise_name(world.noise) if isinstance(world, Simulation) else "laboratory"
 
 
 def recall_env(
@@ -111,7 +118,7 @@ def recall(
     seed: int,
     *,
     learner: str = IMITATOR,
-    noise: str = "laboratory",
+    noise: str | None = None,
     replication: int = 0,
     episodes: int = 0,
     file_id: str = "-",
@@ -128,7 +135,7 @@ def recall(
             nearest-neighbour imitator are counted. `Teacher()` becomes the teacher of `env`.
         seed: Of the episode: places, noise, and random choices of the policy.
         learner: Name of the policy, for the row.
-        noise: Name of the noise condition, for the row.
+        noise: Name of the noise condition, for the row; by default that of the environment (`noise_of_world`).
         replication: For the row.
         episodes: Training episodes of the policy, for the row.
         file_id: The thesis's name of its training files, for the row.
@@ -184,7 +191,7 @@ def recall(
         recall=number,
         seed=seed,
         learner=learner,
-        noise=noise,
+        noise=noise_of_world(own.world) if noise is None else noise,
         correct=info["correct"],
         steps=info["steps"],
         limit=own.limit,

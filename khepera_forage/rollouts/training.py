@@ -20,7 +20,7 @@ from khepera_forage.experience import Experience, ExperienceWriter
 from khepera_forage.policies import Listener, Policy, Teacher
 from khepera_forage.policies.models import completed
 from khepera_forage.policies.policy import HEARD
-from khepera_forage.rollouts.recall import Callback, stopping
+from khepera_forage.rollouts.recall import Callback, noise_of_world, stopping
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.sim.world import LOST
 from khepera_forage.task.decisions import decisions_text
@@ -179,7 +179,7 @@ def _result(env: TrainingEnv, resumed: int) -> Attempt:
 def train(
     env: AECEnv[str, Any, Any],
     seed: int | np.random.SeedSequence,
-    noise: str = "laboratory",
+    noise: str | None = None,
     replication: int = 0,
     file: int = 1,
     path: Path | None = None,
@@ -200,7 +200,7 @@ def train(
     Args:
         env: The paired corridors, as `TrainingEnv` or in PettingZoo's wrappers, which are left out.
         seed: Of the training, a whole number or a seed sequence; every attempt has its own seed, derived from it.
-        noise: Name of the noise condition, for the rows.
+        noise: Name of the noise condition, for the rows; by default that of the environment (`noise_of_world`).
         replication: For the rows.
         file: Number of the experience file, for the rows.
         path: File to which the experience is written while it is recorded; discarded attempts leave no file.
@@ -238,7 +238,7 @@ def train(
                     file=file,
                     attempt=number,
                     seed=attempt_seed,
-                    noise=noise,
+                    noise=noise_of_world(env.world) if noise is None else noise,
                     complete=result.complete,
                     rounds=result.rounds,
                     vectors=len(recorder.vectors),

@@ -156,7 +156,7 @@ def baselines(
     with closing(recall_env(arena, laboratory, baseline_limit(learner, arena), decisions=decisions)) as env:
         policy: Policy = Teacher.of(env) if learner == TEACHER else UniformPolicy()
         return [
-            recall(env, policy, own, learner=learner, replication=block, number=i)
+            recall(env, policy, own, learner=learner, noise=LABORATORY, replication=block, number=i)
             for block in range(first, first + count)
             for i, own in enumerate(baseline_seeds(seed, block, learner, arena, forages).tolist())
         ]

@@ -97,6 +97,15 @@ def test_noise_has_names(backend: str) -> None:
     assert shown[0] == shown[1] != shown[2] == shown[3] == shown[4]
 
 
+@pytest.mark.parametrize(("noise", "name"), [("none", "none"), (None, "laboratory"), (Noise(wheel_slip=0.1), "other")])
+def test_rows_name_the_noise_of_the_environment(noise: Noise | str | None, name: str) -> None:
+    _, attempts = train(TrainingEnv(noise=noise), 1)
+    assert {row.noise for row in attempts} == {name}
+    alone = recall_env("corridor", noise, limit=1)
+    assert recall(alone, Teacher(), 1).noise == name
+    assert recall(alone, Teacher(), 1, noise="of my own").noise == "of my own"
+
+
 TWO: Any = np.int64(2)
 
 
