@@ -216,9 +216,9 @@ def claim_table(claims: Sequence[Claim]) -> Table:
         "claims",
         "Claims of the thesis",
         "Each claim with its effect, a 95 % interval over replications, and a verdict, by the rules of the next table. "
-        "All rules were fixed before any data existed, but for that of claim 8, which counted a difference in either "
-        "direction until version 0.2. A claim is undecided if its interval contains the rule's threshold, or without "
-        "an interval.",
+        "All rules were fixed before any data existed, but for those of claims 7 and 8, which counted a difference in "
+        "either direction until version 0.2. A claim is undecided if its interval contains the rule's threshold, or "
+        "without an interval.",
         [
             {
                 "no.": i,

@@ -14,7 +14,7 @@ from khepera_forage.study import Rows
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.thesis.claims import Claim, claims, gather
 from khepera_forage.thesis.design import LABORATORY, NO_LOSSES
-from khepera_forage.thesis.inference.claims import RESAMPLES, LaboratoryClaims, claim_table, claims_of, measure
+from khepera_forage.thesis.inference.claims import CLAIMS, RESAMPLES, LaboratoryClaims, claim_table, claims_of, measure
 from khepera_forage.thesis.inference.prior import LabModel
 from khepera_forage.thesis.replication import JobCounts, jobs
 
@@ -58,8 +58,8 @@ def test_laboratory_without_complete_training_is_an_error() -> None:
 
 
 def test_tables_of_claims_have_shares_of_the_laboratories_that_were_measured() -> None:
-    held = LaboratoryClaims(0, "{}", "", ("supported",) * 18, (1.0,) * 18)
-    not_held = replace(held, verdicts=("undecided",) * 18, effects=(3.0,) * 18)
+    held = LaboratoryClaims(0, "{}", "", ("supported",) * len(CLAIMS), (1.0,) * len(CLAIMS))
+    not_held = replace(held, verdicts=("undecided",) * len(CLAIMS), effects=(3.0,) * len(CLAIMS))
     unmeasured = LaboratoryClaims(2, "{}", "no training", (), ())
     claimed = claim_table([held], [held, not_held, unmeasured])
     for line in claimed.rows:

@@ -112,7 +112,7 @@ def test_report_has_page_tables_and_figures(tmp_path: Path, rows: Rows) -> None:
     assert "nan" not in page
     with open(folder / "table_claims.csv", encoding="utf-8", newline="") as file:
         claims = list(csv.DictReader(file))
-    assert len(claims) == 18
+    assert len(claims) == 16
     assert {claim["verdict"] for claim in claims} <= {"supported", "not supported", "undecided"}
     assert float(claims[0]["value: low"]) <= float(claims[0]["value"]) <= float(claims[0]["value: high"])
 
