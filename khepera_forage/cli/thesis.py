@@ -12,7 +12,7 @@ from khepera_forage.thesis.reproduce import QUICK_REPLICATIONS, REPLICATIONS, SU
 
 COUNTS = (
     Count("sets", 10_000, 3, "admissible sets", adds_units=True, least=3),
-    Count("experiments", 20, 2, "replications of the thesis's design under each set"),
+    Count("experiments", 5, 2, "replications of the thesis's design under each set"),
 )
 INFER = """Approximate Bayesian computation by random forests:
 
@@ -21,7 +21,8 @@ INFER = """Approximate Bayesian computation by random forests:
 2. A random forest learns from these sets what statistics of the corridor's tables say about each decision. It is first
    validated on sets that it has not seen, and then given tables A.1 to A.4. Tables A.5 to A.7 are the test set.
 
-Writes a page with all tables and two pictures. Ten thousand sets take some hours; a run that was killed continues.
+Writes a page with all tables and two pictures. Ten thousand sets take two and a half hours on two
+cores; a run that was killed continues.
 
 --tables infers from the tables of another experiment in a minute, with simulated sets that the package contains, and
 writes its page to a folder of the results' folder. Such an experiment, a pseudo-thesis under known decisions:

@@ -9,8 +9,9 @@ from scipy import stats
 
 from khepera_forage import Noise
 from khepera_forage.thesis.inference.posterior import (
-    Determined,
+    UNBOUNDED,
     Parameter,
+    Told,
     calibrate,
     effective_number,
     forest_weights,
@@ -94,7 +95,7 @@ def test_right_posteriors_are_calibrated(calibrated: tuple[Any, ...]) -> None:
         assert stats.kstest(found.ranks, "uniform").pvalue > 0.001, found.name
         assert found.half.low - 5 < 50 < found.half.high + 5
         assert found.most.low - 3 < 90 < found.most.high + 3
-    assert [found.determined for found in calibrated[0]] == [Determined.YES, Determined.YES, Determined.NO]
+    assert [found.told for found in calibrated[0]] == [Told.SOMETHING, Told.SOMETHING, Told.NOTHING]
 
 
 def test_wrong_posteriors_are_not(calibrated: tuple[Any, ...]) -> None:
@@ -105,8 +106,9 @@ def test_wrong_posteriors_are_not(calibrated: tuple[Any, ...]) -> None:
     assert swapped.error.value > 1
     shifted = calibrate(Parameter("number", (), number.values + 0.5), weights, true, rng, even(weights))
     assert stats.kstest(shifted.ranks, "uniform").pvalue < 1e-6
-    sure = np.eye(weights.shape[1])[np.argmax(weights, axis=1)]
-    assert calibrate(number, sure, true, rng, even(weights)).most.high < 50
+    sure = weights**8
+    sure /= sure.sum(axis=1, keepdims=True)
+    assert calibrate(number, sure, true, rng, even(weights)).most.high < 70
 
 
 def test_error_of_a_number_is_the_ranked_probability_score() -> None:
@@ -134,10 +136,10 @@ def test_parameters_are_numbers_in_the_order_of_the_prior() -> None:
         LabModel(replace(V0_1, orienting="lowered over food"), Noise(placement_error=3.0)),
     ]
     found = parameters_of(prior, laboratories)
-    assert [(p.name, p.alternatives, p.values.tolist()) for p in found] == [
-        ("next_to_food", (), [17.0, 20.0]),
-        ("orienting", ("lowered over food", "lowered before food"), [1.0, 0.0]),
-        ("placement_error", (), [0.0, 3.0]),
+    assert [(p.name, p.alternatives, p.values.tolist(), p.ends) for p in found] == [
+        ("next_to_food", (), [17.0, 20.0], (12, 24)),
+        ("orienting", ("lowered over food", "lowered before food"), [1.0, 0.0], UNBOUNDED),
+        ("placement_error", (), [0.0, 3.0], (0, 5)),
     ]
     assert found[1].indicators.tolist() == [[0.0, 1.0], [1.0, 0.0]]
     assert found[0].targets.var() == pytest.approx(1.0)
@@ -156,7 +158,7 @@ def test_sets_that_resemble_an_experiment_have_the_most_weight_and_all_are_valid
     assert found.weights.sum() == pytest.approx(1.0)
     assert found.held_out == 40
     assert [c.name for c in found.calibrations] == list(PRIOR.parts)
-    assert "yes" not in {c.determined for c in found.calibrations}, "too few sets to validate"
+    assert Told.SOMETHING not in {c.told for c in found.calibrations}, "too few sets to validate"
 
 
 def test_too_few_sets_are_refused() -> None:
@@ -188,11 +190,19 @@ def test_unlikely_combination_of_usual_values_is_told() -> None:
     assert found.warning
 
 
-def test_shortest_interval_reaches_the_end_of_a_range() -> None:
-    values = np.linspace(0, 1, 1001)
-    assert shortest(values, np.exp(-5 * values), 0.9) == pytest.approx((0.0, 0.45), abs=0.02)
-    assert shortest(values, np.exp(-50 * (values - 0.5) ** 2), 0.9) == pytest.approx((0.335, 0.665), abs=0.01)
-    assert shortest(np.array([2.0, 1.0]), np.array([1.0, 0.0]), 0.5) == (2.0, 2.0)
+def test_shortest_interval_that_reaches_the_outermost_draw_contains_the_end_of_the_range() -> None:
+    """Of continuous draws none is exactly at an end."""
+    values = np.random.default_rng(0).uniform(size=2000)
+    assert 0 < values.min() < values.max() < 1
+    low, high = shortest(values, np.exp(-5 * values), 0.9, (0, 1))
+    assert low == 0
+    assert high == pytest.approx(0.45, abs=0.03)
+    low, high = shortest(values, np.exp(5 * values), 0.9, (0, 1))
+    assert low == pytest.approx(0.55, abs=0.03)
+    assert high == 1
+    low, high = shortest(values, np.exp(-50 * (values - 0.5) ** 2), 0.9, (0, 1))
+    assert (low, high) == pytest.approx((0.335, 0.665), abs=0.03)
+    assert shortest(np.array([2.0, 1.0]), np.array([1.0, 0.0]), 0.5, (0, 3)) == (0, 3), "one draw does not bound any"
 
 
 def test_weighted_quantiles_and_ranks() -> None:

@@ -19,9 +19,9 @@ from khepera_forage.task.decisions import FIELDS, Decisions
 from khepera_forage.thesis.inference.claims import claim_table, measured
 from khepera_forage.thesis.inference.posterior import (
     CLASSES,
-    Determined,
     Posterior,
     PriorCheck,
+    Told,
     central,
     effective_number,
     infer,
@@ -98,8 +98,7 @@ def page(given: Arguments, drawn: Drawn) -> Page:
         _prior(),
         _reasons([reason or "admissible" for reason in drawn.reasons]),
         *posterior_parts(posterior, sets, given.quick),
-        _cells([*single, inferred]),
-        _test_set(inferred, drawn.statistics, posterior.weights),
+        _cells([*single, inferred], drawn.statistics, posterior.weights),
         claim_table(*measured(given, drawn.laboratories, posterior.weights)),
         _questions(found),
     ]
@@ -114,18 +113,16 @@ def tables_page(given: Arguments, sets: Sets, observed: Floats, name: str) -> Pa
 
 def posterior_parts(posterior: Posterior, sets: Sets, quick: bool = False) -> list[str | Table | Picture]:
     """Prior predictive check, calibration and posterior; a warning also goes to standard error, unless `quick`."""
-    names = {d: [c.name for c in posterior.calibrations if c.determined is d] for d in Determined}
-    determined = "; ".join(f"{kind}: {', '.join(f'`{name}`' for name in own) or 'none'}" for kind, own in names.items())
+    names = {kind: [f"`{c.name}`" for c in posterior.calibrations if c.told is kind] for kind in Told}
+    told = "; ".join(f"{kind}: {', '.join(own) or 'none'}" for kind, own in names.items())
     warning = posterior.check.warning
     if warning and not quick:
         print(f"khepera-forage: {warning}", file=sys.stderr)
-    count, experiments, _ = sets.statistics.shape
     return [
-        f"{count} admissible sets of {sets.draws} draws, with {experiments} experiments each, are "
-        "weighted by their likeness to the corridor's tables; the weights count as much as "
-        f"{effective_number(posterior.weights):.0f} sets of equal weight. {posterior.held_out} sets, each held "
-        f"out from a forest, validate them. Do tables of this size determine a decision? {determined}.",
+        "Sets of decisions are weighted by their likeness to the corridor's tables. What do tables of this size say "
+        f"about a decision? {told}.",
         *([f"**Warning:** {warning}"] if warning else []),
+        _sizes(posterior, sets),
         _prior_check(posterior.check),
         _calibrations(posterior),
         Picture("ranks", "ranks of the true values in their posteriors", _ranks(posterior)),
@@ -169,14 +166,34 @@ def _reasons(reasons: Sequence[str]) -> Table:
     )
 
 
+def _sizes(posterior: Posterior, sets: Sets) -> Table:
+    count, experiments, _ = sets.statistics.shape
+    check = posterior.check
+    values: dict[str, Value] = {
+        "sets drawn": sets.draws,
+        "admissible sets": count,
+        "experiments under each": experiments,
+        "sets of equal weight that the posterior is worth": round(effective_number(posterior.weights)),
+        "sets held out to validate it": posterior.held_out,
+        "statistics of the tables": int(np.isfinite(check.ranks).sum()),
+        "of these outside the central 95 % of simulated experiments": check.outside,
+        "joint p": check.tail,
+    }
+    return table_of(
+        "sizes",
+        "How many sets, and do they resemble the tables?",
+        "Joint p: the share of simulated experiments that are as far as the tables from their "
+        f"{check.neighbours} nearest ones of other sets (mean distance in standard deviations).",
+        [{"quantity": name, "value": value} for name, value in values.items()],
+        {"value": 3},
+    )
+
+
 def _prior_check(check: PriorCheck) -> Table:
     return table_of(
         "prior_check",
-        "Do the simulated experiments resemble the tables?",
-        "Median and central 95 % of all simulated experiments, and the percentile of the tables among them. "
-        f"{check.outside} of {int(np.isfinite(check.ranks).sum())} statistics are outside. Jointly, the tables' mean "
-        f"distance to the {check.neighbours} nearest experiments (in standard deviations) is reached by simulated "
-        f"experiments with p {check.tail:.3f}.",
+        "Do the simulated experiments resemble the tables, statistic by statistic?",
+        "Median and central 95 % of all simulated experiments, and the percentile of the tables among them.",
         [
             {
                 "statistic": ALL[k],
@@ -200,13 +217,12 @@ def _calibrations(posterior: Posterior) -> Table:
         "nothing. The error is the continuous ranked probability score of a number, and Brier's score of an "
         "alternative. 50 % and 90 % intervals of a right posterior contain the true value in 50 % and 90 % of the "
         f"sets. The last column tests whether all ranks are equally frequent (chi-squared, {CLASSES} classes). "
-        "`determined` is `yes` if the upper end of the error's interval is below 0.9, `a little` if it is below 1, and "
-        "`not calibrated` if "
+        "The tables say `something` if the upper end of the error's interval is below 1, but are `not calibrated` if "
         f"that test fails after correction for {len(ordered)} tests (Holm, 5 %), or there are too few sets for it.",
         [
             {
                 "decision or noise": c.name,
-                "determined": str(c.determined),
+                "tables say": str(c.told),
                 "error / guess": c.error,
                 "within 50 % (%)": c.half,
                 "within 90 % (%)": c.most,
@@ -252,7 +268,7 @@ def _numbers(posterior: Posterior) -> Table:
         if not parameter.alternatives:
             values = parameter.values
             before, after = (
-                Estimate(quantiles(values, weights, (0.5,))[0], *shortest(values, weights, 0.9))
+                Estimate(quantiles(values, weights, (0.5,))[0], *shortest(values, weights, 0.9, parameter.ends))
                 for weights in (even, posterior.weights)
             )
             own = float(getattr(Decisions() if parameter.name in FIELDS else Noise(), parameter.name))
@@ -263,14 +279,15 @@ def _numbers(posterior: Posterior) -> Table:
                     "posterior": after,
                     "default": own,
                     "inside": "yes" if after.low <= own <= after.high else "no",
-                    "determined": str(calibration.determined),
+                    "tables say": str(calibration.told),
                 }
             )
     return table_of(
         "posterior_numbers",
         "Numbers",
         "Median and, in brackets, the shortest interval with 90 % of the weight, of the admissible sets and of the "
-        "posterior; the default, and whether it is in the posterior's interval.",
+        "posterior; one that reaches the outermost set ends where the prior does. The default, and whether it is in "
+        "the posterior's interval.",
         rows,
         {"admissible": 2, "posterior": 2, "default": 2},
     )
@@ -287,7 +304,7 @@ def _alternatives(posterior: Posterior) -> Table:
                 "alternative": str(alternative),
                 "admissible (%)": 100 * float(before),
                 "posterior (%)": 100 * float(after),
-                "determined": str(calibration.determined),
+                "tables say": str(calibration.told),
             }
             for parameter, calibration in zip(posterior.parameters, posterior.calibrations, strict=True)
             for alternative, before, after in zip(
@@ -326,32 +343,6 @@ def _marginals(posterior: Posterior) -> "Figure":
     return figure
 
 
-def _cells(predictions: Sequence[Predictions]) -> Table:
-    thesis = thesis_statistics()
-    rows: list[dict[str, Value]] = []
-    for k in np.flatnonzero(np.isfinite(thesis)).tolist():
-        use = "fitted" if ALL[k] in FITTED else "test"
-        row: dict[str, Value] = {"statistic": ALL[k], "use": use, "thesis": float(thesis[k])}
-        for one in predictions:
-            row |= {one.name: one.interval(k), f"percentile ({one.name})": one.rank(k, float(thesis[k]))}
-        rows.append(row)
-    return table_of(
-        "cells",
-        "All statistics",
-        "Median and, in brackets, the central 95 % of experiments of the thesis's size, and the percentile of the "
-        "thesis among them. Scores and shares of correct steps (`right`) are in percent, food is a share, `spread` is "
-        "the standard deviation between training files, `slope` the change from the fewest training episodes to the "
-        "most. Medians of steps are those of recalls that left no food. `test`: never fitted.",
-        rows,
-        {"thesis": 2} | {one.name: 2 for one in predictions} | {f"percentile ({one.name})": 0 for one in predictions},
-    )
-
-
-def tested_columns() -> list[int]:
-    """Places of the statistics of tables A.5 to A.7 that the thesis has."""
-    return [k for k in np.flatnonzero(np.isfinite(thesis_statistics())).tolist() if ALL[k] not in FITTED]
-
-
 def predicted(statistics: Floats) -> NDArray[np.bool_]:
     """Whether the thesis's value lies within the central 95 % of a set's own experiments, shape (sets, statistics).
 
@@ -369,32 +360,29 @@ def predicted(statistics: Floats) -> NDArray[np.bool_]:
     return np.asarray(enough & (np.abs(mean - thesis_statistics()) <= reach * deviation))
 
 
-def _test_set(inferred: Predictions, statistics: NDArray[np.float32], weights: Floats) -> Table:
-    """What is predicted of the rectangle's tables, which were never fitted."""
+def _cells(predictions: Sequence[Predictions], statistics: NDArray[np.float32], weights: Floats) -> Table:
     thesis = thesis_statistics()
     hits = predicted(statistics.astype(np.float64))
     rows: list[dict[str, Value]] = []
-    for k in tested_columns():
-        interval, value = inferred.interval(k), float(thesis[k])
-        rows.append(
-            {
-                "statistic": ALL[k],
-                "thesis": value,
-                "posterior": interval,
-                "percentile": inferred.rank(k, float(thesis[k])),
-                "predicted": "yes" if interval.low <= value <= interval.high else "no",
-                "posterior sets (%)": 100 * float(weights @ hits[:, k]),
-                "admissible sets (%)": 100 * float(hits[:, k].mean()),
-            }
-        )
+    for k in np.flatnonzero(np.isfinite(thesis)).tolist():
+        use = "fitted" if ALL[k] in FITTED else "test"
+        row: dict[str, Value] = {"statistic": ALL[k], "use": use, "thesis": float(thesis[k])}
+        for one in predictions:
+            row |= {one.name: one.interval(k), f"percentile ({one.name})": one.rank(k, float(thesis[k]))}
+        row["posterior sets (%)"] = 100 * float(weights @ hits[:, k])
+        row["admissible sets (%)"] = 100 * float(hits[:, k].mean())
+        rows.append(row)
+    shares = ("posterior sets (%)", "admissible sets (%)", *(f"percentile ({one.name})" for one in predictions))
     return table_of(
-        "test_set",
-        "Statistics of the rectangle",
-        "The posterior's median and, in brackets, its central 95 % for experiments of the thesis's size; the "
-        "percentile of the thesis, and whether it lies in that interval. The last columns take sets one by one: "
-        "the share whose own experiments include the thesis's value in their central 95 %.",
+        "cells",
+        "All statistics",
+        "Median and, in brackets, the central 95 % of experiments of the thesis's size, and the percentile of the "
+        "thesis among them. Scores and shares of correct steps (`right`) are in percent, food is a share, `spread` is "
+        "the standard deviation between training files, `slope` the change from the fewest training episodes to the "
+        "most. Medians of steps are those of recalls that left no food. `test`: never fitted. The last columns take "
+        "sets one by one: the share whose own experiments include the thesis's value in their central 95 %.",
         rows,
-        {"thesis": 2, "posterior": 2} | dict.fromkeys(("percentile", "posterior sets (%)", "admissible sets (%)"), 0),
+        {"thesis": 2} | {one.name: 2 for one in predictions} | dict.fromkeys(shares, 0),
     )
 
 

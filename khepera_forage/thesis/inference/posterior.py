@@ -9,7 +9,8 @@ together, the forest predicts all of them, as in distributional random forests).
 Sets that a forest has not seen stand in for the thesis to validate it. If the posterior is right, the true value of a
 decision is equally likely to have any rank in it (Talts et al. 2018, "Validating Bayesian inference algorithms with
 simulation-based calibration"), and an interval that claims 90 % contains it in 90 % of the sets. Intervals are the
-shortest ones: equal tails can hardly contain a value at the end of a range.
+shortest ones, and end where the range does if they reach its outermost draw: equal tails can hardly contain a value at
+the end of a range, and no draw is exactly there.
 
 A forest finds neighbours for any experiment, even for one that no set resembles. Therefore the experiment is first
 compared with all simulated ones.
@@ -37,8 +38,6 @@ LEAST_LEAF = 5
 HELD_OUT, VALIDATED = 10, 1000
 """One set in this many is not learned: it stands in for the thesis in the validation. Other sets follow, with another
 forest each time, until about this many have been held out."""
-MUCH = 0.9
-"""Error, as a share of the error of a guess, below which the tables say much about a decision."""
 CLASSES = 10
 """Of ranks, to test whether all are equally frequent."""
 NEIGHBOURS, COMPARED = 50, 1000
@@ -46,6 +45,7 @@ NEIGHBOURS, COMPARED = 50, 1000
 MOST_OUTSIDE = 0.2
 """Share of the statistics outside the central 95 % above which simulated experiments do not resemble the observed one;
 statistics of one experiment depend on each other."""
+UNBOUNDED = (-math.inf, math.inf)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,15 +55,17 @@ class Parameter:
     Attributes:
         alternatives: Named ones; empty if the field is a number.
         values: One a set; an alternative is its place among the alternatives.
+        ends: Least and greatest number of the prior.
     """
 
     name: str
     alternatives: tuple[Any, ...]
     values: Floats
+    ends: tuple[float, float] = UNBOUNDED
 
     def of(self, sets: NDArray[np.intp]) -> "Parameter":
         """The same in some of the sets."""
-        return Parameter(self.name, self.alternatives, self.values[sets])
+        return replace(self, values=self.values[sets])
 
     @property
     def indicators(self) -> Floats:
@@ -83,9 +85,10 @@ def parameters_of(prior: Prior, laboratories: Sequence[LabModel]) -> list[Parame
     found = []
     for name, part in prior.parts.items():
         alternatives = () if isinstance(part, PriorRange) else tuple(part.of)
+        ends = (part.least, part.most) if isinstance(part, PriorRange) else UNBOUNDED
         drawn = [getattr(lab.decisions if name in prior.decisions else lab.noise, name) for lab in laboratories]
         values = [alternatives.index(value) for value in drawn] if alternatives else drawn
-        found.append(Parameter(name, alternatives, np.array(values, dtype=np.float64)))
+        found.append(Parameter(name, alternatives, np.array(values, dtype=np.float64), ends))
     return found
 
 
@@ -95,17 +98,24 @@ def quantiles(values: Floats, weights: Floats, shares: Sequence[float]) -> list[
     return found
 
 
-def shortest(values: Floats, weights: Floats, share: float) -> tuple[float, float]:
-    """The shortest interval that contains at least a share of the weight, 0 to 1."""
+def shortest(
+    values: Floats, weights: Floats, share: float, ends: tuple[float, float] = UNBOUNDED
+) -> tuple[float, float]:
+    """The shortest interval that contains at least a share of the weight, 0 to 1.
+
+    Draws are inside `ends`: an interval that reaches the least or greatest of them has no reason to stop before an end.
+    """
     values, weights = values[weights > 0], weights[weights > 0]  # most sets share no leaf with an experiment
     order = np.argsort(values)
     ordered, below = values[order], np.concatenate([[0.0], np.cumsum(weights[order])])
     last = np.searchsorted(below, below[:-1] + share * below[-1] - 1e-12, side="left") - 1
     possible = last < len(ordered)
     first = np.flatnonzero(possible)
-    ends = ordered[np.maximum(last[possible], first)]
-    best = int(np.argmin(ends - ordered[first]))
-    return float(ordered[first[best]]), float(ends[best])
+    last = np.maximum(last[possible], first)
+    best = int(np.argmin(ordered[last] - ordered[first]))
+    low = ends[0] if first[best] == 0 else float(ordered[first[best]])
+    high = ends[1] if last[best] == len(ordered) - 1 else float(ordered[last[best]])
+    return low, high
 
 
 def rank(values: Floats, weights: Floats, value: float) -> float:
@@ -157,12 +167,11 @@ def forest_weights(statistics: Floats, targets: Floats, queries: Floats, seed: i
     return np.asarray(total.toarray() / trees)
 
 
-class Determined(StrEnum):
-    """Whether tables of the thesis's size determine a decision."""
+class Told(StrEnum):
+    """Whether tables of the thesis's size say anything about a decision."""
 
-    YES = "yes"
-    LITTLE = "a little"
-    NO = "no"
+    SOMETHING = "something"
+    NOTHING = "nothing"
     UNCALIBRATED = "not calibrated"
 
 
@@ -189,13 +198,12 @@ class Coverage:
     corrected: float = 1.0
 
     @property
-    def determined(self) -> Determined:
+    def told(self) -> Told:
         """By the upper end of the error's interval; never if posteriors are wrong, or validated with too few sets."""
         if not self.error.high < 1.0:
-            return Determined.NO
-        if not (np.isfinite(self.equal_ranks) and self.corrected >= 0.05):
-            return Determined.UNCALIBRATED
-        return Determined.YES if self.error.high < MUCH else Determined.LITTLE
+            return Told.NOTHING
+        calibrated = np.isfinite(self.equal_ranks) and self.corrected >= 0.05
+        return Told.SOMETHING if calibrated else Told.UNCALIBRATED
 
 
 def calibrate(learned: Parameter, weights: Floats, true: Parameter, rng: Generator, guesses: Floats) -> Coverage:
@@ -226,7 +234,7 @@ def _coverage(learned: Parameter, weights: Floats, true: Parameter, ranks: Float
     if learned.alternatives:
         inside = np.abs(ranks - 0.5) <= share / 2
     else:
-        low, high = np.array([shortest(learned.values, row, share) for row in weights]).T
+        low, high = np.array([shortest(learned.values, row, share, learned.ends) for row in weights]).T
         inside = (low <= true.values) & (true.values <= high)
     return percent(int(inside.sum()), len(inside))
 

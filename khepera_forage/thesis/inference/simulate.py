@@ -5,7 +5,6 @@ at, no learner. Under each admissible set the thesis's whole design is replicate
 """
 
 import math
-import zipfile
 from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
@@ -188,7 +187,7 @@ class Sets(NamedTuple):
     draws: int
 
     def save(self, path: Path) -> None:
-        """Write a small file, which `load` reads."""
+        """Write a small file, as the package keeps one for `load`."""
         with replacing(path) as partial, partial.open("wb") as file:
             np.savez_compressed(
                 file,
@@ -199,25 +198,12 @@ class Sets(NamedTuple):
             )
 
     @staticmethod
-    def load(path: Path | None = None) -> "Sets":
-        """Read such a file; by default the one of the package.
-
-        Raises:
-            ValueError: The file was made by another version with another prior, or is no such file.
-        """
-        kept = path or Path(str(resources.files(__package__).joinpath(KEPT)))
-        try:
-            with np.load(kept, allow_pickle=False) as file:
-                prior, draws = str(file["prior"]), int(file["draws"])
-                values, statistics = file["values"].astype(np.float64), file["statistics"]
-        except (zipfile.BadZipFile, KeyError, ValueError) as error:
-            raise ValueError(
-                f"{kept} holds no simulated sets: {error}; allowed: {KEPT} of khepera-forage infer"
-            ) from None
-        if prior != PRIOR.text:
-            raise ValueError(f"{kept} was made with another prior; allowed: the prior of this version")
-        known = zip(parameters_of(PRIOR, []), values.T, strict=True)
-        return Sets([replace(one, values=column) for one, column in known], statistics, draws)
+    def load() -> "Sets":
+        """The sets of the package."""
+        with resources.files(__package__).joinpath(KEPT).open("rb") as kept, np.load(kept, allow_pickle=False) as file:
+            known = zip(parameters_of(PRIOR, []), file["values"].astype(np.float64).T, strict=True)
+            parameters = [replace(one, values=column) for one, column in known]
+            return Sets(parameters, file["statistics"], int(file["draws"]))
 
 
 class Drawn(NamedTuple):
