@@ -29,8 +29,8 @@ SUMMARY = "summary.txt"
 V0_1_RECALLS = "recalls_v0.1.csv"
 """File of the recalls under the decisions of version 0.1, which the reproduction writes."""
 REPLICATIONS = {PYMUNK: 24, COMPILED: 1000}
-"""Default number of replications: on two cores, one to two minutes with the compiled backend, compilation included, and
-about three minutes with pymunk."""
+"""Default number of replications: on two idle cores, 80 s with the compiled backend, compilation included, and about
+three minutes with pymunk."""
 QUICK_REPLICATIONS = 2
 TABLES = {RecallRow: "recalls", TrainingRow: "trainings", OrientRow: "orient", UntrainedRow: "untrained"}
 """The rows, and the names of their files."""
