@@ -286,8 +286,8 @@ def _numbers(posterior: Posterior) -> Table:
         "posterior_numbers",
         "Numbers",
         "Median and, in brackets, the shortest interval with 90 % of the weight, of the admissible sets and of the "
-        "posterior; one that reaches the outermost set ends where the prior does. The default, and whether it is in "
-        "the posterior's interval.",
+        "posterior; it ends where the prior does if less than the weight of one set of equal weight lies beyond. The "
+        "default, and whether it is in the posterior's interval.",
         rows,
         {"admissible": 2, "posterior": 2, "default": 2},
     )

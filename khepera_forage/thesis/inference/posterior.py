@@ -9,7 +9,7 @@ together, the forest predicts all of them, as in distributional random forests).
 Sets that a forest has not seen stand in for the thesis to validate it. If the posterior is right, the true value of a
 decision is equally likely to have any rank in it (Talts et al. 2018, "Validating Bayesian inference algorithms with
 simulation-based calibration"), and an interval that claims 90 % contains it in 90 % of the sets. Intervals are the
-shortest ones, and end where the range does if they reach its outermost draw: equal tails can hardly contain a value at
+shortest ones, and end where the range does if hardly any weight lies beyond: equal tails can hardly contain a value at
 the end of a range, and no draw is exactly there.
 
 A forest finds neighbours for any experiment, even for one that no set resembles. Therefore the experiment is first
@@ -103,7 +103,8 @@ def shortest(
 ) -> tuple[float, float]:
     """The shortest interval that contains at least a share of the weight, 0 to 1.
 
-    Draws are inside `ends`: an interval that reaches the least or greatest of them has no reason to stop before an end.
+    No draw is exactly at one of the `ends` of the prior. An interval ends there if less weight lies beyond it than that
+    of one of as many draws of equal weight.
     """
     values, weights = values[weights > 0], weights[weights > 0]  # most sets share no leaf with an experiment
     order = np.argsort(values)
@@ -113,8 +114,10 @@ def shortest(
     first = np.flatnonzero(possible)
     last = np.maximum(last[possible], first)
     best = int(np.argmin(ordered[last] - ordered[first]))
-    low = ends[0] if first[best] == 0 else float(ordered[first[best]])
-    high = ends[1] if last[best] == len(ordered) - 1 else float(ordered[last[best]])
+    left, right = below[first[best]], below[-1] - below[last[best] + 1]
+    one = (1 - 1e-9) * below[-1] / effective_number(weights)
+    low = ends[0] if left < one else float(ordered[first[best]])
+    high = ends[1] if right < one else float(ordered[last[best]])
     return low, high
 
 
