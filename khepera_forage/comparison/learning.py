@@ -200,6 +200,8 @@ def learn_and_forage(
     # The same places for every learner and after every amount.
     seeds = {arena: testing[ALL_ARENAS.index(arena)].generate_state(recalls).tolist() for arena in arenas}
     batches = []
+    # For this call alone: pymunk reports an error for worlds that are left when Python ends.
+    env_of, wheels_env_of = lru_cache(len(ALL_ARENAS))(_recall_env), cache(recall_wheels_env)
     with threadpool_limits(1), own_errors(f"learner {name}"):
         for amount, learned in zip(amounts, learn(learner, amounts, learning), strict=True):
             for arena in arenas:
@@ -208,10 +210,10 @@ def learn_and_forage(
                 foods, rows = 0, list[RecallRow | WheelsRecall]()
                 for level, own in enumerate(seeds[arena], replication * recalls):
                     if isinstance(learner, ReinforcementLearner) and learner.wheels:
-                        env: Any = _wheels_env(arena)
+                        env: Any = wheels_env_of(arena)
                         rows.append(recall_wheels(env, learned.policy(env), own))
                     else:
-                        env = _recall_env(arena, level if arena in DIFFICULTIES else 0)
+                        env = env_of(arena, level if arena in DIFFICULTIES else 0)
                         rows.append(recall(env, learned.policy(env), own))
                     foods += sum(food.type != FoodType.POISONOUS for food in env.forager.food.objects)
                 batches.append(
@@ -233,15 +235,11 @@ def learn_and_forage(
     return batches
 
 
-@lru_cache(maxsize=len(ALL_ARENAS))
 def _recall_env(arena: str, level: int) -> BehavioursEnv:
     if arena not in DIFFICULTIES:
         return recall_env(arena)
     settings = procedural_settings(arena, "test", 1, level)
     return BehavioursEnv(**{**settings, "arena": settings["arena"][0]})
-
-
-_wheels_env = lru_cache(maxsize=len(ALL_ARENAS))(recall_wheels_env)
 
 
 def check_form(name: str, learner: Compared) -> None:

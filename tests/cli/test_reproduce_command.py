@@ -29,7 +29,7 @@ def test_reproduce_ends_with_a_summary_of_both_decisions(tmp_path: Path, capsys:
     page = (tmp_path / "thesis.md").read_text(encoding="utf-8")
     assert page.startswith("# The thesis's experiments, repeated")
     assert "| v0.1: score (%) |" in page
-    assert "\n## Command\n\n    khepera-forage " in page
+    assert "\n\n## Command\n\n    " in page
     lines = end.strip().splitlines()
     assert lines[-1] == f"Page (thesis.md), tables, figures and rows are in {tmp_path}"
     assert max(map(len, lines[:-1])) <= 80
