@@ -59,8 +59,8 @@ def main_table(curves: Sequence[Curve], learners: Mapping[str, ReadLearner]) -> 
         "After all of the learning",
         f"Means with 95 % bootstrap intervals over replications. Steps to {SHARE} of the food: environment steps when "
         "a batch of recalls first delivered this share, the median over replications; ∞ if more than half never did. "
-        "Only in the thesis's arenas are learners tested before the end. "
-        "Gain: food delivered minus that after the first amount of learning.",
+        "Gain: food delivered minus that after the first amount of learning. In arenas that are not the thesis's, "
+        "learners are tested after all of the learning alone: steps are those of all of it or ∞, without a gain.",
         rows,
         dict.fromkeys(whole, 0) | {"learning (s)": 2},
     )

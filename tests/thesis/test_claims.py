@@ -102,7 +102,7 @@ def test_effects_are_those_of_the_rows(
     assert len({claim.name for claim in found}) == len(found)
 
 
-def test_rules_were_fixed_before_there_were_data() -> None:
+def test_rules_are_those_that_the_page_states() -> None:
     rules = [claim.rule for claim in claims(gather([], [], rng()))]
     assert rules == [
         *[above(0.0)] * 5,
