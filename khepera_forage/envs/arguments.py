@@ -254,7 +254,6 @@ def timing_of(decisions: Decisions) -> Timing:
         decisions.round_duration,
         (ARM_DOWN - ARM_RAISED) / decisions.arm_travel_time,
         (JAW_OPEN - JAW_CLOSED) / decisions.jaw_travel_time,
-        decisions.wheel_delay,
     )
 
 

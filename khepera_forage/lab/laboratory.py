@@ -280,7 +280,7 @@ class Laboratory:
         states = [
             RobotState(*pose, math.cos(pose.heading), math.sin(pose.heading), has_gripper=False) for pose in self._poses
         ]
-        timing = Timing(self.round_duration, 0.0, 0.0, 0.0)
+        timing = Timing(self.round_duration, 0.0, 0.0)
         for number, (robot, arena) in enumerate(zip(self.robots, self.arenas, strict=True)):
             if not robot.model.has_gripper:
                 constants = constants_of(Noise.none(), timing, model=robot.model)

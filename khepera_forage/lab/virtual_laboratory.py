@@ -15,7 +15,7 @@ from khepera_forage.lab.operator import Operator, OperatorGaveUp, OperatorReques
 from khepera_forage.lab.settings_file import LabSettings
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.drivers import DRIVERS, FIRMWARES
-from khepera_forage.robots.khepera import CONTROL_PERIOD, WHEEL_DELAY
+from khepera_forage.robots.khepera import CONTROL_PERIOD
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
 from khepera_forage.sim.arena import Point, Pose
@@ -49,7 +49,6 @@ class VirtualLaboratory(Laboratory):
         settings: Arena, robots, tolerance, tracker and period; ports, camera source and calibration are replaced.
         arm_speed: Of all robots, positions a second.
         jaw_speed: Of all robots, positions a second.
-        wheel_delay: Of all robots; see `Timing`.
         noise: Noise of robots and operator (not of the camera); the laboratory's by default.
         appearance: Appearance and disturbances of the frames; the laboratory's by default.
         paced: Whether bytes take the transmission time of each robot's baud rate.
@@ -74,7 +73,6 @@ class VirtualLaboratory(Laboratory):
         *,
         arm_speed: float,
         jaw_speed: float,
-        wheel_delay: float = WHEEL_DELAY,
         noise: Noise | str | None = None,
         appearance: CameraAppearance | None = None,
         paced: bool = False,
@@ -91,7 +89,7 @@ class VirtualLaboratory(Laboratory):
         arenas = settings.arenas
         # Rounds of the simulation last about as long as a control period of the firmware.
         self._rounds_per_period = max(1, round(settings.period / CONTROL_PERIOD))
-        timing = Timing(settings.period / self._rounds_per_period, arm_speed, jaw_speed, wheel_delay)
+        timing = Timing(settings.period / self._rounds_per_period, arm_speed, jaw_speed)
         # A simulated world has markers with one or two holes; the frames show their numbers.
         holes = [min(robot.holes, 2) for robot in settings.robots]
         model = DRIVERS[settings.robots[0].type].model

@@ -18,8 +18,6 @@ MAX_SPEED = 20
 """Speed units: the highest speed that any driver among the sources uses."""
 PULSE = 0.08
 """mm of wheel travel per encoder pulse (Khepera II manual)."""
-WHEEL_DELAY = 0.2
-"""Rounds until the wheels of a robot near something reach a new speed: the default of the decision `wheel_delay`."""
 CONTROL_PERIOD = 0.1
 """Seconds of a control period of programs that have no rounds: robot commands, and the virtual robot's firmware."""
 

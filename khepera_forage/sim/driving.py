@@ -33,8 +33,6 @@ from khepera_forage.robots.khepera import (
 
 SUBSTEPS = 5
 """Steps of a round, 20 ms each, in which something is pushed."""
-_FINE_TRAVEL = 0.8
-"""How far a point of a robot may travel in one step near a wall, in mm: overlaps then stay below 1 mm."""
 _THIN = FINGER_THICKNESS / 2
 _TOUCH = 0.5
 """mm of play within which the fingers count as touching food, and by which one may overlap a wall."""
@@ -46,12 +44,6 @@ _PALM_END = half_gap(JAW_OPEN) + FINGER_THICKNESS
 """From the middle to the outside of the palm, mm."""
 _EXTENT = 94.0
 """mm from a robot's centre to the furthest point of the robot and the food in its gripper."""
-_PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
-"""Food that a lowered gripper may be pushing lies within this of the robot's centre, mm."""
-_SHOVED = RADIUS + FOOD_RADIUS + 1.0
-"""Food that the body itself may push lies within this of its centre, mm."""
-_GRIPPER_AHEAD, _GRIPPER_RADIUS = 56.0, 40.0
-"""A circle around the gripper and what it holds, mm."""
 _FAR = 30.0
 """mm a round from which a finger could pass through food unnoticed: the robot then counts as touching it."""
 
@@ -71,7 +63,7 @@ def put_down(robot: Any, constants: Any) -> None:
         constants.wheel_base,
         constants.max_speed,
     )
-    robot.left = robot.right = robot.forward = robot.turn = robot.last_forward = robot.last_turn = 0.0
+    robot.left = robot.right = robot.forward = robot.turn = 0.0
     robot.left_pulses = robot.right_pulses = 0.0
     robot.senses.object_presence = 0
     robot.marker_x = robot.marker_y = robot.marker_heading = 0.0
@@ -104,7 +96,6 @@ def begin_round(robots: Any, i: int, foods: Any, constants: Any) -> None:
     left_share = 1.0 + robot.bias_left + slip * normal(draw(robot, DRAW_WHEELS), bits)
     right_share = 1.0 + robot.bias_right + slip * normal(draw(robot, DRAW_WHEELS + 1), bits >> 32)
     left, right = robot.left * SPEED_UNIT * left_share, robot.right * SPEED_UNIT * right_share
-    robot.last_forward, robot.last_turn = robot.forward, robot.turn
     robot.forward, robot.turn = (left + right) / 2, (right - left) / robot.wheel_base
     pulses = SPEED_UNIT * duration / PULSE
     robot.left_pulses += robot.left * pulses
@@ -122,13 +113,11 @@ def glide(robots: Any, i: int, foods: Any, walls: Any, corners: Any, constants: 
         return False  # A jaw that opens and releases food moves step by step; one that holds food closes no further.
     if travel == 0.0 and jaw == robot.jaw:
         return True
-    late = lateness(robots, i, foods, walls, constants)
-    forward = robot.forward + late * (robot.last_forward - robot.forward)
-    turn = robot.turn + late * (robot.last_turn - robot.turn)
+    driven, turned = robot.forward * duration, robot.turn * duration
     # The chord of an arc has the direction of the arc's middle.
-    cos, sin = cosine_sine(robot.heading + turn * duration / 2)
-    x, y = robot.x + forward * cos * duration, robot.y + forward * sin * duration
-    heading = robot.heading + turn * duration
+    cos, sin = cosine_sine(robot.heading + turned / 2)
+    x, y = robot.x + driven * cos, robot.y + driven * sin
+    heading = robot.heading + turned
     cos, sin = cosine_sine(heading)
     if (
         _touches_wall(robot, walls, x, y, cos, sin, jaw)
@@ -235,54 +224,9 @@ def _touches_robot(robots: Any, i: int, x: float, y: float, cos: float, sin: flo
     return False
 
 
-def lateness(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> float:
-    """The share of a round in which the wheels still turn as in the round before, a decision (`wheel_delay`).
-
-    A robot that is near enough to something to push it, or to be stopped by it, gets to a new speed one step of physics
-    late, as rigid bodies do: 20 ms, or less near a wall. The task depends on it (docs/decisions/inference.md).
-    """
-    travel = travel_of(robots[i], constants.timing.round_duration)
-    near_food = _is_near_food(robots, i, foods, travel)
-    near_wall = is_near_wall(robots[i], walls, travel, near_food)
-    if not near_food and not near_wall:
-        return 0.0
-    return float(SUBSTEPS * constants.timing.wheel_delay / steps_of(travel, near_wall))
-
-
 def travel_of(robot: Any, duration: float) -> float:
     """The furthest way of any point of a robot in this round, mm."""
     return float((abs(robot.forward) + abs(robot.turn) * FINGER_TIP) * duration)
-
-
-def steps_of(travel: float, near_wall: bool) -> float:
-    """How many steps of physics a round has; near a wall no point of a robot travels more than 0.8 mm in one."""
-    return max(float(SUBSTEPS), math.ceil(travel / _FINE_TRAVEL)) if near_wall else float(SUBSTEPS)
-
-
-def _is_near_food(robots: Any, i: int, foods: Any, travel: float) -> bool:
-    """Whether the robot could push food that it does not hold, or another robot, in this round."""
-    robot = robots[i]
-    reach = (_PUSHED if robot.arm >= ARM_ON_FLOOR else _SHOVED) + travel
-    for k in range(len(foods)):
-        dx, dy = foods[k].x - robot.x, foods[k].y - robot.y
-        if dx * dx + dy * dy < reach * reach and robot.held != k:
-            return True
-    for j in range(len(robots)):
-        dx, dy = robots[j].x - robot.x, robots[j].y - robot.y
-        if j != i and dx * dx + dy * dy < (_PUSHED + RADIUS + travel) ** 2:
-            return True
-    return False
-
-
-def is_near_wall(robot: Any, walls: Any, travel: float, pushes: bool) -> bool:
-    """Whether the robot, or food that it pushes, could touch a wall in this round."""
-    body_reach = travel + (_PUSHED if pushes else RADIUS)
-    gripper_reach = travel + _GRIPPER_RADIUS
-    x, y = robot.x + _GRIPPER_AHEAD * robot.cos, robot.y + _GRIPPER_AHEAD * robot.sin
-    for k in range(len(walls)):
-        if is_near(robot.x, robot.y, walls[k], body_reach) or is_near(x, y, walls[k], gripper_reach):
-            return True
-    return False
 
 
 def moves_jaw(robot: Any) -> bool:

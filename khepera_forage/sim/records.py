@@ -43,8 +43,6 @@ class RobotState:
         jaw_target: Likewise.
         forward: Speed to which the wheels pull in this round, mm/s.
         turn: Likewise, rad/s.
-        last_forward: The same in the round before.
-        last_turn: Likewise.
         marker_x: Centre of its marker as last shown, pixels.
         marker_y: Likewise.
         marker_heading: Whole degrees.
@@ -86,8 +84,6 @@ class RobotState:
     jaw_target: float = JAW_OPEN
     forward: float = 0.0
     turn: float = 0.0
-    last_forward: float = 0.0
-    last_turn: float = 0.0
     marker_x: float = 0.0
     marker_y: float = 0.0
     marker_heading: float = 0.0

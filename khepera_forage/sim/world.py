@@ -33,13 +33,11 @@ class Timing(NamedTuple):
         round_duration: Seconds of one round.
         arm_speed: Positions of the arm a second.
         jaw_speed: Positions of the jaw a second.
-        wheel_delay: Part of a round after which the wheels of a robot near something reach a new speed.
     """
 
     round_duration: float
     arm_speed: float
     jaw_speed: float
-    wheel_delay: float
 
 
 class FoodPlace(NamedTuple):

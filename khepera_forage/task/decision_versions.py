@@ -62,6 +62,5 @@ V0_1: Mapping[str, Any] = {
     "food_to_walls": 50.0,
     "food_spacing": 100.0,
     "recall_marker": 2,
-    "wheel_delay": 0.2,
 }
 """Version 0.1 of this package."""

@@ -14,7 +14,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
-from khepera_forage.robots.khepera import WHEEL_DELAY
 from khepera_forage.task.decision_versions import CURRENT, V0_1
 
 
@@ -259,14 +258,6 @@ class Decisions:
 
     # Devices.
     recall_marker: int = _number(2, 1, 2, "holes", "3.5", "Of the marker of a robot that forages alone.")
-    wheel_delay: float = _number(
-        WHEEL_DELAY,
-        0.0,
-        0.2,
-        "rounds",
-        "3.2",
-        "Until the wheels of a robot near food, walls or robots reach a new speed; shorter for a fast one near a wall.",
-    )
 
     def __post_init__(self) -> None:
         for name, field in FIELDS.items():

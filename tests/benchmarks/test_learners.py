@@ -274,7 +274,7 @@ class Fails(RandomForestClassifier):
 
 class FailsLater(RandomForestClassifier):
     def fit(self, X, y):
-        if len(X) > 200:
+        if len(X) > 150:
             raise IndexError("too much")
         super().fit(X, y)
 """

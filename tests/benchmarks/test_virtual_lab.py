@@ -31,7 +31,7 @@ def test_the_same_recalls_in_both_worlds(recalls: Rows) -> None:
     assert pymunk == virtual
     assert len(pymunk) == 4
     for row in recalls:
-        if (row["learner"], row["arena"]) == ("teacher", "corridor"):
+        if (row["learner"], row["arena"]) == ("teacher", "rectangle"):
             assert row["delivered"] == row["foods"]
     assert [row["rounds_by_state"] for row in recalls[:4]] != [row["rounds_by_state"] for row in recalls[4:]]
 

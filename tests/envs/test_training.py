@@ -117,7 +117,7 @@ def test_pause_and_resume_puts_the_learner_beside_the_teacher() -> None:
     env = TrainingEnv(noise=QUIET)
     env.reset(seed=0)
     put_learner(env, 200.0)
-    play(env, 3)
+    play(env, 30)
     env.resume_beside("learner_0")
     play(env, 1)
     assert env.observe("learner_0")[6] == 0

@@ -91,11 +91,12 @@ def test_marker_that_extends_over_a_wall_is_located_correctly() -> None:
 
 def test_training_leads_around_corners_as_in_the_simulation() -> None:
     """In the T-maze, food and home are in opposite arms."""
-    simulated = training.attempt(TrainingEnv(arena="t_maze", noise="none"), 2, lambda vector, behaviour: None)
-    with virtual_laboratory("t_maze", 2, timeout=2.0, **QUIET) as lab:
+    alone = TrainingEnv(arena="t_maze", noise="none", decisions=V0_1)
+    simulated = training.attempt(alone, 2, lambda vector, behaviour: None)
+    with virtual_laboratory("t_maze", 2, V0_1, timeout=2.0, **QUIET) as lab:
         (left, low, _, _), (_, _, right, high) = (arena.bounds for arena in lab.arenas)
         assert (left + right, low + high) == (3200, 2400), "in the middle of the picture"
-        env = TrainingEnv(world=lab, noise=Noise.none())
+        env = TrainingEnv(world=lab, noise=Noise.none(), decisions=V0_1)
         attempt = training.attempt(env, 2, lambda vector, behaviour: None)
         for arena, food in zip(lab.arenas, lab.simulation.food_places(), strict=True):
             assert math.dist(arena.home, food[:2]) < arena.home_radius
@@ -196,13 +197,12 @@ def test_errors_in_the_file_are_reported_in_one_line(tmp_path: Path, capsys: pyt
 
 
 def test_rounds_set_up_and_arm_follow_the_decisions() -> None:
-    decisions = Decisions(round_duration=0.2, arm_travel_time=0.8, food_to_home=200, start_to_wall=120, wheel_delay=0.1)
+    decisions = Decisions(round_duration=0.2, arm_travel_time=0.8, food_to_home=200, start_to_wall=120)
     with virtual_laboratory("corridor", 2, decisions, **QUIET) as lab:
         for arena in lab.arenas:
             assert arena.home.x - arena.foods[0].x == pytest.approx(200)
             assert arena.start.x - arena.bounds[0] == pytest.approx(120)
         assert lab.round_duration == 0.2
-        assert lab.simulation.constants.timing.wheel_delay == 0.1
         lab.reset(np.random.default_rng(0), Layout(tuple(a.start for a in lab.arenas), ()))
         lab.robots[0].drive(Motors(0, 0, 255, 200))
         arms = []

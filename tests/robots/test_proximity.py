@@ -40,7 +40,7 @@ def sensed(
     state = RobotState(0.0, 0.0, heading, math.cos(heading), math.sin(heading), arm=arm, key=key)
     robots = [state, *(RobotState(x, y) for x, y, radius in discs if radius != FOOD_RADIUS)]
     foods = [FoodState(x, y) for x, y, radius in discs if radius == FOOD_RADIUS]
-    constants = constants_of(noise or Noise.none(), Timing(0.1, 0.0, 0.0, 0.0), KHEPERA)
+    constants = constants_of(noise or Noise.none(), Timing(0.1, 0.0, 0.0), KHEPERA)
     sense(robots, 0, foods, list(map(wall_of, walls)), constants)
     return state
 

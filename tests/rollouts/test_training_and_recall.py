@@ -73,7 +73,7 @@ def test_row_of_a_recall_is_what_happened_in_the_episode() -> None:
     about: dict[str, Any] = {"learner": "mine", "noise": "usual", "replication": 2, "episodes": 3}
     about |= {"file_id": "g123", "experience_size": 9}
     rows = []
-    for number, seed in enumerate((8, 31, 32, 55), 4):
+    for number, seed in enumerate((0, 2, 15, 24), 4):
         rows.append(recall(env, imitator, seed, number=number, **about))
         (observation, info), rng = env.reset(seed=seed), np.random.default_rng((seed, 1))
         (start,), foods, home = env.layout.starts, env.layout.foods, env.arena.home

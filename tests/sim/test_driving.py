@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED, PULSE, SPEED_UNIT, WHEEL_BASE
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
-from tests.sim.worlds import NONE, Kind, apart, make_world, of_both_kinds, run
-from tests.version_0_1 import TIMING
+from tests.sim.worlds import NONE, apart, make_world, run
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 CENTRE = Pose(1000, 1000, 0)
@@ -53,14 +52,6 @@ def test_motion_follows_the_equations_of_a_differential_drive(left: int, right: 
     forward = abs(left + right) / 2 * SPEED_UNIT
     assert apart(reached, expected) < 0.2 + 2 * forward * LAG
     assert reached.heading == pytest.approx(expected.heading, abs=1e-6)
-
-
-@of_both_kinds
-@pytest.mark.parametrize("delay", [0.0, 0.05, 0.2])
-def test_wheels_near_food_reach_a_new_speed_late(kind: Kind, delay: float) -> None:
-    world = make_world(CENTRE, (950.0, 1000.0), kind=kind, timing=TIMING._replace(wheel_delay=delay))
-    run(world, 1, 10, 10)
-    assert apart(world.poses()[0], CENTRE) == pytest.approx(10 * SPEED_UNIT * CONTROL_PERIOD * (1 - delay))
 
 
 @given(st.lists(st.tuples(speeds, speeds, st.integers(1, 5)), min_size=1, max_size=6))

@@ -72,8 +72,8 @@ def test_replication_without_cells_trains_all_files() -> None:
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_replication_that_cannot_be_trained_leaves_a_row(backend: str) -> None:
-    """Without noise, a robot in line with the food hovers before it in every attempt."""
-    hovering = replace(DEFAULT_DECISIONS, wheel_delay=0.1, most_attempts=2)
+    """A robot that backs off before it is near enough to orient hovers in every attempt."""
+    hovering = replace(DEFAULT_DECISIONS, back_off_distance=17.0, most_attempts=2)
     reason = "none of 2 attempts at a training episode was complete"
     rows = of_backend(backend).replicate(0, 0, 1, NO_NOISE, SMALL, hovering)
     assert rows == [UntrainedRow(0, 1, NO_NOISE, reason, decisions_text(hovering))]

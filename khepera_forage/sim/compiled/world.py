@@ -35,7 +35,6 @@ from khepera_forage.sim.driving import (
     behind_wall,
     glide,
     grip_place,
-    lateness,
     move_jaw,
     push_out,
     seen_from,
@@ -111,35 +110,29 @@ def move_in_contact(robots: Any, i: int, foods: Any, walls: Any, corners: Any, c
     robot = robots[i]
     duration = constants.timing.round_duration / SUBSTEPS
     jaw_step = constants.timing.jaw_speed * duration
-    late = lateness(robots, i, foods, walls, constants) * SUBSTEPS
     allowed = max(_TOLERATED, _overlap(robots, i, foods, walls, corners))
-    held_back = False
-    for step in range(SUBSTEPS):
+    driven, turned = robot.forward * duration, robot.turn * duration
+    for _ in range(SUBSTEPS):
         move_jaw(robots, i, foods, walls, jaw_step)
-        share = late if step == 0 else 0.0
-        driven = (robot.forward + share * (robot.last_forward - robot.forward)) * duration
-        turned = (robot.turn + share * (robot.last_turn - robot.turn)) * duration
         parts, part = 1, 0
         while part < parts:
-            held_back, leapt = _move_on(robots, i, foods, walls, corners, driven / parts, turned / parts, allowed)
+            leapt = _move_on(robots, i, foods, walls, corners, driven / parts, turned / parts, allowed)
             part += 1
             if leapt and parts == 1:
                 parts, part = _FINER, 0
-    if held_back:
-        robot.forward = robot.turn = 0.0
 
 
 @rule
 def _move_on(
     robots: Any, i: int, foods: Any, walls: Any, corners: Any, driven: float, turned: float, allowed: float
-) -> tuple[bool, bool]:
-    """Drive some mm and turn by some radians, and give way to what is touched.
+) -> bool:
+    """Drive some mm and turn by some radians, and give way to what is touched; or stay, if that cannot give way.
 
     Overlaps up to `allowed` mm hold nothing back.
 
     Returns:
-        Whether the robot is held back, where it was; and whether because it leapt: a finger that has swung across a
-        corner would be pushed out on the wrong side of it.
+        Whether the robot stays because it leapt: a finger that has swung across a corner would be pushed out on the
+        wrong side of it.
     """
     robot = robots[i]
     x, y, heading = robot.x, robot.y, robot.heading
@@ -155,11 +148,10 @@ def _move_on(
         if moved < _SETTLED:
             break
         driven = turned = 0.0
-    leapt = abs(robot.x - x) + abs(robot.y - y) + abs(robot.heading - heading) * FINGER_TIP > furthest
-    held_back = leapt or (moved >= _SETTLED and _overlap(robots, i, foods, walls, corners) > allowed)
-    if held_back:
+    leapt = bool(abs(robot.x - x) + abs(robot.y - y) + abs(robot.heading - heading) * FINGER_TIP > furthest)
+    if leapt or (moved >= _SETTLED and _overlap(robots, i, foods, walls, corners) > allowed):
         put(robot, x, y, heading)
-    return held_back, leapt
+    return leapt
 
 
 @rule
@@ -202,7 +194,7 @@ def _give_way(robots: Any, i: int, walls: Any, corners: Any) -> float:
                 _yield_at(robot, u, v, nx, ny, depth)
                 moved += depth
         if robot.held >= 0:
-            x, y = grip_place(robot)
+            x, y = robot.x + robot.grip_x * robot.cos, robot.y + robot.grip_x * robot.sin
             far, nx, ny = from_wall(x, y, wall)
             if far < FOOD_RADIUS:
                 _yield_at(robot, robot.grip_x, robot.grip_y, nx, ny, FOOD_RADIUS - far)
@@ -270,7 +262,7 @@ def _overlap(robots: Any, i: int, foods: Any, walls: Any, corners: Any) -> float
         if u * u + v * v > (FINGER_TIP + 8 * FOOD_RADIUS) ** 2:
             continue
         if k == robot.held:
-            x, y = robot.x + robot.grip_x * robot.cos, robot.y + robot.grip_x * robot.sin
+            x, y = grip_place(robot)
         for n in range(len(walls)):
             if is_near(x, y, walls[n], FOOD_RADIUS):
                 worst = max(worst, FOOD_RADIUS - from_wall(x, y, walls[n])[0])

@@ -6,9 +6,11 @@ from typing import Any
 
 import pymunk
 
+from khepera_forage.geometry.plane import is_near
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
     FINGER_THICKNESS,
+    FINGER_TIP,
     FOOD_RADIUS,
     JAW_OPEN,
     JAW_ROOT,
@@ -22,13 +24,10 @@ from khepera_forage.sim.driving import (
     begin_round,
     glide,
     grip_place,
-    is_near_wall,
-    lateness,
     move_jaw,
     moves_jaw,
     push_out,
     seen_from,
-    steps_of,
     tip_of,
     travel_of,
 )
@@ -48,6 +47,12 @@ TRACTION = 0.6 * MASS * 9810.0
 """kg mm/s2 that the wheels can pull: rubber on a painted floor, coefficient 0.6. Assumption."""
 _THIN = FINGER_THICKNESS / 2
 _FRICTION = 0.2
+_FINE_TRAVEL = 0.8
+"""How far a point of a robot may travel in one step near a wall, in mm: overlaps then stay below 1 mm."""
+_PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
+"""Food that the robot may be pushing lies within this of its centre, mm."""
+_GRIPPER_AHEAD, _GRIPPER_RADIUS = 56.0, 40.0
+"""A circle around the gripper and what it holds, mm."""
 
 # Which shapes touch which: a raised gripper and lifted food pass above food on the floor (23 mm high).
 _WALL, _ROBOT, _FOOD, _FINGERS, _ABOVE = (1 << i for i in range(5))
@@ -109,20 +114,11 @@ class Bodies:
             constants: `Constants`.
         """
         robots, foods = self._enclosure.robots, self._enclosure.foods
-        walls, steps = self._enclosure.walls, SUBSTEPS
-        for i in moving:
-            travel = travel_of(robots[i], constants.timing.round_duration)
-            steps = max(steps, int(steps_of(travel, is_near_wall(robots[i], walls, travel, True))))
-        dt = constants.timing.round_duration / steps
+        walls, duration = self._enclosure.walls, constants.timing.round_duration
+        steps = max(_steps(robots[i], walls, duration) for i in moving)
+        dt = duration / steps
         for i, robot in enumerate(robots):
-            speed = 0.0, 0.0
-            if i in moving:
-                # How much of the first step, after which the wheels have pulled the robot to its new speed.
-                late = lateness(robots, i, foods, walls, constants) > 0.0
-                before = SUBSTEPS * constants.timing.wheel_delay if late else 0.0
-                now = 1.0 - before
-                speed = (before * robot.last_forward + now * robot.forward, before * robot.last_turn + now * robot.turn)
-            self._robots[i].put(robot, *speed)
+            self._robots[i].put(robot, *((robot.forward, robot.turn) if i in moving else (0.0, 0.0)))
         for food, (body, _) in zip(foods, self._foods, strict=True):
             body.position, body.velocity, body.angular_velocity = (food.x, food.y), (0, 0), 0
         self._shape()
@@ -174,6 +170,17 @@ class Bodies:
             robot.cos, robot.sin = math.cos(heading), math.sin(heading)
             if robot.held >= 0:
                 foods[robot.held].x, foods[robot.held].y = grip_place(robot)
+
+
+def _steps(robot: Any, walls: Any, duration: float) -> int:
+    """How many steps of physics a round takes: more if the robot, or food that it pushes, could touch a wall in it."""
+    travel = travel_of(robot, duration)
+    x, y = robot.x + _GRIPPER_AHEAD * robot.cos, robot.y + _GRIPPER_AHEAD * robot.sin
+    near_wall = any(
+        is_near(robot.x, robot.y, wall, travel + _PUSHED) or is_near(x, y, wall, travel + _GRIPPER_RADIUS)
+        for wall in walls
+    )
+    return max(SUBSTEPS, math.ceil(travel / _FINE_TRAVEL)) if near_wall else SUBSTEPS
 
 
 class _RobotBody:
