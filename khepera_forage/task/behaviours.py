@@ -213,7 +213,8 @@ def _orient(raw: RawData, decisions: DecisionValues) -> Motors:
         return Motors(-turn, turn, ARM_RAISED, JAW_OPEN)
     # The jaw is the memory of a missed try: closed, it means backing off until there is room for another. A robot that
     # is about to drive into its home backs off as well: in there, it would only AVOID HOME, and come back.
-    into_home = raw.home_distance < raw.home_radius + _AT_RIM and abs(raw.home_bearing) < 90.0
+    rim = arcsine(min(1.0, raw.home_radius / max(raw.home_distance, 1e-9)))
+    into_home = raw.home_distance < raw.home_radius + _AT_RIM and abs(raw.home_bearing) < rim
     missed = raw.jaw < JAW_OPEN - 5 or distance < decisions.missed_distance
     if distance < _CLEAR and (missed or into_home):
         return Motors(-decisions.retreat_speed, -decisions.retreat_speed, ARM_DOWN, JAW_CLOSED)
