@@ -194,7 +194,7 @@ def _give_way(robots: Any, i: int, walls: Any, corners: Any) -> float:
                 _yield_at(robot, u, v, nx, ny, depth)
                 moved += depth
         if robot.held >= 0:
-            x, y = robot.x + robot.grip_x * robot.cos, robot.y + robot.grip_x * robot.sin
+            x, y = grip_place(robot)
             far, nx, ny = from_wall(x, y, wall)
             if far < FOOD_RADIUS:
                 _yield_at(robot, robot.grip_x, robot.grip_y, nx, ny, FOOD_RADIUS - far)
@@ -309,9 +309,19 @@ def _push_food(robots: Any, i: int, foods: Any, walls: Any, forward: float, turn
         foods[k].x, foods[k].y = x, y
         moved += abs(x - from_x) + abs(y - from_y)
     if moved > 0.0:
-        for k in range(len(foods)):
-            if not _is_held(robots, k):
-                moved += _settle(robots, i, foods, k, walls)
+        # The nearest first, or food that lies further away would push it back.
+        settled = -1.0
+        for _ in range(len(foods)):
+            nearest, least = -1, math.inf
+            for k in range(len(foods)):
+                dx, dy = foods[k].x - robot.x, foods[k].y - robot.y
+                squared = dx * dx + dy * dy
+                if settled < squared < least and not _is_held(robots, k):
+                    nearest, least = k, squared
+            if nearest < 0:
+                break
+            moved += _settle(robots, i, foods, nearest, walls)
+            settled = least
     return moved
 
 
