@@ -48,7 +48,7 @@ TRACTION = 0.6 * MASS * 9810.0
 _THIN = FINGER_THICKNESS / 2
 _FRICTION = 0.2
 _FINE_TRAVEL = 0.8
-"""How far a point of a robot may travel in one step near a wall, in mm: overlaps then stay below 1 mm."""
+"""How far a point of a robot may travel in one step near something, in mm: overlaps then stay below 1 mm."""
 _PUSHED = FINGER_TIP + 2 * FOOD_RADIUS
 """Food that the robot may be pushing lies within this of its centre, mm."""
 _GRIPPER_AHEAD, _GRIPPER_RADIUS = 56.0, 40.0
@@ -115,7 +115,7 @@ class Bodies:
         """
         robots, foods = self._enclosure.robots, self._enclosure.foods
         walls, duration = self._enclosure.walls, constants.timing.round_duration
-        steps = max(_steps(robots[i], walls, duration) for i in moving)
+        steps = max(_steps(robots[i], foods, walls, duration) for i in moving)
         dt = duration / steps
         for i, robot in enumerate(robots):
             self._robots[i].put(robot, *((robot.forward, robot.turn) if i in moving else (0.0, 0.0)))
@@ -172,15 +172,17 @@ class Bodies:
                 foods[robot.held].x, foods[robot.held].y = grip_place(robot)
 
 
-def _steps(robot: Any, walls: Any, duration: float) -> int:
-    """How many steps of physics a round takes: more if the robot, or food that it pushes, could touch a wall in it."""
+def _steps(robot: Any, foods: Any, walls: Any, duration: float) -> int:
+    """Steps of physics in a round: more if the robot, or food that it pushes, could touch something in it."""
     travel = travel_of(robot, duration)
     x, y = robot.x + _GRIPPER_AHEAD * robot.cos, robot.y + _GRIPPER_AHEAD * robot.sin
-    near_wall = any(
+    near = any(
         is_near(robot.x, robot.y, wall, travel + _PUSHED) or is_near(x, y, wall, travel + _GRIPPER_RADIUS)
         for wall in walls
     )
-    return max(SUBSTEPS, math.ceil(travel / _FINE_TRAVEL)) if near_wall else SUBSTEPS
+    if robot.arm >= ARM_ON_FLOOR:
+        near = near or any(math.dist((robot.x, robot.y), (food.x, food.y)) < travel + _PUSHED for food in foods)
+    return max(SUBSTEPS, math.ceil(travel / _FINE_TRAVEL)) if near else SUBSTEPS
 
 
 class _RobotBody:
