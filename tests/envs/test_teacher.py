@@ -167,6 +167,16 @@ def test_teacher_delivers_around_corners(arena: Arena, food_type: str) -> None:
     assert sum(forage(env, seed)["delivered"] for seed in range(4)) >= 3
 
 
+def test_teacher_is_not_stuck_beside_its_home_nor_before_released_food() -> None:
+    recalls = run_teacher("many_foods", 200, seed=0, foods=5, limit=2400)
+    assert recalls.delivered.sum() == 1000
+
+
+def test_teacher_needs_no_noise_to_get_out_of_a_hover() -> None:
+    recalls = run_teacher("rectangle", 500, seed=0, foods=2, limit=700, noise="none")
+    assert recalls.delivered.sum() == 1000
+
+
 def test_teacher_delivers_to_a_home_in_the_middle_of_a_hall() -> None:
     recalls = run_teacher(HALL, 500, seed=1, foods=4, limit=2400)
     assert recalls.delivered.sum() >= 0.985 * 2000
