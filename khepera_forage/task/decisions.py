@@ -111,7 +111,7 @@ class Decisions:
     )
 
     # The set-up of figure 5.1, whose picture did not survive. The start was chosen by hand: at 90 mm, as in version
-    # 0.1, trainings without noise never ended on pymunk.
+    # 0.1, trainings without noise never ended on the pymunk of version 0.2.
     start_to_wall: float = _number(100.0, 60.0, 200.0, "mm", "5.2", "From the robot's start to the wall behind it.")
     food_to_home: float = _number(160.0, 120.0, 300.0, "mm", "5.2", "From the food to the centre of the home.")
     home_to_wall: float = _number(80.0, 50.0, 150.0, "mm", "5.2", "From the home's centre to the wall behind it.")
