@@ -114,7 +114,8 @@ def test_reproduction_compares_with_version_0_1(tmp_path: Path) -> None:
     assert len(v0_1) == sum(cell.size for cell in THESIS)
     assert not (old / V0_1_RECALLS).exists()
     for name in ("recalls.csv", V0_1_RECALLS, "table_cells.csv", PAGE, SUMMARY):
-        assert (first / name).read_bytes() == (second / name).read_bytes()
+        one, other = (re.sub(rb"load average [\d.]+", b"", (out / name).read_bytes()) for out in (first, second))
+        assert one == other
 
 
 @pytest.mark.usefixtures("one_job")
