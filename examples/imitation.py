@@ -10,10 +10,10 @@ Writes `recalls.csv`, one row for each recall, and `food.png`. Takes a minute of
 Food delivered (%), as measured by the command above, with 95 % intervals over replications:
 
     training episodes    corridor             rectangle
-            1            53.0 [37.0, 71.0]    35.0 [20.0, 51.0]
-            3            57.0 [40.0, 75.0]    32.5 [19.5, 45.0]
-            5            48.0 [34.0, 64.0]    27.5 [14.5, 43.0]
-           10            55.0 [37.0, 72.0]    34.5 [19.5, 49.5]
+            1            42.0 [31.0, 57.0]    23.0 [11.5, 36.5]
+            3            74.0 [57.0, 92.0]    46.5 [28.0, 65.5]
+            5            65.0 [45.0, 85.0]    41.5 [22.5, 62.0]
+           10            71.0 [55.0, 87.0]    52.5 [37.0, 68.5]
 """
 
 from argparse import RawDescriptionHelpFormatter

@@ -7,8 +7,8 @@ Trains in compiled worlds, where a decision holds for five rounds: with a decisi
 almost no food, so that there would be nothing to learn from. Then forages in single environments on both backends.
 Writes `ppo.pt` (the networks, which `load` reads), `learning_curve.csv` and `learning_curve.png`.
 
-Measured with seed 1, as above: 500 of 500 food objects delivered on pymunk and 500 of 500 in compiled worlds, with 80
-and 79 steps an episode. The training took 18 s of processor time, the whole command 29 s. The first run on a machine
+Measured with seed 1, as above: 500 of 500 food objects delivered on pymunk and 500 of 500 in compiled worlds, with 79
+steps an episode. The training took 17 s of processor time, the whole command 29 s. The first run on a machine
 also compiles the worlds, for less than a minute.
 """
 
