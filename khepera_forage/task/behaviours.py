@@ -213,8 +213,8 @@ def _orient(raw: RawData, decisions: DecisionValues) -> Motors:
         return Motors(-turn, turn, ARM_RAISED, JAW_OPEN)
     # The jaw is the memory of a missed try: closed, it means backing off until there is room for another. A robot that
     # is about to drive into its home backs off as well: in there, it would only AVOID HOME, and come back.
-    rim = arcsine(min(1.0, raw.home_radius / max(raw.home_distance, 1e-9)))
-    into_home = raw.home_distance < raw.home_radius + _AT_RIM and abs(raw.home_bearing) < rim
+    near_home = raw.home_distance < raw.home_radius + _AT_RIM
+    into_home = near_home and abs(raw.home_bearing) < _half_width_of_home(raw, 0.0)
     missed = raw.jaw < JAW_OPEN - 5 or distance < decisions.missed_distance
     if distance < _CLEAR and (missed or into_home):
         return Motors(-decisions.retreat_speed, -decisions.retreat_speed, ARM_DOWN, JAW_CLOSED)
@@ -416,8 +416,8 @@ def detour(raw: RawData) -> float:
     if not is_home_across(raw) or raw.home_path > home:
         return 0.0
     aside = turn_to(raw.food_bearing, raw.home_bearing)
-    berth = arcsine(min(1.0, (raw.home_radius + _AROUND_HOME) / home))
-    if abs(aside) >= arcsine(min(1.0, (raw.home_radius + _AT_RIM) / home)):
+    berth = _half_width_of_home(raw, _AROUND_HOME)
+    if abs(aside) >= _half_width_of_home(raw, _AT_RIM):
         return 0.0
     side = math.copysign(1.0, aside)
     if raw.home_opening != EVERY_SIDE and berth - abs(aside) > _SQUARE:
@@ -426,6 +426,11 @@ def detour(raw: RawData) -> float:
         food = turn_to(bearing_of(raw.food_waypoint_x - raw.home_x, raw.food_waypoint_y - raw.home_y), raw.home_opening)
         side = math.copysign(1.0, robot - food)
     return math.copysign(berth, side) - aside
+
+
+def _half_width_of_home(raw: RawData, margin: float) -> float:
+    """Degrees off the home's centre within which a straight way leads through the home, or past it within `margin`."""
+    return arcsine(min(1.0, (raw.home_radius + margin) / max(raw.home_distance, 1e-9)))
 
 
 def steer(
