@@ -20,8 +20,6 @@ from tests.sim.worlds import NONE, apart, make_world, run
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 CENTRE = Pose(1000, 1000, 0)
 OUT_OF_THE_WAY = (100.0, 100.0)
-LAG = 0.02
-"""Seconds."""
 speeds = st.integers(-MAX_SPEED, MAX_SPEED)
 
 
@@ -45,12 +43,13 @@ def arc(pose: Pose, left: float, right: float, rounds: int) -> Pose:
 def test_motion_follows_the_equations_of_a_differential_drive(left: int, right: int, heading: float) -> None:
     world = make_world(CENTRE._replace(heading=heading), OUT_OF_THE_WAY)
     run(world, 2, left, right)
-    expected = arc(world.poses()[0], left, right, 25)
+    start = world.poses()[0]
+    expected = arc(start, left, right, 25)
     run(world, 25, left, right)
     reached = world.poses()[0]
-    # A path turned about its start by the turn of one physics step is off by up to its diameter times that angle.
-    forward = abs(left + right) / 2 * SPEED_UNIT
-    assert apart(reached, expected) < 0.2 + 2 * forward * LAG
+    # The chord of a round is as long as its arc should be, by up to 1.6 % too long.
+    turn = (right - left) * SPEED_UNIT / WHEEL_BASE * CONTROL_PERIOD
+    assert apart(reached, expected) < 1e-6 + turn * turn / 23 * apart(start, expected)
     assert reached.heading == pytest.approx(expected.heading, abs=1e-6)
 
 
