@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 SMOKE_TEST = "A run with --quick is a smoke test: it supports no claim."
 UNITS = "units.jsonl.gz"
 """File of a study's folder with its settings and the rows of every finished unit, one line each."""
-_LIBRARIES = ("khepera-forage", "pymunk", "gymnasium", "pettingzoo", "numpy", "scikit-learn")
+_LIBRARIES = ("pymunk", "gymnasium", "pettingzoo", "numpy", "scikit-learn")
 
 
 class Count(NamedTuple):
@@ -423,7 +423,8 @@ def finish(given: Arguments, page: Page, shown: int | None = None) -> int:
 
 def machine() -> str:
     """The machine, and the versions of packages and of the default decisions that figures were measured with."""
-    versions = ", ".join(f"{name} {version(name)}" for name in _LIBRARIES)
+    # Its own from the source: the installed one is out of date in an editable installation.
+    versions = ", ".join((f"khepera-forage {__version__}", *(f"{name} {version(name)}" for name in _LIBRARIES)))
     load = f", load average {os.getloadavg()[0]:.1f} at the end" if hasattr(os, "getloadavg") else ""
     computer = f"{_processor()}, {os.cpu_count()} cores{load}"
     return f"{computer}; Python {platform.python_version()}, {versions}; decisions {CURRENT}."

@@ -175,7 +175,14 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
     picture: Sequence[Point] = ()
     floor: Sequence[Point] = given
     if name == "points":
+        refuse_ignored(arguments, ["--rate", "--exposure", "--focus"], "with --places or --tags")
         picture, floor = zip(*given, strict=True)
+        width, height = arguments.size or DEFAULT_SIZE
+        for u, v in picture:
+            if not (0 <= u <= width and 0 <= v <= height):
+                raise ValueError(
+                    f"--points has the pixel {u:g},{v:g}; allowed: within {width}x{height} pixels (--size)"
+                )
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     with closing(open_source(arguments, paced=False)) if name != "points" else nullcontext() as source:
         size = arguments.size or DEFAULT_SIZE
