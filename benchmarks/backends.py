@@ -78,7 +78,7 @@ class Recall:
 
 
 @dataclass(frozen=True, slots=True)
-class Training:
+class ComparedTraining:
     """One attempt at a training episode on one backend."""
 
     arena: str
@@ -142,7 +142,7 @@ class Block(NamedTuple):
         return rows
 
 
-class Attempts(NamedTuple):
+class ComparedAttempts(NamedTuple):
     """Attempts at a training episode, on both backends."""
 
     arena: str
@@ -153,14 +153,16 @@ class Attempts(NamedTuple):
         """What is done, and the first and the last seed."""
         return f"{TRAININGS} {self.arena} {self.seeds[0]} {self.seeds[-1]}"
 
-    def run(self) -> list[Training]:
+    def run(self) -> list[ComparedTraining]:
         """Make the attempts."""
         envs = {backend: TrainingEnv(arena=self.arena, backend=backend) for backend in BACKENDS}
         rows = []
         for seed in self.seeds:
             done = {backend: _attempted(env, seed) for backend, env in envs.items()}
             same = done[PYMUNK] == done[COMPILED]
-            rows += [Training(self.arena, seed, b, same, own.complete, own.rounds) for b, (own, _) in done.items()]
+            rows += [
+                ComparedTraining(self.arena, seed, b, same, own.complete, own.rounds) for b, (own, _) in done.items()
+            ]
         for env in envs.values():
             env.close()
         return rows
@@ -202,7 +204,7 @@ def work_of(part: str, seed: int, imitators: tuple[Vectors, ...], counts: dict[s
         seeds = drawing.generate_state(count).tolist()
         some = [(i, tuple(seeds[i : i + BLOCK])) for i in range(0, count, BLOCK)]
         if part == TRAININGS:
-            work += [Attempts(arena, own) for _, own in some]
+            work += [ComparedAttempts(arena, own) for _, own in some]
         elif part == IMITATORS:
             work += [Block(part, IMITATOR, arena, 0, PICKABLE, i, own, imitators) for i, own in some]
         else:
@@ -297,7 +299,7 @@ def agreement_table(stem: str, title: str, lines: Sequence[dict[str, Value]]) ->
     )
 
 
-def training_table(rows: Sequence[Training]) -> Table:
+def training_table(rows: Sequence[ComparedTraining]) -> Table:
     """Which attempts at a training episode are the same, and which are complete."""
     lines = []
     for arena in dict.fromkeys(row.arena for row in rows):
@@ -321,10 +323,10 @@ def main() -> int:
         numbers = range(QUICK_SEVERAL if given.quick else SEVERAL)
         imitators = tuple(Parallel(n_jobs=given.jobs)(delayed(_trained)(seed, number) for number in numbers))
     work = [unit for part in chosen for unit in work_of(part, seed, imitators, given.counts)]
-    rows = collect(given, work, {Recall: "recalls", Training: "trainings"})
+    rows = collect(given, work, {Recall: "recalls", ComparedTraining: "trainings"})
     parts = recall_parts(rows.of(Recall)) if chosen != [TRAININGS] else []
     if TRAININGS in chosen:
-        parts.append(training_table(rows.of(Training)))
+        parts.append(training_table(rows.of(ComparedTraining)))
     return finish(given, Page("The teacher, and the two backends", parts))
 
 

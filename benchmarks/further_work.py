@@ -10,7 +10,7 @@ import argparse
 import sys
 from shutil import get_terminal_size
 
-from further_experiments.common import TABLES, Analysis, RecallEpisode, Size, TrainingEpisode
+from further_experiments.common import TABLES, Analysis, EpisodeRow, ExperimentSize, RecallEpisode
 from further_experiments.memory import ALTERNATIVES, ATTRIBUTE_WEIGHTS
 from further_experiments.perception import ACTION_LEVEL, STATE_VECTOR
 from further_experiments.teachers import CHAINS_OF_LEARNERS, HUMAN_TEACHER, SEVERAL_LEARNERS
@@ -34,7 +34,7 @@ EXPERIMENTS = {
     )
 }
 """In the order of the pages. To add an experiment, add it to a file of the folder, and a line here."""
-QUICK = Size(files=2, recalls=1, generations=2, patience=2, steps=250, rounds=200)
+QUICK = ExperimentSize(files=2, recalls=1, generations=2, patience=2, steps=250, rounds=200)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,13 +49,13 @@ def main() -> int:
         "replications", 20, 1, "repetitions of each experiment, new training files included", adds_units=True
     )
     given = parse("further_work", __doc__, replications, add=add_arguments)
-    size = QUICK if given.quick else Size()
+    size = QUICK if given.quick else ExperimentSize()
     results = given.out
     for name in given.only or EXPERIMENTS:
         experiment = EXPERIMENTS[name]
         given.out = results / name
         rows = collect(given, experiment.jobs(given.seed, given.replications, size), TABLES)
-        written = experiment.page(Analysis(rows.of(TrainingEpisode), rows.of(RecallEpisode), given.seed))
+        written = experiment.page(Analysis(rows.of(EpisodeRow), rows.of(RecallEpisode), given.seed))
         write(given.out, name, written)
         print(f"# {experiment.title}: {experiment.question}\n")
         print("\n".join(table.text(get_terminal_size().columns) for table in written.tables))

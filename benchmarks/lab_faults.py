@@ -65,7 +65,7 @@ _LASTS = (60.0, 60.0)
 """Seconds after which a fault that nothing has noticed is repaired."""
 
 
-class Size(NamedTuple):
+class SeriesSize(NamedTuple):
     """How much is done in a series.
 
     Attributes:
@@ -79,7 +79,7 @@ class Size(NamedTuple):
     pause: int = 30
 
 
-QUICK = Size(KINDS[::3], episodes=1, pause=10)
+QUICK = SeriesSize(KINDS[::3], episodes=1, pause=10)
 
 
 @dataclass
@@ -281,7 +281,7 @@ class _Collector(logging.Handler):
         self._notices.append(record.getMessage())
 
 
-def series(number: int, size: Size, seed: int) -> list[FaultRow | TrainingResult]:
+def series(number: int, size: SeriesSize, seed: int) -> list[FaultRow | TrainingResult]:
     """Whole trainings, one after the other, until every kind of fault has happened once."""
     rng = np.random.default_rng((seed, number))
     injector = Injector([size.kinds[i] for i in rng.permutation(len(size.kinds))], rng, size.pause)
@@ -449,7 +449,7 @@ def picture(rows: Sequence[FaultRow]) -> "Figure":
 def main() -> int:
     """Run the benchmark."""
     given = parse("lab_faults", __doc__, COUNT)
-    size = QUICK if given.quick else Size()
+    size = QUICK if given.quick else SeriesSize()
     units = [Job(f"series {number}", series, (number, size, given.seed)) for number in range(given.series)]
     rows = collect(given, units, {FaultRow: "faults", TrainingResult: "trainings"})
     faults = rows.of(FaultRow)

@@ -248,7 +248,7 @@ def measure(case: Case, folder: Path, size: int, seed: int, core: str) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class CaseValue:
     """The value of a case in one repeat."""
 
     case: str
@@ -272,14 +272,14 @@ class Repeat(NamedTuple):
         """The case and the repeat."""
         return f"{self.case.name} {self.number}"
 
-    def run(self) -> list[Measured]:
+    def run(self) -> list[CaseValue]:
         """Measure."""
         case, number = self.case, self.number
         cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
         core = str(cores[number % len(cores)]) if case.one_core and cores else ""
         names = list(self.found)[:: 1 if number % 2 else -1]
         values = [measure(case, self.found[name], self.size, self.seed + number, core) for name in names]
-        return [Measured(case.name, case.unit, number, *one) for one in zip(names, values, strict=True)]
+        return [CaseValue(case.name, case.unit, number, *one) for one in zip(names, values, strict=True)]
 
 
 def git(*arguments: str) -> str:
@@ -355,7 +355,7 @@ def main() -> int:
             if number < 3 or case.unit != "s"
         ]
         try:
-            rows = collect(given, units, {Measured: "rows"}).of(Measured)
+            rows = collect(given, units, {CaseValue: "rows"}).of(CaseValue)
         except RuntimeError as error:
             given.refuse(str(error))
     values: dict[str, Pairs] = {case.name: [{} for _ in range(given.repeats)] for case in sizes}

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
-from laboratory.lenses import LAYOUTS, Trial, calibrations, lenses_table
-from laboratory.limits import SWEEPS, Conditions, Point, frames, limit_points, limits_picture, limits_table
+from laboratory.lenses import LAYOUTS, LensTrial, calibrations, lenses_table
+from laboratory.limits import SWEEPS, Conditions, SweepPoint, frames, limit_points, limits_picture, limits_table
 from laboratory.observations import (
     ATTEMPT,
     CAMERAS,
@@ -414,7 +414,13 @@ def main() -> int:
     given = parse("tracker", __doc__, *COUNTS, add=_add_arguments)
     seed, quick = given.seed, given.quick
     repeats = SPEED_REPEATS[quick]
-    tables = {Observation: "observations", Rate: "speeds", Point: "limits", Trial: "calibrations", Trouble: "troubles"}
+    tables = {
+        Observation: "observations",
+        Rate: "speeds",
+        SweepPoint: "limits",
+        LensTrial: "calibrations",
+        Trouble: "troubles",
+    }
     units = {
         SPEED: [Job(SPEED, speeds, (seed, SPEED_FRAMES[quick], repeats))],
         SCENES: [Job(name, single_frames, (name, seed, given.scenes)) for name in APPEARANCES],
@@ -439,12 +445,12 @@ def main() -> int:
         parts.append(speed_table(collect(given, units[SPEED], tables, in_processes(1)).of(Rate), repeats))
         given.fresh = False
     rows = collect(given, [unit for part in chosen if part != SPEED for unit in units[part]], tables)
-    observations, points = rows.of(Observation), rows.of(Point)
+    observations, points = rows.of(Observation), rows.of(SweepPoint)
     if LIMITS in chosen:
         parts.append(limits_table(points))
         parts.append(Picture("limits", "found markers and food up to failure", limits_picture(points)))
     if LENSES in chosen:
-        parts.append(lenses_table(rows.of(Trial)))
+        parts.append(lenses_table(rows.of(LensTrial)))
     if SCENES in chosen:
         parts.append(accuracy_table(observations))
         parts.append(Picture("frame", "a frame with the tracker's regions", frame_figure(seed)))

@@ -33,7 +33,7 @@ Files = Sequence[Experience]
 
 
 @dataclass(frozen=True, slots=True)
-class TrainingEpisode:
+class EpisodeRow:
     """One complete training episode, with all the attempts it took.
 
     Attributes:
@@ -94,9 +94,9 @@ AS_IN_RECALL_ROW = (
     *("arena", "seed", "score", "correct", "steps", "foods", "delivered", "poison_home"),
     *("rounds_by_state", "wrong_by_state"),
 )
-Row = TrainingEpisode | RecallEpisode
-RowT = TypeVar("RowT", TrainingEpisode, RecallEpisode)
-TABLES = {TrainingEpisode: "trainings", RecallEpisode: "recalls"}
+Row = EpisodeRow | RecallEpisode
+RowT = TypeVar("RowT", EpisodeRow, RecallEpisode)
+TABLES = {EpisodeRow: "trainings", RecallEpisode: "recalls"}
 
 SCORE = Measure[RecallEpisode]("score (%)", lambda row: row.score)
 AGREEMENT = Measure[RecallEpisode]("steps as the teacher (%)", lambda row: 100 * row.correct / row.steps)
@@ -110,11 +110,11 @@ POISON_HOME = Measure[RecallEpisode](
 STEPS = Measure[RecallEpisode]("steps", lambda row: row.steps, digits=0)
 VECTORS = Measure[RecallEpisode]("experience vectors", lambda row: row.vectors, digits=0)
 DISTINCT = Measure[RecallEpisode]("different experience vectors", lambda row: row.distinct, digits=0)
-ATTEMPTS = Measure[TrainingEpisode]("attempts an episode", lambda row: row.attempts, digits=2)
-ROUNDS = Measure[TrainingEpisode]("rounds of a complete episode", lambda row: row.rounds)
-WAITED = Measure[TrainingEpisode]("rounds spent waiting", lambda row: row.rounds - row.vectors)
-SEPARATIONS = Measure[TrainingEpisode]("separations a learner", lambda row: row.separations / row.amount, digits=2)
-TRUE = Measure[TrainingEpisode](
+ATTEMPTS = Measure[EpisodeRow]("attempts an episode", lambda row: row.attempts, digits=2)
+ROUNDS = Measure[EpisodeRow]("rounds of a complete episode", lambda row: row.rounds)
+WAITED = Measure[EpisodeRow]("rounds spent waiting", lambda row: row.rounds - row.vectors)
+SEPARATIONS = Measure[EpisodeRow]("separations a learner", lambda row: row.separations / row.amount, digits=2)
+TRUE = Measure[EpisodeRow](
     "vectors with the teacher's behaviour (%)", lambda row: 100.0 * row.true, lambda row: row.vectors
 )
 PERCENT = Unit("%", ".1f")
@@ -156,7 +156,7 @@ def occurring(rows: Sequence[RecallEpisode]) -> list[State]:
     return [state for state in known if any(row.rounds_by_state[state] for row in rows)]
 
 
-class Size(NamedTuple):
+class ExperimentSize(NamedTuple):
     """How much is done.
 
     Attributes:
@@ -188,7 +188,7 @@ class Trial(NamedTuple):
     seed: int
     replication: int
     condition: str
-    size: Size
+    size: ExperimentSize
 
     def seeds(self, number: int) -> list[np.random.SeedSequence]:
         """Seeds of a replication's first training episodes; the same under every condition."""
@@ -213,7 +213,7 @@ def train_files(
     teacher: Policy | None = None,
     setups: Iterable[Mapping[str, Any]] | None = None,
     callback: Callable[[], object] | None = None,
-) -> Iterator[tuple[Experience, TrainingEpisode]]:
+) -> Iterator[tuple[Experience, EpisodeRow]]:
     """Training episodes, one a seed; by default of the teacher of section 4.4, in the set-up of figure 5.1.
 
     Raises:
@@ -229,7 +229,7 @@ def train_files(
         chosen = [behaviour_for(classify(vector, radius, decisions)) for vector, _ in experience]
         yield (
             experience,
-            TrainingEpisode(
+            EpisodeRow(
                 replication=trial.replication,
                 condition=trial.condition,
                 amount=amount,
@@ -244,7 +244,7 @@ def train_files(
         )
 
 
-def thesis_files(trial: Trial, env: TrainingEnv | None = None) -> tuple[list[Experience], list[TrainingEpisode]]:
+def thesis_files(trial: Trial, env: TrainingEnv | None = None) -> tuple[list[Experience], list[EpisodeRow]]:
     """As many training episodes as the size says, with the set-up of figure 5.1."""
     trained = list(train_files(env or trial.env(), trial, trial.seeds(trial.size.files)))
     return [experience for experience, _ in trained], [row for _, row in trained]
@@ -309,7 +309,7 @@ def recall_imitators(env: BehavioursEnv, trial: Trial, files: Files) -> list[Rec
 class Analysis:
     """All rows of an experiment. Every interval has the same seed, so that it does not depend on the others."""
 
-    trainings: list[TrainingEpisode]
+    trainings: list[EpisodeRow]
     recalls: list[RecallEpisode]
     seed: int
 
@@ -349,7 +349,7 @@ class Analysis:
         by = {"condition": "condition", "arena": "arena", "amount": amount}
         return means_table("recalls", "Recall", note, by, self.recalls, measures, self.rng)
 
-    def training_table(self, note: str, measures: Sequence[Measure[TrainingEpisode]], amount: str = "files") -> Table:
+    def training_table(self, note: str, measures: Sequence[Measure[EpisodeRow]], amount: str = "files") -> Table:
         """Means by condition and amount."""
         by = {"condition": "condition", "amount": amount}
         return means_table("trainings", "Training", note, by, self.trainings, measures, self.rng)
@@ -441,7 +441,7 @@ class Experiment(NamedTuple):
     run: Callable[[Trial], list[Row]]
     report: Callable[[Analysis], Report]
 
-    def jobs(self, seed: int, replications: int, size: Size) -> list[Job]:
+    def jobs(self, seed: int, replications: int, size: ExperimentSize) -> list[Job]:
         """All work, replication by replication."""
         return [
             Job(f"{number} {condition}", self.run, (Trial(seed, number, condition, size),))

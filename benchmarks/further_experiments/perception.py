@@ -64,7 +64,7 @@ class ObservingTeacher:
 
 def observe(
     env: TrainingEnv, trial: fw.Trial, seeds: Any = None, setups: Iterable[Mapping[str, Any]] | None = None
-) -> list[tuple[Experience, fw.TrainingEpisode, list[Moment]]]:
+) -> list[tuple[Experience, fw.EpisodeRow, list[Moment]]]:
     """Complete training episodes, with every step in which the learner heard a behaviour; see `train_files`."""
     teacher = ObservingTeacher(env)
     seeds = seeds or trial.seeds(trial.size.files)

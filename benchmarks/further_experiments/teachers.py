@@ -248,7 +248,7 @@ NOISES = {
     ),
 }
 """Robots separate under the second one only (5.3.1): it loses markers ten times as often, and ten times as long."""
-COST = Measure[fw.TrainingEpisode]("rounds of all attempts, by learners", lambda row: row.all_rounds / row.amount)
+COST = Measure[fw.EpisodeRow]("rounds of all attempts, by learners", lambda row: row.all_rounds / row.amount)
 
 
 def run_together(trial: fw.Trial) -> list[fw.Row]:

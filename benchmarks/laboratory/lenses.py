@@ -57,7 +57,7 @@ _COLUMNS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class LensTrial:
     """One calibration through a lens of some k1, and whether it has a lens.
 
     Errors are root mean squares in mm: of the points, of held-out points (nan for four points), and all over the
@@ -73,13 +73,13 @@ class Trial:
     worst: float
 
 
-def calibrations(layout: str, seed: int, trials: int) -> list[Trial]:
+def calibrations(layout: str, seed: int, trials: int) -> list[LensTrial]:
     """Calibrations with one layout of points, through all lenses."""
     rng = np.random.default_rng(seed)
     return [_trial(layout, k1, rng) for _ in range(trials) for k1 in DISTORTIONS]
 
 
-def _trial(layout: str, k1: float, rng: np.random.Generator) -> Trial:
+def _trial(layout: str, k1: float, rng: np.random.Generator) -> LensTrial:
     size = np.array((PICTURE_WIDTH, PICTURE_HEIGHT))
     corners = Calibration.identity().picture
     focal = rng.uniform(*_FOCAL_LENGTHS)
@@ -93,7 +93,7 @@ def _trial(layout: str, k1: float, rng: np.random.Generator) -> Trial:
     fit = fit_calibration(clicks, places)
     everywhere = (np.array(_grid(13, 10, 1.0)) * size).tolist()
     errors = [math.dist(_place(fit.calibration, u, v), _place(true, u, v)) for u, v in everywhere]
-    return Trial(
+    return LensTrial(
         *(layout, k1, fit.calibration.lens is not None, root_mean_square(fit.residuals)),
         root_mean_square(fit.held_out) if fit.held_out else math.nan,
         *(root_mean_square(errors), max(errors)),
@@ -106,7 +106,7 @@ def _place(calibration: Calibration, u: float, v: float) -> tuple[float, float]:
     return x * MM_PER_PIXEL, y * MM_PER_PIXEL
 
 
-def lenses_table(rows: Sequence[Trial]) -> Table:
+def lenses_table(rows: Sequence[LensTrial]) -> Table:
     """The errors by layout and lens."""
     lines: list[dict[str, Value]] = []
     for layout, k1 in product(LAYOUTS, DISTORTIONS):

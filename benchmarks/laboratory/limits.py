@@ -96,7 +96,7 @@ SWEEPS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class SweepPoint:
     """All markers and food in the frames of one point of a curve.
 
     `things` is the number of markers, and of food; `markers` and `foods` are found, `stray` are detected but are none,
@@ -117,7 +117,7 @@ class Point:
     warned: float
 
 
-def limit_points(name: str, curve: str, seed: int, images: int, quick: bool) -> list[Point]:
+def limit_points(name: str, curve: str, seed: int, images: int, quick: bool) -> list[SweepPoint]:
     """All points of a curve, in the same scenes; the first and the last one with `quick`."""
     cv2.setNumThreads(1)
     sweep, tracker, settings = SWEEPS[name], Tracker(), TrackerSettings()
@@ -136,7 +136,7 @@ def limit_points(name: str, curve: str, seed: int, images: int, quick: bool) -> 
         )
         found = (sum(row.found for row in markers), sum(row.found for row in foods), len(pick(rows, kind="")))
         measured = (len(markers), *found, error.reversals, position, heading, 100 * warned / images)
-        points.append(Point(name, curve, value, *measured))
+        points.append(SweepPoint(name, curve, value, *measured))
     return points
 
 
@@ -192,7 +192,7 @@ def _cable(marker: tuple[float, float, float, int], rng: np.random.Generator) ->
     return points / MM_PER_PIXEL  # type: ignore[no-any-return]
 
 
-def limits_table(points: Sequence[Point]) -> Table:
+def limits_table(points: Sequence[SweepPoint]) -> Table:
     """All points of all curves."""
     note = (
         "Frames with 20 markers and 20 foods each. A cable crosses every marker anywhere, at any angle, slightly "
@@ -219,7 +219,7 @@ def limits_table(points: Sequence[Point]) -> Table:
     return table_of("limits", "Up to the point of failure", note, rows, digits)
 
 
-def limits_picture(points: Sequence[Point]) -> "Figure":
+def limits_picture(points: Sequence[SweepPoint]) -> "Figure":
     """Shares found as curves, one panel for each disturbance."""
     figure = new_figure(WIDTH, 8.5)
     *panels, last = figure.subplots(3, 2).flat

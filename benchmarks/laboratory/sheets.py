@@ -35,7 +35,7 @@ def grid_sheet(number: int, thesis: bool = False) -> Picture:
     return sheet
 
 
-class Scene:
+class SheetScene:
     """A picture of the floor under a pinhole camera, with sheets and cables on it.
 
     Args:

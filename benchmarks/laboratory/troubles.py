@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from khepera_forage.estimates import Column, Table, Value
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from laboratory.sheets import Scene, grid_sheet, tag_sheet
+from laboratory.sheets import SheetScene, grid_sheet, tag_sheet
 
 Frame = NDArray[np.uint8]
 _WIDE = 3200.0
@@ -89,7 +89,7 @@ def _troubled_frame(
     width: int, height: int, markers: str, number: int, seed: int, noise: np.random.Generator
 ) -> tuple[Frame, dict[int, tuple[float, float, float]]]:
     """A frame, perhaps with a trouble, and the pose of each robot in mm and radians."""
-    scene, poses = Scene(width, height, _WIDE, noise), {}
+    scene, poses = SheetScene(width, height, _WIDE, noise), {}
     scale = scene.scale
     for i, robot in enumerate(_ROBOTS):
         angle = _STEP * number + i

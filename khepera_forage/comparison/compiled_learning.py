@@ -40,7 +40,7 @@ Seeds = Mapping[str, Sequence[int]]
 """Seeds of the recalls in each place: a named arena, or a difficulty of procedural test arenas."""
 
 
-class Training(NamedTuple):
+class TrainingData(NamedTuple):
     """State vectors to learn from, shape (n, 5), what was heard with each, and its training episode, shape (n,)."""
 
     vectors: NDArray[np.int64]
@@ -57,7 +57,7 @@ class Foraged(NamedTuple):
 
 
 def recalls_after(
-    learner: OfflineImitation, training: Training, seeds: Seeds, seed: int, diagonal: int
+    learner: OfflineImitation, training: TrainingData, seeds: Seeds, seed: int, diagonal: int
 ) -> dict[str, Foraged]:
     """Let a learner learn, and forage in several places.
 
@@ -202,13 +202,13 @@ class Budget(NamedTuple):
     recalls: int
 
 
-def joined(episodes: Sequence[NDArray[Any]]) -> Training:
+def joined(episodes: Sequence[NDArray[Any]]) -> TrainingData:
     """Episodes of six columns, five attributes and the behaviour heard, as experience to learn from."""
     rows = np.concatenate(episodes).astype(np.int64)
-    return Training(rows[:, :-1], rows[:, -1], np.repeat(np.arange(len(episodes)), list(map(len, episodes))))
+    return TrainingData(rows[:, :-1], rows[:, -1], np.repeat(np.arange(len(episodes)), list(map(len, episodes))))
 
 
-def thesis_teacher(amount: int, seed: int) -> Training:
+def thesis_teacher(amount: int, seed: int) -> TrainingData:
     """Always the marks of figure 5.1."""
     trained = train_learners(1, CORRIDOR, seed, episodes=amount)
     return joined([trained.vectors_of(0, number) for number in range(amount)])
@@ -225,7 +225,7 @@ def random_marks(amount: int, seed: int) -> Marks:
     return np.array(found)
 
 
-def demonstrate(marks: Marks, seed: int, learners: int = 1) -> list[Training]:
+def demonstrate(marks: Marks, seed: int, learners: int = 1) -> list[TrainingData]:
     """What learners record of the same demonstrations.
 
     Raises:
@@ -240,7 +240,7 @@ def demonstrate(marks: Marks, seed: int, learners: int = 1) -> list[Training]:
     return [joined([trained.vectors_of(i) for trained in episodes]) for i in range(learners)]
 
 
-def varied_arenas(amount: int, seed: int) -> Training:
+def varied_arenas(amount: int, seed: int) -> TrainingData:
     """One episode in each of several procedural training arenas, of every difficulty in turn."""
     episodes: list[NDArray[Any]] = []
     level = seed % 900_000
@@ -264,11 +264,11 @@ def varied_arenas(amount: int, seed: int) -> Training:
     return joined(episodes)
 
 
-def thinned(training: Training, size: int, seed: int) -> Training:
+def thinned(training: TrainingData, size: int, seed: int) -> TrainingData:
     """At most so many vectors of an experience, drawn at random."""
     count = len(training.vectors)
     drawn = np.sort(np.random.default_rng(seed).choice(count, min(size, count), replace=False))
-    return Training(*(part[drawn] for part in training))
+    return TrainingData(*(part[drawn] for part in training))
 
 
 def search(learner: OfflineImitation, amount: int, budget: Budget, rng: np.random.Generator) -> Marks:

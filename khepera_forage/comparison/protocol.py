@@ -23,7 +23,7 @@ from khepera_forage.comparison.compiled_learning import (
     Budget,
     Foraged,
     Seeds,
-    Training,
+    TrainingData,
     demonstrate,
     joined,
     random_marks,
@@ -273,7 +273,7 @@ class Learning(NamedTuple):
                 found[place] = drawing.generate_state(max(1, self.recalls // len(group))).tolist()
         return found
 
-    def training(self, number: int) -> Training:
+    def training(self, number: int) -> TrainingData:
         """The experience of a replication, or of a training with given demonstrations."""
         key = _seed(self.seed, 2, number)
         if self.marks:
@@ -291,7 +291,7 @@ class Learning(NamedTuple):
 _ALL_PLACES = tuple(place for group in GROUPS.values() for place in group)
 
 
-def spoken(training: Training, vocabulary: str, rng: np.random.Generator) -> Training:
+def spoken(training: TrainingData, vocabulary: str, rng: np.random.Generator) -> TrainingData:
     """Experience as if the teacher had spoken in another way; what the robots did does not change.
 
     `PERMUTED`: each behaviour has the name of another one. `LATE`: words arrive three experience vectors later, and the
@@ -304,20 +304,20 @@ def spoken(training: Training, vocabulary: str, rng: np.random.Generator) -> Tra
         order = rng.permutation(NUM_BEHAVIOURS)
         names = np.empty(NUM_BEHAVIOURS, np.int64)
         names[order] = np.roll(order, 1)
-        return Training(vectors, names[heard], episodes)
+        return TrainingData(vectors, names[heard], episodes)
     if vocabulary == LATE:
         same = episodes[3:] == episodes[:-3]
-        return Training(vectors[3:][same], heard[:-3][same], episodes[3:][same])
+        return TrainingData(vectors[3:][same], heard[:-3][same], episodes[3:][same])
     if vocabulary == SILENT:
         kept = rng.random(size) < 0.5
-        return Training(vectors[kept], heard[kept], episodes[kept])
+        return TrainingData(vectors[kept], heard[kept], episodes[kept])
     if vocabulary == WRONG:
         wrong = (rng.random(size) < 0.2) * rng.integers(1, NUM_BEHAVIOURS, size)
-        return Training(vectors, (heard + wrong) % NUM_BEHAVIOURS, episodes)
+        return TrainingData(vectors, (heard + wrong) % NUM_BEHAVIOURS, episodes)
     return training
 
 
-def _followed(amount: int, key: int) -> Training:
+def _followed(amount: int, key: int) -> TrainingData:
     """Random demonstrations that a learner can follow."""
     parts: list[NDArray[Any]] = []
     for number in count():

@@ -195,10 +195,10 @@ class VirtualCubeLaboratory(Laboratory):
     """
 
     def __init__(self, settings: LabSettings) -> None:
-        from khepera_forage.robots.toio.virtual import Table, use_table
+        from khepera_forage.robots.toio.virtual import VirtualTable, use_table
 
         self._now = 0.0
-        self.table = Table(lambda: self._now, _INTERVAL)
+        self.table = VirtualTable(lambda: self._now, _INTERVAL)
         use_table(self.table)
         operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes, settings.arenas, self._sleep)
         clock = WallClock(settings.period, lambda: self._now, lambda _: self._sleep(settings.period))

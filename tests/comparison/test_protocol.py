@@ -20,7 +20,7 @@ from khepera_forage.cli.main import main
 from khepera_forage.comparison import PROTOCOL, protocol
 from khepera_forage.comparison.compiled_learning import (
     Budget,
-    Training,
+    TrainingData,
     demonstrate,
     random_marks,
     recalls_after,
@@ -53,7 +53,7 @@ from khepera_forage.rollouts.raw_episodes import RawEpisode, teacher_alone
 from khepera_forage.rollouts.recall import recall_env, recall_wheels_env
 from khepera_forage.task.states import NUM_BEHAVIOURS, StateVector
 
-TEN_STEPS = Training(np.arange(50).reshape(10, 5), np.array([0, 0, 1, 2, 3, 4, 5, 6, 7, 8]), np.repeat((0, 1), 5))
+TEN_STEPS = TrainingData(np.arange(50).reshape(10, 5), np.array([0, 0, 1, 2, 3, 4, 5, 6, 7, 8]), np.repeat((0, 1), 5))
 
 
 class TeacherClassifier:
@@ -140,7 +140,7 @@ def test_learners_forage_in_several_places(name: str) -> None:
     rows = trained.vectors_of(0).astype(np.int64)
     learner = LEARNERS[name]
     assert isinstance(learner, OfflineImitation)
-    training = Training(rows[:, :5], rows[:, 5], np.zeros(len(rows), np.int64))
+    training = TrainingData(rows[:, :5], rows[:, 5], np.zeros(len(rows), np.int64))
     seeds = {"corridor": range(40), "rectangle": range(4)}
     found = recalls_after(learner, training, seeds, 0, 138)
     assert found["corridor"].delivered.sum() > 8
@@ -157,7 +157,7 @@ def test_other_vocabularies() -> None:
     late = spoken(TEN_STEPS, LATE, rng)
     assert late.behaviours.tolist() == [0, 0, 4, 5]
     assert late.vectors[:, 0].tolist() == [15, 20, 40, 45]
-    many = Training(*(np.concatenate([part] * 100) for part in TEN_STEPS))
+    many = TrainingData(*(np.concatenate([part] * 100) for part in TEN_STEPS))
     assert len(spoken(many, SILENT, rng).behaviours) == pytest.approx(500, abs=60)
     assert (spoken(many, WRONG, rng).behaviours != many.behaviours).mean() == pytest.approx(0.2, abs=0.05)
     assert len(thinned(many, 30, 0).vectors) == 30

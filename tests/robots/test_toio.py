@@ -7,7 +7,7 @@ pytest.importorskip("toio")
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.mat import MatPose
 from khepera_forage.robots.toio.driver import ToioRobot
-from khepera_forage.robots.toio.virtual import RADIUS, Table, use_table
+from khepera_forage.robots.toio.virtual import RADIUS, VirtualTable, use_table
 
 
 class SteppedTable:
@@ -15,7 +15,7 @@ class SteppedTable:
 
     def __init__(self) -> None:
         self.now = 0.0
-        self.table = Table(lambda: self.now, interval=0.001)
+        self.table = VirtualTable(lambda: self.now, interval=0.001)
         self.cube = self.table.cube("a", MatPose(200.0, 200.0, 0.0))
         use_table(self.table)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from laboratory.sheets import Pose, Scene, grid_sheet, tag_sheet
+from laboratory.sheets import Pose, SheetScene, grid_sheet, tag_sheet
 
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.calibration import Calibration
@@ -53,7 +53,7 @@ def test_tags_and_twelve_markers_are_found_exactly_and_never_mistaken(width: int
     rng, tracker = np.random.default_rng(1), Tracker(replace(TAGS, markers=markers, numbers=numbers))
     found = []
     for seed in range(2):
-        scene = Scene(width, height, rng=seed)
+        scene = SheetScene(width, height, rng=seed)
         poses = dict(zip(numbers, places(len(numbers), rng, 3200, 3200 * height / width, 300), strict=True))
         for number, pose in poses.items():
             scene.put(tag_sheet(number, 100.0) if markers == "tags" else grid_sheet(number), pose)
@@ -75,7 +75,7 @@ def test_tags_under_a_cable_are_found_at_1280_x_960() -> None:
     )
     found = []
     for seed in range(4):
-        scene = Scene(1280, 960, width, seed)
+        scene = SheetScene(1280, 960, width, seed)
         poses = dict(zip(ROBOTS, places(len(ROBOTS), rng, width, 960 * mm, 300), strict=True))
         for tag, (x, y, heading) in poses.items():
             scene.put(tag_sheet(tag, 100.0), (x, y, heading))
@@ -95,7 +95,7 @@ def test_one_hidden_hole_never_makes_another_marker() -> None:
 
 def test_tagged_food_is_food_and_tags_contain_none() -> None:
     settings = TrackerSettings(markers="tags", numbers=(3,), food_tags=(20,), food_tag_size=26.0, tag_size=100.0)
-    scene = Scene(1920, 1080)
+    scene = SheetScene(1920, 1080)
     scene.put(tag_sheet(3, 100.0), (1000.0, 900.0, 0.5))
     scene.put(tag_sheet(4, 100.0), (2000.0, 900.0, 0.5))  # not in use
     scene.put(tag_sheet(20, 26.0), (500.0, 400.0, 0.0))
@@ -105,7 +105,7 @@ def test_tagged_food_is_food_and_tags_contain_none() -> None:
 
 @pytest.mark.parametrize("cable", [0.0, 6.0])
 def test_tag_that_is_seen_twice_is_not_reported(cable: float) -> None:
-    scene, tracker = Scene(1280, 720), Tracker(TAGS)
+    scene, tracker = SheetScene(1280, 720), Tracker(TAGS)
     for x, y in ((500.0, 500.0), (1500.0, 1000.0)):
         scene.put(tag_sheet(5, 100.0), (x, y, 0.0))
         if cable:
@@ -121,7 +121,7 @@ def test_tag_that_is_seen_twice_is_not_reported(cable: float) -> None:
 
 @pytest.mark.parametrize("side", [35.0, 50.0, 70.0, 300.0])
 def test_tag_of_another_size_is_named(side: float) -> None:
-    scene, tracker = Scene(1920, 1080), Tracker(TAGS)
+    scene, tracker = SheetScene(1920, 1080), Tracker(TAGS)
     scene.put(tag_sheet(5, side), (500.0, 500.0, 0.0))
     assert [d for d in tracker.detect(scene.frame()) if d.holes] == []
     named = re.fullmatch(r"tag 5 at \((\d+), (\d+)\) mm measures (\d+) mm .*", tracker.warnings["tag size"])
@@ -147,8 +147,8 @@ def floor_places(height: float) -> dict[int, Pose]:
 
 def floor_scene(
     width: int, height: int, shift: tuple[float, float] = (20.0, 10.0), turn: float = 0.03, side: float = 100.0
-) -> Scene:
-    scene = Scene(width, height, shift=shift, turn=turn)
+) -> SheetScene:
+    scene = SheetScene(width, height, shift=shift, turn=turn)
     for tag, pose in floor_places(3200 * height / width).items():
         scene.put(tag_sheet(tag, side), pose)
     return scene
@@ -205,7 +205,7 @@ def test_small_floor_tags_are_watched_and_are_nothing_else(tmp_path: Path) -> No
 
 
 def test_cells_of_a_floor_tag_are_no_food() -> None:
-    scene = Scene(1280, 720)
+    scene = SheetScene(1280, 720)
     scene.put(tag_sheet(17, 100.0), (1600.0, 900.0, 1.5))
     assert len(Tracker().update(scene.frame()).regions) == 1
     calibration = replace(Calibration.identity(size=(1280, 720)), tags={17: scene.pixel(1600.0, 900.0)})

@@ -38,9 +38,9 @@ class SerialKhepera(SerialRobot):
         self.request("D", int(self._limited(left)), int(self._limited(right)))
 
     def _begin_session(self) -> None:
-        self._arm = Reading(max_change=8, can_stall=False, phase=0)
-        self._jaw = Reading(max_change=45, can_stall=True, phase=5)
-        self._barrier = Reading(max_change=0, can_stall=False, phase=0)
+        self._arm = GripperReading(max_change=8, can_stall=False, phase=0)
+        self._jaw = GripperReading(max_change=45, can_stall=True, phase=5)
+        self._barrier = GripperReading(max_change=0, can_stall=False, phase=0)
         super()._begin_session()
 
     def _requests(self, command: Motors) -> list[Request]:
@@ -94,7 +94,7 @@ class SerialKhepera(SerialRobot):
         return [r for r, reading in readings.items() if r in values and not reading.take(values[r][0])]
 
 
-class Reading:
+class GripperReading:
     """A reading of the gripper: its value, the commanded target (None: unknown), and when to request it.
 
     Args:

@@ -31,7 +31,7 @@ _STEP = 0.01
 _VERSION = b"\x81\x002.4.0"
 
 
-class Table:
+class VirtualTable:
     """A mat with cubes, of which some are `unplugged` (their names): they have lost their connection.
 
     A clock of its own makes it independent of the machine's load; `interval` is the computer's time in seconds from one
@@ -91,7 +91,7 @@ class Table:
 class VirtualCube(CubeInterface):
     """One cube, as toio-py sees it; `pose` is its place on the plan."""
 
-    def __init__(self, table: Table, name: str, pose: MatPose) -> None:
+    def __init__(self, table: VirtualTable, name: str, pose: MatPose) -> None:
         self.pose = pose
         self._table, self._name = table, name
         self._units = (0, 0)
@@ -188,16 +188,16 @@ def _effective(direction: int, unit: int) -> int:
     return -speed if direction == 2 else speed
 
 
-_TABLE: list[Table] = []
+_TABLE: list[VirtualTable] = []
 
 
-def the_table() -> Table:
+def the_table() -> VirtualTable:
     """The table of this process."""
     if not _TABLE:
-        use_table(Table())
+        use_table(VirtualTable())
     return _TABLE[0]
 
 
-def use_table(table: Table) -> None:
+def use_table(table: VirtualTable) -> None:
     """Let drivers find their virtual cubes on a table."""
     _TABLE[:] = [table]
