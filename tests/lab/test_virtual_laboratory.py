@@ -66,13 +66,13 @@ def test_same_seed_gives_the_same_rollout_bit_for_bit() -> None:
     runs = []
     with virtual_laboratory("corridor", 2, timeout=2.0) as lab:
         env = TrainingEnv(world=lab, noise=Noise.none())
-        runs.append(run_attempt(env, 8))
+        runs.append(run_attempt(env, 12))
         env.reset(seed=9)
         for _ in range(33):
             env.step(2)
-        runs.append(run_attempt(env, 8))
+        runs.append(run_attempt(env, 12))
     with virtual_laboratory("corridor", 2, timeout=2.0) as lab:
-        runs.append(run_attempt(TrainingEnv(world=lab, noise=Noise.none()), 8))
+        runs.append(run_attempt(TrainingEnv(world=lab, noise=Noise.none()), 12))
     assert runs[0] == runs[1] == runs[2]
     assert len(runs[0]) > 60
 
@@ -150,7 +150,7 @@ def test_e_puck2_brings_food_home_from_behind_it() -> None:
 
 def test_command_line_trains_recalls_and_films(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder, out = tmp_path / "experience", tmp_path / "rows.csv"
-    seed = "--seed 55"  # one attempt of about 100 rounds, and a recall that delivers
+    seed = "--seed 8"  # one attempt of about 100 rounds, and a recall that delivers
     assert main(f"train --lab virtual --episodes 1 --out {folder} {seed}".split()) == 0
     output = capsys.readouterr().out
     assert "virtual laboratory: robots at /dev/" in output
