@@ -6,7 +6,7 @@ What each commands. Speeds and readings are fields of `Decisions`:
 |---|---|---|---|
 | SEARCH FOR FOOD | `search_speed` to the food, round the home; `search_without_food` if none is seen | 215 | open |
 | MOVE SLOWLY | `slow_speed` towards the food, round the home | 215 | open |
-| ORIENT WITH FOOD | turn, `orient_speed` on; back to lower the arm or to retry | 255 if aimed | open; shut to retry |
+| ORIENT WITH FOOD | turn, `orient_speed` on; back to retry, and at `lowering_speed` to lower the arm | 255 if aimed | open; shut to retry |
 | EXPLORE FOOD | 0 | 255 | open |
 | PICK UP FOOD | 0 (2 while nothing is between the fingers) | 255, then 215 | closes, then the arm rises |
 | PUSH FOOD | 0 until the jaw has closed, then `push_speed` home | 255 | closed |
@@ -76,8 +76,6 @@ _JAW_SHUT = JAW_ON_FOOD + 3.0
 _ARM_SETTLED = ARM_DOWN - 3
 _STALLED = ARM_ON_FLOOR - 1
 """Position of an arm that has come down on something and stopped just above the floor."""
-_LOWERING = 1.5
-"""Speed units back from food while the arm comes down: a faster robot could leave the state in which it orients."""
 _CAREFUL = 8.0
 """Speed units in front of an obstacle, and back from one."""
 _ON_THE_SPOT = 35.0
@@ -220,7 +218,7 @@ def _orient(raw: RawData, decisions: DecisionValues) -> Motors:
         return Motors(-decisions.retreat_speed, -decisions.retreat_speed, ARM_DOWN, JAW_CLOSED)
     if raw.arm < _ARM_SETTLED:
         # What the arm has come down on: back off that too.
-        back = -_LOWERING if distance < _CLEAR or raw.arm == _STALLED else 0.0
+        back = -decisions.lowering_speed if distance < _CLEAR or raw.arm == _STALLED else 0.0
         turn = clip(error / 8.0, 2.0)
         return Motors(back - turn, back + turn, ARM_DOWN, JAW_OPEN)
     if abs(error) > decisions.aimed:

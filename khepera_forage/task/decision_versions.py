@@ -35,6 +35,7 @@ V0_1: Mapping[str, Any] = {
     "slow_speed": 8.0,
     "push_speed": 8.0,
     "orient_speed": 4.0,
+    "lowering_speed": 4.0,
     "retreat_speed": 5.0,
     "circle_speed": 1.5,
     "turn_speed": 5.0,

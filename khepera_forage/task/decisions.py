@@ -174,6 +174,14 @@ class Decisions:
     )
     push_speed: float = _number(8.0, 2.0, 20.0, "speed units", "4.2.3", "PUSH FOOD.")
     orient_speed: float = _number(4.0, 1.0, 12.0, "speed units", "4.2", "ORIENT WITH FOOD, on towards the barrier.")
+    lowering_speed: float = _number(
+        1.5,
+        0.0,
+        12.0,
+        "speed units",
+        "4.2",
+        "ORIENT WITH FOOD, back from food too near for the arm to come down; a faster robot can leave its state.",
+    )
     retreat_speed: float = _number(7.0, 1.0, 12.0, "speed units", "4.2", "Backwards, off food and out of the home.")
     circle_speed: float = _number(
         1.5, 0.0, 12.0, "speed units", "4.2", "Mean speed of SEARCH with no food in sight, in a small circle."
