@@ -163,6 +163,7 @@ SPEEDS = [
     ("home_speed", B.GO_HOME, OPEN_FLOOR._replace(jaw=126), 1, 1),
     ("push_speed", B.PUSH_FOOD, LOWERED._replace(jaw=126), 1, 1),
     ("orient_speed", B.ORIENT_WITH_FOOD, food_at(19, arm=255), 1, 1),
+    ("lowering_speed", B.ORIENT_WITH_FOOD, food_at(14, arm=240), -1, -1),
     ("turn_speed", B.SEARCH_FOR_FOOD, food_at(40, degrees=60), -1, 1),
     ("quick_turn_speed", B.SEARCH_FOR_FOOD, food_at(40, degrees=80), -1, 1),
     ("slow_speed", B.MOVE_SLOWLY, OPEN_FLOOR, 1, 1),
