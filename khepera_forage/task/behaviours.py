@@ -6,7 +6,7 @@ What each commands. Speeds and readings are fields of `Decisions`:
 |---|---|---|---|
 | SEARCH FOR FOOD | `search_speed` to the food, round the home; `search_without_food` if none is seen | 215 | open |
 | MOVE SLOWLY | `slow_speed` towards the food, round the home | 215 | open |
-| ORIENT WITH FOOD | turn, `orient_speed` on; back (`lowering_speed`), or to retry | 255 if aimed | open; shut to retry |
+| ORIENT WITH FOOD | turn, `orient_speed` on; back (`lowering_speed`) or to retry | 255 if aimed | open; shut to retry |
 | EXPLORE FOOD | 0 | 255 | open |
 | PICK UP FOOD | 0 (2 while nothing is between the fingers) | 255, then 215 | closes, then the arm rises |
 | PUSH FOOD | 0 until the jaw has closed, then `push_speed` home | 255 | closed |
