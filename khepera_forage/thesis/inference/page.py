@@ -146,7 +146,7 @@ def _prior() -> Table:
         "Numbers are uniform in their range; alternatives have the probability in brackets. Everything else has the "
         "value of version 0.1, or the laboratory's noise. The ranges were written before anything was fitted, but for "
         "three whose end was a default, which were widened afterwards: `round_duration`, `jaw_travel_time` and "
-        "`back_off_distance`.",
+        "`back_off_distance`; and `lowering_speed` was added when it proved to matter.",
         rows,
     )
 
