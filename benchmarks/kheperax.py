@@ -195,7 +195,8 @@ def page(rows: Sequence[Timed]) -> Page:
             capsize=3,
         )
     axes.set_xscale("log", base=2)
-    axes.set_yscale("log")
+    axes.set_yscale("log", base=2)
+    axes.yaxis.set_major_formatter("{x:g}")
     axes.set_xticks(worlds, [f"{count:,}" for count in worlds])
     axes.set_xlabel("worlds together; bars: lowest and highest repeat")
     axes.set_ylabel("million robot-steps a second")
