@@ -174,18 +174,15 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
         raise ValueError(f"--{name} has {len(given)} points; allowed: four or more")
     picture: Sequence[Point] = ()
     floor: Sequence[Point] = given
+    size = arguments.size or DEFAULT_SIZE
     if name == "points":
         refuse_ignored(arguments, ["--rate", "--exposure", "--focus"], "with --places or --tags")
         picture, floor = zip(*given, strict=True)
-        width, height = arguments.size or DEFAULT_SIZE
         for u, v in picture:
-            if not (0 <= u <= width and 0 <= v <= height):
-                raise ValueError(
-                    f"--points has the pixel {u:g},{v:g}; allowed: within {width}x{height} pixels (--size)"
-                )
+            if not (0 <= u <= size[0] and 0 <= v <= size[1]):
+                raise ValueError(f"--points has the pixel {u:g},{v:g}; allowed: within --size, {size[0]}x{size[1]}")
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     with closing(open_source(arguments, paced=False)) if name != "points" else nullcontext() as source:
-        size = arguments.size or DEFAULT_SIZE
         if source is not None:
             size = source.newest()[0].shape[::-1]
             if name == "places":

@@ -119,7 +119,7 @@ def files(empty_folder_without_display: None) -> None:
         ("camera preview --size 7", "'7'; allowed: width x height in pixels"),
         (f"camera calibrate --points {CORNERS}", "--points has 3 points; allowed: four or more"),
         (f"camera calibrate --points {CORNERS} 0,0=0,2400", "has the point"),
-        (f"camera calibrate --points {CORNERS} 0,481=0,0", "the pixel 0,481; allowed: within 640x480 pixels (--size)"),
+        (f"camera calibrate --points {CORNERS} 0,481=0,0", "the pixel 0,481; allowed: within --size, 640x480"),
         (f"camera calibrate --points {CORNERS} 0,480=0,0 --rate 9", f"--rate {NOTHING}with --places or --tags"),
         (f"camera calibrate --points {CORNERS} 0,1=0,0 --camera 1,2,nan", "--camera: '1,2,nan'; allowed: 3 numbers"),
         ("camera calibrate --points 1,2", "--points: '1,2'; allowed: u,v=x,y"),
