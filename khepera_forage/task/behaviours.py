@@ -6,7 +6,7 @@ What each commands. Speeds and readings are fields of `Decisions`:
 |---|---|---|---|
 | SEARCH FOR FOOD | `search_speed` to the food, round the home; `search_without_food` if none is seen | 215 | open |
 | MOVE SLOWLY | `slow_speed` towards the food, round the home | 215 | open |
-| ORIENT WITH FOOD | turn, `orient_speed` on; back (`lowering_speed`) or to retry | 255 if aimed | open; shut to retry |
+| ORIENT WITH FOOD | turn, `orient_speed` on; back to lower the arm or to retry | 255 if aimed | open; shut to retry |
 | EXPLORE FOOD | 0 | 255 | open |
 | PICK UP FOOD | 0 (2 while nothing is between the fingers) | 255, then 215 | closes, then the arm rises |
 | PUSH FOOD | 0 until the jaw has closed, then `push_speed` home | 255 | closed |
@@ -16,8 +16,8 @@ What each commands. Speeds and readings are fields of `Decisions`:
 | RELEASE FOOD | `slow_speed` into the home, turning while the arm comes down; back | 255 | opens once it is down |
 | WAIT | 0 | as it is | as it is |
 
-"Back" is at `retreat_speed`. SEARCH and MOVE SLOWLY also back off food that is too near, and MOVE SLOWLY while the arm
-is still down (`beside_food`, `back_off_distance`, `arm_after_orienting`).
+"Back" is at `retreat_speed`, and at `lowering_speed` to lower the arm. SEARCH and MOVE SLOWLY also back off food that
+is too near, and MOVE SLOWLY while the arm is still down (`beside_food`, `back_off_distance`, `arm_after_orienting`).
 A raised arm leaves the infra-reds free to keep the robot off obstacles; a lowered one hides them, and the camera
 keeps it off the walls (3.4).
 
