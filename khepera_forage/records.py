@@ -50,6 +50,12 @@ def blank(kind: Any) -> Any:
     return SimpleNamespace(**{name: [0] * length if length else 0 for name, length in lengths.items()})
 
 
+def columns_of(records: NDArray[Any]) -> Any:
+    """The fields of an array of records as attributes, each an array that shares its memory; records in it likewise."""
+    fields = {name: records[name] for name in records.dtype.names or ()}
+    return SimpleNamespace(**{name: columns_of(own) if own.dtype.names else own for name, own in fields.items()})
+
+
 def array_of(record: Any) -> NDArray[Any]:
     """An array of one record, a copy of a dataclass instance of plain fields."""
     return np.array([astuple(record)], dtype_of(type(record)))

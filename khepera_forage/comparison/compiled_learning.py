@@ -76,7 +76,7 @@ def recalls_after(
         if not learner.diagonal:
             rows[:, 0] = 0
         keys = list(map(tuple, rows.tolist()))
-        for own, group in groupby(sorted(set(keys) - known.keys()), key=itemgetter(0)):
+        for own, group in groupby(sorted(set(keys).difference(known)), key=itemgetter(0)):
             new = list(group)
             known.update(zip(new, _levels(learner, classifier, np.array(new)[:, 1:], own), strict=True))
         steps = np.array([known[key] for key in keys]).cumsum(axis=1)

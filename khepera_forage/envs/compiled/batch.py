@@ -23,6 +23,7 @@ from khepera_forage.envs.compiled.step import (
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.layouts import arena_map_of, given_places
 from khepera_forage.geometry.paths import ChosenWaypoint
+from khepera_forage.records import columns_of
 from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, Motors
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.world import CompiledWorld
@@ -49,6 +50,8 @@ class CompiledBatch:
 
     Attributes:
         worlds: Their records.
+        foragers: Fields of the `ForagerState` records, arrays with one element a world; see `columns_of`.
+        raw: The same of the `RawData` records.
         largest_diagonal: Of all arenas in which an episode may take place, in pixels.
 
     Raises:
@@ -64,6 +67,7 @@ class CompiledBatch:
         self._arenas = PreparedArenas(pool)
         self._places = np.zeros(self.num_worlds, np.int64)
         self.worlds = new_worlds(self.num_worlds, foods)
+        self.foragers, self.raw = columns_of(self.worlds.foragers[:, 0]), columns_of(self.worlds.raw[:, 0])
         self._free = np.ones(1, np.bool_)
         self._seeds: dict[int, int] = {}
         """Of worlds that were seeded and not restarted since."""
@@ -128,11 +132,6 @@ class CompiledBatch:
         """Let some worlds be in the arenas of their next episodes."""
         keys, numbers = self.worlds.robots["key"][worlds, 0], self.worlds.foragers["number"][worlds, 0]
         self._places[worlds] = self._arenas.of_episodes(keys, numbers)
-
-    @property
-    def foragers(self) -> Any:
-        """`ForagerState` records, one a world, as an array with the fields as attributes."""
-        return self.worlds.foragers[:, 0].view(np.recarray)
 
     def step(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> None:
         """One round in every world.

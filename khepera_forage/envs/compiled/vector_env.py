@@ -320,8 +320,8 @@ class BehavioursVectorEnv(RecallVectorEnv):
         return tuple(self.action_masks()) if name == "action_masks" else super().call(name)
 
     def _observation(self) -> Observation:
-        vector = self.batch.worlds.foragers["vector"][:, 0]
-        observation = {name: vector[name].copy() for name in StateVector._fields}
+        vector = self.batch.foragers.vector
+        observation = {name: getattr(vector, name).copy() for name in StateVector._fields}
         for name in ("robot_home_distance", "arms_height", "robot_food_distance"):
             observation[name] = observation[name][:, None]
         return observation
@@ -342,4 +342,4 @@ class WheelsVectorEnv(RecallVectorEnv):
         return given
 
     def _observation(self) -> Observation:
-        return raw_data_of(self.batch.worlds.raw[:, 0].view(np.recarray))
+        return raw_data_of(self.batch.raw)
