@@ -40,11 +40,11 @@ for number, usual in (
 
 SCRIPT_TESTS = "tests/benchmarks/test_scripts.py"
 """Each of its tests has a script as parameter."""
-FIRST = tuple(
-    f"tests/benchmarks/test_{script}.py"
-    for script in ("backends", "virtual_lab", "further_work", "wire", "tracker", "lab_faults")
+FIRST = (
+    *(f"tests/benchmarks/test_{script}.py" for script in ("backends", "virtual_lab", "wire", "tracker", "lab_faults")),
+    *("tests/lab/", "tests/robots/", "tests/vision/"),
 )
-"""What takes longest begins. Only the first of these compiles kernels: others that need them would wait for it."""
+"""What begins. Only the first compiles kernels, for more than a minute: what needs them comes after the others."""
 
 
 def group_of(nodeid: str) -> str:
@@ -58,8 +58,12 @@ def group_of(nodeid: str) -> str:
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the groups of `FIRST`; all other tests keep their order."""
-    place = {group: number for number, group in enumerate(FIRST)}
-    items.sort(key=lambda item: place.get(group_of(item.nodeid), len(FIRST)))
+
+    def place(item: pytest.Item) -> int:
+        starts = map(group_of(item.nodeid).startswith, FIRST)
+        return next((number for number, first in enumerate(starts) if first), len(FIRST))
+
+    items.sort(key=place)
 
 
 @pytest.hookimpl(wrapper=True)
