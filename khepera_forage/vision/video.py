@@ -149,9 +149,9 @@ class VideoSource:
         self._source, self._settings = source, settings or VideoSettings()
         self._size: Size | None = self._settings.size
         self._is_file = not isinstance(source, int) and Path(source).is_file()
-        # The newest frame and when it came, and what ended the source; both are replaced as a whole.
+        # The newest frame and when it came; why the source ended, and the error. Both are replaced as a whole.
         self._latest: tuple[Frame, float] | None = None
-        self._end: Exception | None = None
+        self._end: tuple[str, Exception | None] | None = None
         self._ready, self._closing = threading.Event(), threading.Event()
         self._reader: threading.Thread | None = None
         self._capture = self._opened()
@@ -163,10 +163,10 @@ class VideoSource:
                 self._read_one()
             self._ready.wait(10 * timeout)
             if self._latest is None:
-                if isinstance(self._end, ValueError):
-                    raise ValueError(f"camera {self._name} has {self._end}")
-                late = f"opened, but no frame within {10 * timeout:g} s"
-                raise CameraLost(self._name, _reason(self._end) if self._end else late, None) from self._end
+                reason, cause = self._end or (f"opened, but no frame within {10 * timeout:g} s", None)
+                if isinstance(cause, ValueError):
+                    raise ValueError(f"camera {self._name} has {cause}")
+                raise CameraLost(self._name, reason, None) from cause
         except BaseException:
             self.close()
             raise
@@ -187,7 +187,8 @@ class VideoSource:
         frame, taken = self._latest
         age = time.monotonic() - taken
         if self._end is not None:
-            raise CameraLost(self._name, _reason(self._end), age) from self._end
+            reason, cause = self._end
+            raise CameraLost(self._name, reason, age) from cause
         if self._reader is None:
             self._read_one()  # the next frame
             return frame, 0.0
@@ -240,7 +241,7 @@ class VideoSource:
                 continue
             patience = self._timeout if self._latest is not None else 10 * self._timeout
             if now - last > patience:
-                self._finish(CameraLost(self._name, f"it has had no more frames for {patience:g} s", None))
+                self._finish(f"it has had no more frames for {patience:g} s")
             elif not isinstance(self._source, int) and now - opened > _REOPEN:
                 opened = now
                 # If a stream cannot be opened again, for whatever reason, it stays as it is.
@@ -259,15 +260,16 @@ class VideoSource:
                 self._latest = self._scaled(as_grey(picture)), time.monotonic()  # type: ignore[arg-type] # uint8
                 self._ready.set()
             elif self._is_file:
-                reason = "it has no frames" if self._latest is None else "the video has ended"
-                self._finish(CameraLost(self._name, reason, None))
+                self._finish("it has no frames" if self._latest is None else "the video has ended")
+            return good
+        except ValueError as error:
+            self._finish(f"it has {error}", error)
         except Exception as error:
-            self._finish(error)
-            return False
-        return good
+            self._finish(f"reading failed: {' '.join(str(error).split())}", error)
+        return False
 
-    def _finish(self, error: Exception) -> None:
-        self._end = error
+    def _finish(self, reason: str, cause: Exception | None = None) -> None:
+        self._end = reason, cause
         self._ready.set()
 
     def _scaled(self, grey: Frame) -> Frame:
@@ -310,12 +312,3 @@ def _configure(capture: "cv2.VideoCapture", settings: VideoSettings, name: str) 
     ):
         if value is not None and not capture.set(number, value):
             _LOG.warning("camera %s does not accept %s %g; its own setting stays", name, what, value)
-
-
-def _reason(error: Exception) -> str:
-    """What ended the frames, in one line."""
-    if isinstance(error, CameraLost):
-        return error.reason
-    if isinstance(error, ValueError):
-        return f"it has {error}"
-    return f"reading failed: {' '.join(str(error).split())}"
