@@ -290,27 +290,23 @@ class Detector:
         """Detections of the food among some pieces, and the other pieces; reflections are reported."""
         found, rest = list[Detection](), list[Contour]()
         for piece in pieces:
-            edge, discs = self._discs_in(piece)
+            area, discs = filled_area(piece) / self._food_area, list[tuple[Contour, ShapeMoments]]()
+            if area >= _MIN_FOOD_AREA:
+                patch = cut_patch(self._picture, piece)
+                whole = self._disc(patch)
+                if whole is not None:
+                    discs = [(piece, whole)]
+                elif area >= _AREA[0]:  # discs may touch each other, or a bright wall
+                    discs = list(self._touching_discs(patch, piece))
             for contour, food in discs:
                 trouble = self._trouble(cut_patch(self._picture, contour), food)
                 if trouble:
                     self._report(trouble, food.u, food.v, self._settings.food_height)
                 else:
-                    found.append(self._detection(contour, edge, food))
+                    found.append(self._detection(contour, patch.edge, food))
             if not discs:
                 rest.append(piece)
         return found, rest
-
-    def _discs_in(self, piece: Contour) -> tuple[bool, list[tuple[Contour, ShapeMoments]]]:
-        """Whether a piece touches the picture's edge; and its discs, which may touch each other or a bright wall."""
-        area = filled_area(piece) / self._food_area
-        if area < _MIN_FOOD_AREA:
-            return False, []
-        patch = cut_patch(self._picture, piece)
-        food = self._disc(patch)
-        if food is not None:
-            return patch.edge, [(piece, food)]
-        return patch.edge, list(self._touching_discs(patch, piece)) if area >= _AREA[0] else []
 
     def _joined(self, pieces: list[Contour]) -> list[Contour]:
         """The shapes that result when the gaps between pieces, and their notches, are closed."""

@@ -7,7 +7,6 @@ were removed: dark bands from border to border.
 """
 
 import math
-from functools import cache
 from itertools import combinations
 from typing import NamedTuple
 
@@ -32,6 +31,10 @@ Crossing = tuple[float, float, float]
 
 # ------------------------------------------------------------------ sizes
 
+_SIZE = np.array((MARKER_LENGTH, MARKER_WIDTH)) / MM_PER_PIXEL
+"""Length and width in region pixels."""
+_DEVIATIONS = _SIZE / math.sqrt(12)
+"""Standard deviations of a rectangle along its length and width."""
 _SQUARE = np.ones((3, 3), np.uint8)
 _MAX_REPEATS, _CONVERGED = 3, 0.5
 """Greatest number of times the border is searched around the last estimate, and region pixels, at the corners, below
@@ -90,6 +93,8 @@ _OPPOSITE = [1, 0, 3, 2]
 
 _SAMPLE = 2.5
 """mm on the floor between the samples of an upright marker."""
+_SHAPE = (round(MARKER_WIDTH / _SAMPLE), round(MARKER_LENGTH / _SAMPLE))
+"""Rows and columns of an upright marker."""
 _BLURS = (0.5, 0.8, 1.2, 1.7)
 """Standard deviations in region pixels of the blur of a hole's border, from a sharp lens to a soft one."""
 _TYPICAL = 1
@@ -119,9 +124,18 @@ _WHITE = 0.85
 
 # ------------------------------------------------------------------ cables
 
-_RING = 4
+_NEAR = 4
 """Samples from the border of the marker to the ring on which cables are searched: no hole reaches it, and the blur of
 the border hardly does."""
+_FAR_ROW, _FAR_COLUMN = _SHAPE[0] - 1 - _NEAR, _SHAPE[1] - 1 - _NEAR
+_RING = np.array(
+    [(_NEAR, column) for column in range(_NEAR, _FAR_COLUMN)]
+    + [(row, _FAR_COLUMN) for row in range(_NEAR, _FAR_ROW)]
+    + [(_FAR_ROW, column) for column in range(_FAR_COLUMN, _NEAR, -1)]
+    + [(row, _NEAR) for row in range(_FAR_ROW, _NEAR, -1)]
+)
+_ON_SIDES = np.stack([_RING[:, 0] == _NEAR, _RING[:, 0] == _FAR_ROW, _RING[:, 1] == _NEAR, _RING[:, 1] == _FAR_COLUMN])
+"""Row and column of its samples in order; and which of them lie on each side."""
 _CROSSING = 0.12
 """Darkness above the ring's median from which a sample may belong to a cable."""
 _ALONG_SIDE = 0.9
@@ -163,10 +177,7 @@ class MarkerDetector:
         self._height = settings.marker_height
         diameter = max(3, round(_OPENING * 2 * settings.food_radius / calibration.mm_per_pixel()))
         self._opening_kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (diameter, diameter))
-        self._size = np.array((MARKER_LENGTH, MARKER_WIDTH)) / MM_PER_PIXEL
-        # Standard deviations of a rectangle are its sides over the root of 12.
-        self._deviations = self._size / math.sqrt(12)
-        self._border = _BorderFit(self._size)
+        self._border = _BorderFit()
         self._pattern = _HolePattern(settings)
 
     def detect(self, frame: Frame, patch: ImagePatch, joined: bool) -> DetectedMarker | None:
@@ -180,8 +191,8 @@ class MarkerDetector:
         estimate = shape_moments(patch, mask, self._calibration, self._height)
         if estimate is None:
             return None
-        along, across = ratios = np.array((estimate.major, estimate.minor)) / self._deviations
-        area = _MIN_AREA * self._size.prod()
+        along, across = ratios = np.array((estimate.major, estimate.minor)) / _DEVIATIONS
+        area = _MIN_AREA * _SIZE.prod()
         if estimate.area < area or np.abs(ratios - 1).max() > self._tolerance:
             return None
         moments, clear = self._fitted(frame, patch, estimate, 1.0, joined)
@@ -193,7 +204,7 @@ class MarkerDetector:
         if moments is None:
             return None
         steps, middle = self._steps(moments)
-        corners = middle + _CORNERS * self._size / 2 @ steps.T
+        corners = middle + _CORNERS * _SIZE / 2 @ steps.T
         upright = self._upright(frame, middle, steps * (own_size if clear else 1.0))
         reading = self._pattern.read(upright, moments.level)
         if not reading.forward:
@@ -214,7 +225,7 @@ class MarkerDetector:
             a, b, turn, clear = rectangle
             u, v = (middle + size * steps @ (a, b)).tolist()
             moments = moments._replace(u=u, v=v, axis=moments.axis + turn)
-            if math.hypot(a, b) + abs(turn) * 2 * self._deviations[0] < _CONVERGED:
+            if math.hypot(a, b) + abs(turn) * 2 * _DEVIATIONS[0] < _CONVERGED:
                 break
         return moments, clear
 
@@ -228,17 +239,17 @@ class MarkerDetector:
     def _upright(self, frame: Frame, middle: Floats, steps: Floats) -> Frame:
         """The marker upright: column 0 at one end, row 0 at its right side."""
         steps = steps * _SAMPLE / MM_PER_PIXEL
-        rows, columns = self._pattern.shape
+        rows, columns = _SHAPE
         start = middle - 0.5 - steps @ ((columns - 1) / 2, (rows - 1) / 2)
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         return cv2.warpAffine(frame, np.column_stack((steps, start)), (columns, rows), flags=flags)  # type: ignore[return-value]
 
 
 class _BorderFit:
-    """Fits rectangles of one size: length and width in region pixels."""
+    """Fits rectangles of a marker's size."""
 
-    def __init__(self, size: Floats) -> None:
-        half = size / 2
+    def __init__(self) -> None:
+        half = _SIZE / 2
         normals = np.repeat(_SIDES, _POINTS, axis=0)
         shares = np.tile(np.linspace(-_SHARE, _SHARE, _POINTS), 4)[:, None]
         places = (normals + shares * (1 - np.abs(normals))) * half
@@ -343,10 +354,9 @@ def _sides_along_cables(levels: Floats, floor: float) -> NDArray[np.bool_]:
 
 
 class _HolePattern:
-    """Compares upright images of markers with the arrangements of holes in use; `shape` is theirs."""
+    """Compares upright images of markers with the arrangements of holes in use."""
 
     def __init__(self, settings: TrackerSettings) -> None:
-        self.shape = shape = round(MARKER_WIDTH / _SAMPLE), round(MARKER_LENGTH / _SAMPLE)
         arrangements, side = ARRANGEMENTS.get(settings.markers, ARRANGEMENTS["holes"])
         self._readings: list[Reading] = []
         patterns = []
@@ -356,19 +366,17 @@ class _HolePattern:
             for sign in (1, -1):
                 area = len(centres) * (side / MM_PER_PIXEL) ** 2
                 self._readings.append(Reading(number, sign > 0, area))
-                patterns.append(
-                    [sum(_hole(shape, sign * x, sign * y, side, blur) for x, y in centres) for blur in _BLURS]
-                )
+                patterns.append([sum(_hole(sign * x, sign * y, side, blur) for x, y in centres) for blur in _BLURS])
         darkness = _BLACK * np.array(patterns, np.float32)
         self._around = darkness[:, _TYPICAL].max(axis=0) > _AROUND
         # Samples of each arrangement that are white, and clear of the sides.
-        inside = np.zeros(shape, bool)
+        inside = np.zeros(_SHAPE, bool)
         inside[_INSIDE] = True
         self._blank = (darkness[:, _TYPICAL] < _AROUND) & inside
         # Arrangement, blur, sample.
         self._patterns = darkness[:, :, self._around]
         self._energies = (self._patterns**2).sum(axis=2)
-        self._hole = float(((_BLACK * _hole(shape, 0.0, 0.0, side, _BLURS[_TYPICAL])) ** 2).sum())
+        self._hole = float(((_BLACK * _hole(0.0, 0.0, side, _BLURS[_TYPICAL])) ** 2).sum())
 
     def read(self, upright: Frame, level: float) -> Reading:
         """The number and front of a marker; `level` is the grey level of its white."""
@@ -414,25 +422,14 @@ class _HolePattern:
         return best, float(by_blur[best].min()), pale
 
 
-def _hole(shape: tuple[int, int], x: float, y: float, side: float, blur: float) -> Floats:
+def _hole(x: float, y: float, side: float, blur: float) -> Floats:
     """Darkness from 0 to 1 of a blurred hole in an upright marker; x and y are from its middle in mm."""
     width = math.sqrt(2) * blur * MM_PER_PIXEL
     profiles = []
-    for samples, centre in zip(shape, (y, x), strict=True):
+    for samples, centre in zip(_SHAPE, (y, x), strict=True):
         places = (np.arange(samples) + 0.5 - samples / 2) * _SAMPLE - centre
         profiles.append((erf((places + side / 2) / width) - erf((places - side / 2) / width)) / 2)
     return np.outer(*profiles)
-
-
-@cache
-def _ring(rows: int, columns: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """The ring inside the border of an upright marker: its samples in order, and which of them lie on each side."""
-    top, bottom, left, right = _RING, rows - 1 - _RING, _RING, columns - 1 - _RING
-    ring = [(top, c) for c in range(left, right)] + [(r, right) for r in range(top, bottom)]
-    ring += [(bottom, c) for c in range(right, left, -1)] + [(r, left) for r in range(bottom, top, -1)]
-    places = np.array(ring)
-    sides = ((0, top), (0, bottom), (1, left), (1, right))
-    return places, np.array([places[:, axis] == place for axis, place in sides])
 
 
 def _without_cables(darkness: Darkness, crossings: list[Crossing]) -> tuple[Darkness, Darkness]:
@@ -449,14 +446,13 @@ def _without_cables(darkness: Darkness, crossings: list[Crossing]) -> tuple[Dark
 
 def _crossings(darkness: Darkness) -> list[Crossing]:
     """Each place where something dark crosses the ring."""
-    ring, on_sides = _ring(*darkness.shape)
-    values = darkness[ring[:, 0], ring[:, 1]]
+    values = darkness[_RING[:, 0], _RING[:, 1]]
     values = values - np.median(values)
     if not (values > _CROSSING).any():
         return []
     # Start at a bright sample, so that no crossing is cut in two.
     start = int(np.argmin(values > _CROSSING))
-    ring, on_sides, values = np.roll(ring, -start, 0), np.roll(on_sides, -start, 1), np.roll(values, -start)
+    ring, on_sides, values = np.roll(_RING, -start, 0), np.roll(_ON_SIDES, -start, 1), np.roll(values, -start)
     changes = np.flatnonzero(np.diff(np.append(values > _CROSSING, False).astype(np.int8))) + 1
     crossings = []
     for first, last in changes.reshape(-1, 2).tolist():
