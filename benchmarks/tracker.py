@@ -40,7 +40,7 @@ from laboratory.observations import (
 from laboratory.troubles import SETUPS, Trouble, troubled_drive, troubles_table
 from numpy.typing import NDArray
 
-from khepera_forage.estimates import UNKNOWN, Estimate, Table, Value, extremes, percent, pick, table_of
+from khepera_forage.estimates import UNKNOWN, Estimate, Table, Value, extremes, percent, pick, table_of, wilson
 from khepera_forage.figures import COLOURS, GREY, OURS, SMALL, THESIS, WIDTH, entry, grid, legend, mark, new_figure
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rendered_training import RenderedTraining
@@ -300,8 +300,7 @@ def _spread(values: NDArray[np.float64]) -> float:
 
 def _reversals(rows: list[Observation]) -> Estimate:
     error = errors(rows)
-    share = percent(error.reversals, error.reversals + len(error.turns))
-    return Estimate(*(value / 100 for value in share))
+    return wilson(error.reversals, error.reversals + len(error.turns))
 
 
 def _loss_rounds(rows: list[Observation]) -> Estimate:

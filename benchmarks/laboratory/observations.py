@@ -192,19 +192,13 @@ class Losses(NamedTuple):
     """Losses of things that nothing hides.
 
     Attributes:
-        exposed: Rounds in which a thing that was found one round before could be lost.
-        lost: Rounds among them in which it was lost.
+        rate: Losses a round in which a thing that was found one round before could be lost, with Wilson's interval,
+            which treats losses as independent.
         lengths: Rounds of each loss that ended while nothing hid the thing.
     """
 
-    exposed: int
-    lost: int
+    rate: Estimate
     lengths: list[int]
-
-    @property
-    def rate(self) -> Estimate:
-        """Losses a round with Wilson's interval, which treats losses as independent."""
-        return wilson(self.lost, self.exposed)
 
 
 def losses(rows: Iterable[Observation], cable: bool) -> Losses:
@@ -230,7 +224,7 @@ def losses(rows: Iterable[Observation], cable: bool) -> Losses:
                 lengths.append(now.frame - begun)
             if now.found:
                 begun = None
-    return Losses(exposed, lost, lengths)
+    return Losses(wilson(lost, exposed), lengths)
 
 
 def swapped_labels(rows: Iterable[Observation]) -> int:

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.estimates import Column, Table, Value
+from khepera_forage.estimates import Table, Value, table_of
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.tracker_settings import TrackerSettings
 from laboratory.sheets import SheetScene, grid_sheet, tag_sheet
@@ -126,17 +126,21 @@ def _troubled_frame(
 
 def troubles_table(rows: Sequence[Trouble]) -> Table:
     """All resolutions."""
-    lines: list[tuple[Value, ...]] = [
-        (
-            *(f"{row.frames} of {row.size}", row.markers, 100 * row.found / row.frames / len(_ROBOTS)),
-            *(row.warned, row.silent, row.wrong, row.off, row.median, row.most, row.rate),
-        )
+    lines: list[dict[str, Value]] = [
+        {
+            "frames": f"{row.frames} of {row.size}",
+            "markers": row.markers,
+            "found (%)": 100 * row.found / row.frames / len(_ROBOTS),
+            "lost with a warning": row.warned,
+            "lost without": row.silent,
+            "wrong number, front or phantom": row.wrong,
+            "off by more than 5 mm": row.off,
+            "median error (mm)": row.median,
+            "99 % (mm)": row.most,
+            "frames/s": row.rate,
+        }
         for row in rows
     ]
-    columns = (
-        *map(Column, ("frames", "markers", "found (%)", "lost with a warning", "lost without")),
-        *map(Column, ("wrong number, front or phantom", "off by more than 5 mm")),
-        *(Column("median error (mm)", 2), Column("99 % (mm)", 2), Column("frames/s", 0)),
-    )
     note = "Two robots drive over a floor of 3.2 m, and a trouble disturbs ten frames of twenty."
-    return Table("troubles", "Mixed troubles", note, columns, lines)
+    digits = {"median error (mm)": 2, "99 % (mm)": 2, "frames/s": 0}
+    return table_of("troubles", "Mixed troubles", note, lines, digits)
