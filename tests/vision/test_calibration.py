@@ -40,21 +40,6 @@ def test_to_picture_is_the_inverse_of_to_region_and_jacobian_its_derivative(
         assert ((moved_x - x) / step, (moved_y - y) / step) == pytest.approx(change, abs=1e-4)
 
 
-def test_four_points_map_to_each_other() -> None:
-    for point, place in zip(PICTURE, FLOOR, strict=True):
-        assert TILTED.to_region(*point) == pytest.approx((place[0] / 5, place[1] / 5), abs=1e-6)
-        assert TILTED.to_picture(place[0] / 5, place[1] / 5) == pytest.approx(point, abs=1e-6)
-
-
-def test_parallax_follows_similar_triangles() -> None:
-    """With a camera 2 m high, a point 200 mm high appears 10/9 as far from the point below the camera."""
-    calibration = Calibration.identity((1600.0, 1200.0, 2000.0))
-    assert calibration.to_region(320 + 100, 240, 200) == pytest.approx((320 + 90, 240))
-    assert calibration.to_region(320, 240 - 100, 200) == pytest.approx((320, 240 + 90))
-    assert calibration.to_region(320 + 100, 240) == pytest.approx((420, 240))
-    assert Calibration.identity().to_region(320 + 100, 240, 200) == pytest.approx((420, 240))
-
-
 PLAIN = Calibration.identity()
 
 
@@ -195,19 +180,9 @@ def test_points_on_a_line_are_refused() -> None:
 
 
 def test_points_that_are_needed_have_no_held_out_error() -> None:
-    fit, worst = fit_through(Lens(-0.0125), CORNERS)
-    assert max(fit.residuals) < 1e-6
-    assert fit.held_out == ()
-    assert worst > 7
-    # Without one of the corners, the other two lie on a line with the middle.
+    """Without one of the corners, the other two lie on a line with the middle."""
     fit, _ = fit_through(Lens(-0.05), [*CORNERS, (0.5, 0.5)])
     assert [math.isnan(error) for error in fit.held_out] == [True, True, True, True, False]
-
-
-def test_a_fifth_point_reveals_the_distortion() -> None:
-    fit, _ = fit_through(Lens(-0.0125), [*CORNERS, (0.5, 0.25)])
-    assert fit.calibration.lens is None
-    assert root_mean_square(fit.held_out) > 8
 
 
 @pytest.mark.parametrize("lens", LENSES)
