@@ -43,7 +43,7 @@ class SceneRenderer:
         self._renderer.reset(self.rng)
         self._light = Light(appearance, self.rng)
 
-    def _shown(self) -> Truth:
+    def _shown(self) -> Truth:  # a method, so that a copy shows its own truth
         return self.truth
 
     def frame(

@@ -1,5 +1,6 @@
 """The rule that turns detections into tracks, on its own: it decides outcomes."""
 
+import math
 import random
 from collections.abc import Callable, Sequence
 
@@ -18,12 +19,11 @@ def seen(x: float, y: float, holes: int = 0, orientation: int = 0) -> Detection:
     return Detection(x, y, holes, orientation, False, x, y + 3, 40.0, 22.0)
 
 
-def everywhere(x: float, y: float) -> bool:
-    return True
+def right_of(line: float) -> Visible:
+    return lambda x, y: x >= line
 
 
-def nowhere(x: float, y: float) -> bool:
-    return False
+everywhere, nowhere = right_of(-math.inf), right_of(math.inf)
 
 
 def as_detection(region: Region) -> Detection:
@@ -40,10 +40,6 @@ detections = st.builds(seen, coordinates, coordinates, st.sampled_from([0, 0, 1,
 frames = st.lists(detections, max_size=6)
 # A frame, and the part of the floor that can be seen in it: everything right of a line.
 films = st.lists(st.tuples(frames, st.sampled_from([0.0, 20.0, 300.0, 641.0])), max_size=8)
-
-
-def right_of(line: float) -> Visible:
-    return lambda x, y: x >= line
 
 
 @given(films)
