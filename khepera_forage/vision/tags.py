@@ -258,29 +258,24 @@ def fit_to_tags(
     by_middles = fit_calibration(middles, floor, camera, size)
     first = by_middles.calibration
     on_floor = {tag: [first.to_region(u, v) for u, v in tags[tag].tolist()] for tag in seen}
-    diagonals = [math.dist(places[i], places[i + 2]) for places in on_floor.values() for i in (0, 1)]
+    diagonals = [math.dist(four[i], four[i + 2]) for four in on_floor.values() for i in (0, 1)]
     side = MM_PER_PIXEL * float(np.mean(diagonals)) / math.sqrt(2)
     points, corners = list[Point](), list[Point]()
     for tag in seen:
         # With the turn of a tag known, its corners are points, too.
-        pixels = [(u, v) for u, v in tags[tag].tolist()]
         (ax, ay), (bx, by), (cx, cy), (dx, dy) = on_floor[tag]
         turn = math.atan2(by - ay + cy - dy, bx - ax + cx - dx)
         cos, sin = math.cos(turn) * side / 2, math.sin(turn) * side / 2
         x, y = places[tag]
-        points += pixels
+        points += [(u, v) for u, v in tags[tag].tolist()]
         corners += [
             (x + right * cos - ahead * sin, y + right * sin + ahead * cos)
             for right, ahead in ((-1, 1), (1, 1), (1, -1), (-1, -1))
         ]
     fit = fit_calibration(points, corners, camera, size)
     calibration = replace(fit.calibration, tags=dict(zip(seen, middles, strict=True)), tag_side=side)
-    return fit._replace(
-        calibration=calibration,
-        residuals=distances(calibration, middles, floor),
-        held_out=by_middles.held_out,
-        held_out_without_lens=by_middles.held_out_without_lens,
-    )
+    residuals = distances(calibration, middles, floor)
+    return by_middles._replace(calibration=calibration, residuals=residuals, coverage=fit.coverage)
 
 
 def middle(corners: Corners) -> tuple[float, float]:
