@@ -280,7 +280,7 @@ class Detector:
                 mask = np.zeros_like(patch.filled)
                 corners = np.rint((marker.corners - 0.5 - (patch.column, patch.row)) * 16).astype(np.int32)
                 cv2.fillConvexPoly(mask, corners, 255, cv2.LINE_8, 4)
-                mask = cv2.dilate(mask, np.ones((3, 3)))  # type: ignore[assignment] # uint8
+                mask = cv2.dilate(mask, _SQUARE)  # type: ignore[assignment] # uint8
                 beside = patch.filled & patch.white & ~mask
                 others = outer_contours(beside, (patch.column, patch.row))
                 found += self._foods_among(others)[0]
