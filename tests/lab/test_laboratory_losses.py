@@ -152,7 +152,9 @@ def test_laboratory_from_a_file_runs_until_its_video_ends(tmp_path: Path) -> Non
         path = tmp_path / "lab.toml"
         path.write_text(
             f'safe_speed = 3\n[camera]\nsource = "{film}"\n'
-            + "".join(f'[[robots]]\nport = "{url}"\noffset = [0, {300 * i}]\n' for i, url in enumerate(ports))
+            + "".join(
+                f'[[robots]]\nport = "{url}"\ntimeout = 5\noffset = [0, {300 * i}]\n' for i, url in enumerate(ports)
+            )
         )
         requests: list[OperatorRequest] = []
         with Laboratory(load_settings(path, V0_1), requests.append) as lab:
