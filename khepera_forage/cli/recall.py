@@ -17,7 +17,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.rendering.output import FILM_EXTRAS, open_display, save_film
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWarning
-from khepera_forage.experience.experience import experience_files
+from khepera_forage.experience.experience import experience_files, load_each
 from khepera_forage.extras import require
 from khepera_forage.option_values import given_path, progress, whole_number
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
@@ -101,21 +101,19 @@ def _forage(env: BehavioursEnv, arguments: argparse.Namespace) -> Callable[..., 
         return partial(forage, Teacher.of(env), learner=TEACHER, experience_size=0)
     name = arguments.learner or IMITATOR
     learner = _learner(name)
-    about: dict[str, Any] = {"allow_other_decisions": arguments.allow_other_decisions, "recover": arguments.recover}
+    others = arguments.allow_other_decisions
     with warnings.catch_warnings(record=True) as recovered:
         warnings.simplefilter("always", ExperienceWarning)
-        experience = Experience.load(*arguments.experience, decisions=env.decisions, **about)
-        # A file is a training episode.
-        files = [len(Experience.load(file, **about)) for file in experience_files(arguments.experience)]
-    for text in dict.fromkeys(str(each.message) for each in recovered if issubclass(each.category, ExperienceWarning)):
-        print(text)
-    vectors, behaviours = experience.arrays()
+        parts = load_each(arguments.experience, None, env.decisions, others, arguments.recover)  # an episode each
+    for warning in recovered:
+        print(warning.message)
+    vectors, behaviours = Experience.join(parts, allow_other_decisions=others).arrays()
     if name == IMITATOR:
         imitator = NearestNeighbourImitator(env.diagonal, arithmetic=env.decisions.distance_arithmetic)
         policy: Policy = imitator.fit(vectors, behaviours)
     else:
         with own_errors(f"--learner {name}"):
-            groups = np.repeat(np.arange(len(files)), files)
+            groups = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
             policy = learner.learn(vectors, behaviours, env.diagonal, arguments.seed, groups)
         forage = own_errors(f"--learner {name}")(forage)
     return partial(forage, policy, learner=name, experience_size=len(behaviours))

@@ -91,19 +91,7 @@ class Experience:
         """
         if not paths:
             raise TypeError("no path to load; allowed: one or more")
-        parts: list[Self] = []
-        files = experience_files(paths)
-        for path in files:
-            header, rows = read(path, recover)
-            expected = arena if arena is not None else parts[0].arena if parts else header.arena
-            if header.arena != expected:
-                source = "the argument" if arena is not None else f"that of {files[0]}"
-                raise ExperienceError(f"{path}, line 3: arena is {header.arena!r}; allowed: {expected!r}, {source}")
-            part = cls([vector for vector, _ in rows], [heard for _, heard in rows], *header)
-            if not allow_other_decisions and (decisions is not None or parts):
-                wanted = decisions if decisions is not None else parts[0].decisions
-                _require_same(part.decisions, wanted, f"{path}: ")
-            parts.append(part)
+        parts = load_each(paths, arena, decisions, allow_other_decisions, recover)
         return cls.join(parts, allow_other_decisions=allow_other_decisions)
 
     @classmethod
@@ -172,6 +160,30 @@ class Experience:
             f"<Experience: {len(self)} vectors, arena={self.arena!r}, seed={self.seed}, episodes={self.episodes}, "
             f"decisions={header_decisions_text(self.decisions)!r}>"
         )
+
+
+def load_each(
+    paths: Iterable[str | PathLike[str]],
+    arena: str | None,
+    decisions: Decisions | None,
+    allow_other_decisions: bool,
+    recover: bool,
+) -> list[Experience]:
+    """The experience of each file; arguments and errors as of `Experience.load`."""
+    parts: list[Experience] = []
+    files = experience_files(paths)
+    for path in files:
+        header, rows = read(path, recover)
+        expected = arena if arena is not None else parts[0].arena if parts else header.arena
+        if header.arena != expected:
+            source = "the argument" if arena is not None else f"that of {files[0]}"
+            raise ExperienceError(f"{path}, line 3: arena is {header.arena!r}; allowed: {expected!r}, {source}")
+        part = Experience([vector for vector, _ in rows], [heard for _, heard in rows], *header)
+        if not allow_other_decisions and (decisions is not None or parts):
+            wanted = decisions if decisions is not None else parts[0].decisions
+            _require_same(part.decisions, wanted, f"{path}: ")
+        parts.append(part)
+    return parts
 
 
 def experience_files(paths: Iterable[str | PathLike[str]]) -> list[Path]:

@@ -176,8 +176,8 @@ def read(path: str | PathLike[str], recover: bool) -> tuple[Header, list[tuple[S
     except ValueError as error:
         raise ExperienceError(f"{path}, line {lines.number}: {error}") from None
     loss = "the incomplete line is lost" if lines.rest else "no line is known to be lost"
-    # stacklevel 3 is the caller of Experience.load.
-    warnings.warn(f"{path}: {state}; rows kept, {loss}", ExperienceWarning, stacklevel=3)
+    # stacklevel 4 is the caller of Experience.load.
+    warnings.warn(f"{path}: {state}; rows kept, {loss}", ExperienceWarning, stacklevel=4)
     return header, rows
 
 
