@@ -56,6 +56,8 @@ def _size(text: str) -> tuple[int, int]:
 def open_source(arguments: argparse.Namespace, paced: bool, size: tuple[int, int] | None = None) -> "FrameSource":
     """The picture source of `--source`, which keeps real time if it is `paced`; `size` is that without `--size`."""
     require("khepera-forage camera", "camera")
+    if arguments.source is None:
+        arguments.source = "0"
     if arguments.source == VIRTUAL:
         refuse_ignored(arguments, ["--size", "--rate", "--exposure", "--focus"], "with a camera")
         from khepera_forage.rollouts.rendered_training import RenderedTraining
@@ -69,7 +71,7 @@ def open_source(arguments: argparse.Namespace, paced: bool, size: tuple[int, int
 
 _SOURCE = f"number of a device, film file, URL, or `{VIRTUAL}` for rendered pictures of a simulated training (0)"
 SOURCE = (
-    option("--source", _SOURCE, None, "S", default="0"),
+    option("--source", _SOURCE, None, "S"),
     option("--size", "pixels of the camera's frames (640x480)", _size, "WxH"),
     option("--rate", "frames a second, of a device (its own setting)", float, "N"),
     option("--exposure", "exposure, off automatic, of a device (its own setting)", float, "N"),
@@ -176,7 +178,7 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
     floor: Sequence[Point] = given
     size = arguments.size or DEFAULT_SIZE
     if name == "points":
-        refuse_ignored(arguments, ["--rate", "--exposure", "--focus"], "with --places or --tags")
+        refuse_ignored(arguments, ["--source", "--rate", "--exposure", "--focus"], "with --places or --tags")
         picture, floor = zip(*given, strict=True)
         for u, v in picture:
             if not (0 <= u <= size[0] and 0 <= v <= size[1]):

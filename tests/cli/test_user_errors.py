@@ -121,6 +121,7 @@ def files(empty_folder_without_display: None) -> None:
         (f"camera calibrate --points {CORNERS} 0,0=0,2400", "has the point"),
         (f"camera calibrate --points {CORNERS} 0,481=0,0", "the pixel 0,481; allowed: within --size, 640x480"),
         (f"camera calibrate --points {CORNERS} 0,480=0,0 --rate 9", f"--rate {NOTHING}with --places or --tags"),
+        (f"camera calibrate --points {CORNERS} 0,480=0,0 --source 0", f"--source {NOTHING}with --places or --tags"),
         (f"camera calibrate --points {CORNERS} 0,1=0,0 --camera 1,2,nan", "--camera: '1,2,nan'; allowed: 3 numbers"),
         ("camera calibrate --points 1,2", "--points: '1,2'; allowed: u,v=x,y"),
         ("camera calibrate --points 1=2,3", "--points: '1'; allowed: 2 numbers with commas between"),
