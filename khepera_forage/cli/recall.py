@@ -197,7 +197,7 @@ def _check_watch(arguments: argparse.Namespace) -> None:
 def _watch_training(env: Any, arguments: argparse.Namespace, record: Callable[[], None]) -> str:
     is_chosen = arguments.out is not None and arguments.lab is None
     seed = _complete_attempt(env, arguments.seed) if is_chosen else arguments.seed
-    result = training.attempt(env, seed, _ignore, callback=record)
+    result = training.attempt(env, seed, lambda vector, behaviour: None, callback=record)
     return f"{'complete' if result.complete else result.lost or result.reason} after {result.rounds} rounds"
 
 
@@ -205,13 +205,9 @@ def _complete_attempt(env: TrainingEnv, seed: int) -> int:
     """The seed of the first attempt that is complete, the given one or one derived from it; else the given one."""
     others = np.random.SeedSequence(seed).generate_state(TRIES - 1).tolist()
     for number, each in enumerate((seed, *others), 1):
-        result = training.attempt(env, each, _ignore)
+        result = training.attempt(env, each, lambda vector, behaviour: None)
         if result.complete:
             return int(each)
         print(f"attempt {number}: {result.reason} after {result.rounds} rounds, not filmed", flush=True)
     print(f"none of {TRIES} attempts is complete, so the film shows the first", flush=True)
     return seed
-
-
-def _ignore(vector: object, behaviour: object) -> None:
-    """A recording of which nothing is kept."""

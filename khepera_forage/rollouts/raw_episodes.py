@@ -41,36 +41,49 @@ class RawEpisode(NamedTuple):
         return np.bincount(vector, self.rewards).astype(np.float64)
 
 
-class LearnerRecorder:
+class _Record:
+    """The rounds of an episode, as they come; it begins with what is shown before the first."""
+
+    def __init__(self, shown: Any) -> None:
+        self._shown: list[Any] = [shown]
+        self.heard: list[int] = []
+        self._actions: list[tuple[float, ...]] = []
+        self._rewards: list[float] = []
+
+    def add(self, motors: Motors, reward: float, shown: Observation) -> None:
+        self._actions.append(encoded_motors(motors))
+        self._rewards.append(reward)
+        self._shown.append(shown)
+
+    def episode(self) -> RawEpisode:
+        observations = {name: np.stack([one[name] for one in self._shown]) for name in raw_data_space()}
+        return RawEpisode(
+            observations, np.array(self._actions, np.float32), np.array(self._rewards), np.array(self.heard, np.int64)
+        )
+
+
+class _LearnerRecorder:
     """The teacher of section 4.4, which records the rounds of its first learner: `teacher` and `callback` of `train`.
 
     Only the last attempt is kept, as in experience files.
-
-    Args:
-        env: The environment that it teaches in.
     """
+
+    record: _Record
 
     def __init__(self, env: TrainingEnv) -> None:
         self._env = env
-        self._teacher: Teacher | None = None
-        self._record = _Record()
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
         """The teacher's behaviour; called before anything else in a round."""
-        if self._teacher is None or self._env.infos[TEACHER]["steps"] == 0:
-            self._teacher, self._record = Teacher.of(self._env), _Record()
-            self._record.shown.append(self._shown())
+        if self._env.infos[TEACHER]["steps"] == 0:
+            self._teacher, self.record = Teacher.of(self._env), _Record(self._shown())
         behaviour = self._teacher.act(observation, rng)
-        self._record.heard.append(int(behaviour))
+        self.record.heard.append(int(behaviour))
         return behaviour
 
     def __call__(self) -> None:
         """Record what a round has brought."""
-        self._record.add(self._env.foragers[1].applied, self._env.rewards["learner_0"], self._shown())
-
-    def episode(self) -> RawEpisode:
-        """The rounds of the last attempt."""
-        return self._record.episode()
+        self.record.add(self._env.foragers[1].applied, self._env.rewards["learner_0"], self._shown())
 
     def _shown(self) -> dict[str, Any]:
         return raw_data_of(self._env.foragers[1].raw)
@@ -83,8 +96,8 @@ def recorded(
     with closing(env):
         if isinstance(env, WheelsEnv):
             return [teacher_alone(env, int(seed.generate_state(1)[0])) for seed in seeds]
-        recorder = LearnerRecorder(env)
-        return [(train(env, seed, teacher=recorder, callback=recorder)[0], recorder.episode()) for seed in seeds]
+        recorder = _LearnerRecorder(env)
+        return [(train(env, seed, teacher=recorder, callback=recorder)[0], recorder.record.episode()) for seed in seeds]
 
 
 def teacher_alone(env: WheelsEnv, seed: int) -> tuple[Experience, RawEpisode]:
@@ -97,10 +110,8 @@ def teacher_alone(env: WheelsEnv, seed: int) -> tuple[Experience, RawEpisode]:
     Returns:
         Its state vectors and behaviours, and its raw data and motors.
     """
-    record, done = _Record(), False
     vectors: list[tuple[int, ...]] = []
-    shown, _ = env.reset(seed=seed)
-    record.shown.append(shown)
+    record, done = _Record(env.reset(seed=seed)[0]), False
     while not done:
         forager = env.forager
         motors = applicable(forager.motors_for(forager.correct_behaviour))
@@ -118,23 +129,3 @@ def encoded_motors(motors: Motors) -> tuple[float, float, float, float]:
     middle, half = (ARM_DOWN + ARM_RAISED) / 2, (ARM_DOWN - ARM_RAISED) / 2
     left, right, arm, jaw = motors
     return left / MAX_SPEED, right / MAX_SPEED, (middle - arm) / half, 1.0 if jaw == JAW_CLOSED else -1.0
-
-
-class _Record:
-    def __init__(self) -> None:
-        self.shown: list[Any] = []
-        self.heard: list[int] = []
-        self._actions: list[tuple[float, ...]] = []
-        self._rewards: list[float] = []
-
-    def add(self, motors: Motors, reward: float, shown: Observation) -> None:
-        self._actions.append(encoded_motors(motors))
-        self._rewards.append(reward)
-        self.shown.append(shown)
-
-    def episode(self) -> RawEpisode:
-        names = raw_data_space()
-        observations = {name: np.stack([one[name] for one in self.shown]) for name in names}
-        return RawEpisode(
-            observations, np.array(self._actions, np.float32), np.array(self._rewards), np.array(self.heard, np.int64)
-        )
