@@ -309,7 +309,8 @@ def _training(folder: Path, episodes: int, injector: Injector, rng: np.random.Ge
     options = ["--lab", str(lab_file), "--episodes", str(episodes), "--out", str(out)]
     options += ["--seed", str(int(rng.integers(2**31)))]
     arguments = parser.parse_args(options)
-    while files := train.files_to_record(arguments):
+    files, rows = train.files_to_record(arguments)
+    while files:
         with (
             laboratory(lab_file, injector.operator, int(rng.integers(2**31))) as (lab, camera),
             closing(WheelWatch(lab)) as wheels,
@@ -318,14 +319,14 @@ def _training(folder: Path, episodes: int, injector: Injector, rng: np.random.Ge
             env = ObservedTraining(lab, attempts, injector.end_round)
             env.max_cycles = MAX_ROUNDS
             try:
-                train.record(env, files, arguments)
+                train.record(env, files, rows, arguments)
                 break
             except Exception as error:
                 expected = isinstance(error, ValueError | OSError)  # the command prints one line
                 injector.notices.append(str(error) if expected else f"Traceback: {error}")
                 injector.note(STOPPED)
                 injector.repair()
-        arguments = parser.parse_args([*options, "--continue"])
+        files, rows = train.files_to_record(parser.parse_args([*options, "--continue"]))
     injector.note(_COMPLETE)
     result = TrainingResult(
         *(len(injector.rows) - faults_before, injector.unexpected),

@@ -16,7 +16,7 @@ from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience, ExperienceWarning
 from khepera_forage.option_values import progress, whole_number
 from khepera_forage.rollouts import training
-from khepera_forage.rollouts.row_files import RowWriter, read_rows, write_rows
+from khepera_forage.rollouts.row_files import RowWriter, read_rows
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.task.decisions import DEFAULT_DECISIONS, Decisions
 
@@ -69,13 +69,13 @@ def train_command(arguments: argparse.Namespace) -> int:
     own, decided = arguments.patience, decisions.patience
     if own is not None and decided not in (own, DEFAULT_DECISIONS.patience):
         raise ValueError(f"--patience is {own}, --decision patience={decided}; allowed: one of them")
-    files = files_to_record(arguments)
+    files, rows = files_to_record(arguments)
     if not files:
         print(f"all {arguments.episodes} files are in {arguments.out} already")
         return 0
     with closing(options.training_env(arguments, patience=arguments.patience)) as env:
         try:
-            record(env, files, arguments)
+            record(env, files, rows, arguments)
         except (OSError, KeyboardInterrupt):
             print("the same command with --continue goes on from here", file=sys.stderr)
             raise
@@ -83,8 +83,8 @@ def train_command(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def files_to_record(arguments: argparse.Namespace) -> list[PlannedFile]:
-    """The files of the training that are not complete; makes the folder."""
+def files_to_record(arguments: argparse.Namespace) -> tuple[list[PlannedFile], list[TrainingRow]]:
+    """The files of the training that are not complete, and the rows of the others; makes the folder."""
     arguments.out.mkdir(parents=True, exist_ok=True)
     files = planned_files(arguments.out, arguments.episodes, arguments.seed)
     if arguments.continued:
@@ -93,24 +93,28 @@ def files_to_record(arguments: argparse.Namespace) -> list[PlannedFile]:
         name = None if arguments.lab is not None else arena if isinstance(arena, str) else arena.name
         return _unfinished(arguments.out, files, name, options.decisions_of(arguments))
     require_new(files, "--continue goes on after it, or choose another --out")
-    return files
+    return files, []
 
 
-def record(env: TrainingEnv, files: list[PlannedFile], arguments: argparse.Namespace) -> None:
-    """Write one file for each complete episode, and one row for each attempt."""
+def record(env: TrainingEnv, files: list[PlannedFile], rows: list[TrainingRow], arguments: argparse.Namespace) -> None:
+    """Write one file for each complete episode, and one row for each attempt after those of an earlier run."""
     hidden = arguments.lab is not None  # an operator of real robots answers questions on that screen
-    with RowWriter(arguments.out / ATTEMPTS, TrainingRow, resume=arguments.continued) as attempts:
+    with RowWriter(arguments.out / ATTEMPTS, TrainingRow) as attempts:
+        if rows:
+            attempts.write(*rows)
         about: dict[str, Any] = {"resume": arguments.resume, "on_attempt": attempts.write}
         for number, path, each in progress(files, hidden, unit="episode"):
-            experience, rows = training.train(env, each, file=number, path=path, **about)
-            print(f"{path}: {len(experience)} experience vectors, {len(rows)} attempt(s), {rows[-1].rounds} rounds")
+            experience, own = training.train(env, each, file=number, path=path, **about)
+            print(f"{path}: {len(experience)} experience vectors, {len(own)} attempt(s), {own[-1].rounds} rounds")
 
 
-def _unfinished(folder: Path, files: list[PlannedFile], arena: str | None, decisions: Decisions) -> list[PlannedFile]:
-    """The files that an earlier run with the same seed has not finished; errors come before any change.
+def _unfinished(
+    folder: Path, files: list[PlannedFile], arena: str | None, decisions: Decisions
+) -> tuple[list[PlannedFile], list[TrainingRow]]:
+    """The files that an earlier run with the same seed has not finished, and the rows of those that it has.
 
-    The file of an interrupted episode is kept under another name, such as `g3.interrupted-1.csv`, and the rows of its
-    attempts are removed from `attempts.csv`, because the episode is recorded again.
+    Errors come before any change. The file of an interrupted episode, which is recorded again, is kept under another
+    name, such as `g3.interrupted-1.csv`.
     """
     attempts = folder / ATTEMPTS
     rows = read_rows(attempts, TrainingRow) if attempts.exists() else []
@@ -121,10 +125,8 @@ def _unfinished(folder: Path, files: list[PlannedFile], arena: str | None, decis
         file.path.rename(kept)
         print(f"{file.path} was interrupted; its vectors are kept in {kept}")
     left = [file for file in files if not file.path.exists()]
-    if attempts.exists():
-        numbers = {file.number for file in left}
-        write_rows(attempts, TrainingRow, [row for row in rows if row.file not in numbers])
-    return left
+    numbers = {file.number for file in left}
+    return left, [row for row in rows if row.file not in numbers]
 
 
 def _is_complete(file: PlannedFile, arena: str | None, decisions: Decisions) -> bool:

@@ -24,25 +24,24 @@ RowT = TypeVar("RowT", bound="DataclassInstance")
 class RowWriter(Generic[RowT]):
     """Appends rows to a CSV file, so that a process that is killed loses at most the row it was writing.
 
+    The first rows replace those of an existing file.
+
     Args:
         path: The file; its folder is created if needed.
         row_type: The dataclass whose fields are the columns.
-        resume: Append to the complete rows of an existing file. By default the first `write` replaces its rows.
 
     Raises:
-        ValueError: The existing file has other columns.
         OSError: The file cannot be written; so may `write`. The error names it.
     """
 
-    def __init__(self, path: Path, row_type: type[RowT], resume: bool = False) -> None:
+    def __init__(self, path: Path, row_type: type[RowT]) -> None:
         self._types = get_type_hints(row_type)
         self._header = _line(_names(row_type))
         path.parent.mkdir(parents=True, exist_ok=True)
-        begin = not (resume and path.exists() and _repair(path, self._header))
-        self._replaces = begin and path.is_file() and path.stat().st_size > 0
+        self._replaces = path.is_file() and path.stat().st_size > 0
         self._file = open(path, "ab", buffering=0)  # noqa: SIM115  closed by close()
         self._path = path
-        if begin and not self._replaces:
+        if not self._replaces:
             try:
                 self._write(self._header)
             except OSError:
@@ -133,21 +132,6 @@ def _line(values: Sequence[str]) -> bytes:
     out = io.StringIO()
     csv.writer(out, lineterminator="\n").writerow(values)
     return out.getvalue().encode()
-
-
-def _repair(path: Path, header: bytes) -> bool:
-    """Remove an incomplete last line from a file; False if the file has no complete line."""
-    data = path.read_bytes()
-    whole = data[: data.rfind(b"\n") + 1]
-    if not whole:
-        return False
-    if not whole.startswith(header):
-        found = whole.split(b"\n")[0].decode(errors="replace")
-        raise ValueError(f"{path}:1: header is {found!r}; allowed: {header.decode().strip()!r}")
-    if len(whole) < len(data):
-        with open(path, "r+b") as file:
-            file.truncate(len(whole))
-    return True
 
 
 def _format(name: str, kind: Any, value: Any) -> str:

@@ -1,6 +1,5 @@
 """Rows and their files: consistency, writing, strict reading and incomplete files."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -85,14 +84,6 @@ def test_earlier_rows_stay_until_the_first_new_one(tmp_path: Path) -> None:
     assert read_rows(path, RecallRow) == [recall(recall=2), recall(recall=3)]
 
 
-def test_resuming_with_other_columns_is_an_error(tmp_path: Path) -> None:
-    path = tmp_path / "rows.csv"
-    write_rows(path, RecallRow, [recall()])
-    with pytest.raises(ValueError, match=r"rows.csv:1: header is 'replication,arena.*'; allowed: 'replication,file,"):
-        RowWriter(path, TrainingRow, resume=True)
-    assert read_rows(path, RecallRow) == [recall()]
-
-
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -122,13 +113,3 @@ def test_empty_file_and_repeated_row_are_errors(tmp_path: Path) -> None:
     path.write_text("")
     with pytest.raises(ValueError, match=r"rows.csv:1: header is ''"):
         read_rows(path, TrainingRow)
-
-
-def test_incomplete_line_is_ignored_and_removed_on_resuming(tmp_path: Path) -> None:
-    path = tmp_path / "rows.csv"
-    write_rows(path, RecallRow, [recall(), recall(recall=1)])
-    os.truncate(path, path.stat().st_size - 20)
-    assert read_rows(path, RecallRow) == [recall()]
-    with RowWriter(path, RecallRow, resume=True) as writer:
-        writer.write(recall(recall=2))
-    assert read_rows(path, RecallRow) == [recall(), recall(recall=2)]
