@@ -106,7 +106,7 @@ class ContiguousLabels:
         self.estimator = estimator
         self.classes_: NDArray[Any]
 
-    def fit(self, X: ArrayLike, y: ArrayLike, **kwargs: Any) -> Self:  # noqa: N803 - scikit-learn's name
+    def fit(self, X: ArrayLike, y: ArrayLike, **kwargs: Any) -> Self:
         """Learn from rows and their labels.
 
         Args:
@@ -119,12 +119,12 @@ class ContiguousLabels:
         self.estimator.fit(X, codes, **kwargs)
         return self
 
-    def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:  # noqa: N803
+    def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:
         """The probability of each class of `classes_`, one row for each row of `X`."""
         levels: NDArray[np.float64] = np.asarray(self.estimator.predict_proba(X))
         return levels
 
-    def predict(self, X: ArrayLike) -> NDArray[Any]:  # noqa: N803
+    def predict(self, X: ArrayLike) -> NDArray[Any]:
         """The most probable class of each row of `X`."""
         labels: NDArray[Any] = self.classes_[self.predict_proba(X).argmax(axis=1)]
         return labels

@@ -58,7 +58,7 @@ class GrowingMemory(ConfidenceClassifier):
         self.forgetting = forgetting
         self.moving = moving
 
-    def partial_fit(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None = None) -> Self:  # noqa: N803
+    def partial_fit(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None = None) -> Self:
         """Perceive further stimuli, in the order of the rows; arguments as of `NearestNeighbourImitator`."""
         self._learn(X, y, classes, forget=not hasattr(self, "classes_"))
         return self

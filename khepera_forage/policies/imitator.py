@@ -47,7 +47,7 @@ class ConfidenceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc
     """How often each of the rows was heard with each class."""
     diagonal: int | None
 
-    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:  # noqa: N803 - scikit-learn's name
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Learn from experience vectors, forgetting earlier ones.
 
         Args:
@@ -60,7 +60,7 @@ class ConfidenceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc
         self._learn(X, y)
         return self
 
-    def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:  # noqa: N803
+    def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:
         """The confidence level of each class of `classes_`, one row for each row of `X`."""
         check_is_fitted(self)
         self._check()
@@ -69,19 +69,14 @@ class ConfidenceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc
         levels: NDArray[np.float64] = shares / shares.sum(axis=1, keepdims=True)
         return levels
 
-    def predict(self, X: ArrayLike) -> NDArray[Any]:  # noqa: N803
+    def predict(self, X: ArrayLike) -> NDArray[Any]:
         """The class with the highest confidence level, for each row of `X`; of equals the first."""
         best = self.predict_proba(X).argmax(axis=1)
         labels: NDArray[Any] = self.classes_[best]
         return labels
 
     def _learn(
-        self,
-        X: ArrayLike,  # noqa: N803
-        y: ArrayLike,
-        classes: ArrayLike | None = None,
-        *,
-        forget: bool = True,
+        self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None = None, *, forget: bool = True
     ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
         """Check the data and add them; returns the rows, and the code of the class of each."""
         self._check()
@@ -171,12 +166,7 @@ class NearestNeighbourImitator(ConfidenceClassifier):
         self.threshold = threshold
         self.arithmetic = arithmetic
 
-    def partial_fit(
-        self,
-        X: ArrayLike,  # noqa: N803
-        y: ArrayLike,
-        classes: ArrayLike | None = None,
-    ) -> Self:
+    def partial_fit(self, X: ArrayLike, y: ArrayLike, classes: ArrayLike | None = None) -> Self:
         """Learn from further experience vectors: equal to `fit` on all of them together, in whatever order.
 
         Args:
@@ -349,7 +339,7 @@ class WeightedImitator(ConfidenceClassifier):
         self.search_size = search_size
         self.random_state = random_state
 
-    def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:  # noqa: N803
+    def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:
         """Learn from experience vectors, forgetting earlier ones.
 
         Args:

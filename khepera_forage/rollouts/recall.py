@@ -66,19 +66,11 @@ def recall_env(
     if isinstance(arena, Arena):
         settings |= {} if limit is None else {"limit": limit}
         return BehavioursEnv(noise=noise, **{**settings, **kwargs})
-    return unwrapped_env(BehavioursEnv, f"{environment_name(arena)}-v1", noise, limit, **kwargs)
+    return _unwrapped(BehavioursEnv, f"{environment_name(arena)}-v1", noise, limit, **kwargs)
 
 
-def unwrapped_env(kind: type[_Env], name: str, noise: Noise | str | None, limit: int | None, **kwargs: Any) -> _Env:
-    """A registered environment without its wrappers.
-
-    Args:
-        kind: Class of the environment.
-        name: Registered name without the name of this package.
-        noise: The laboratory's noise by default.
-        limit: Time limit in steps; the thesis's by default.
-        **kwargs: Further arguments of the environment.
-    """
+def _unwrapped(kind: type[_Env], name: str, noise: Noise | str | None, limit: int | None, **kwargs: Any) -> _Env:
+    """A registered environment without its wrappers; the name is without that of this package."""
     if limit is not None:
         kwargs["limit"] = limit
     env = gym.make(f"khepera_forage/{name}", noise=noise, disable_env_checker=True, **kwargs).unwrapped
@@ -257,7 +249,7 @@ def recall_wheels_env(
         limit: Time limit in steps; that of the environment by default.
         **kwargs: Further arguments of the environment.
     """
-    return unwrapped_env(WheelsEnv, f"{environment_name(arena)}Wheels-v1", noise, limit, **kwargs)
+    return _unwrapped(WheelsEnv, f"{environment_name(arena)}Wheels-v1", noise, limit, **kwargs)
 
 
 def recall_wheels(env: gym.Env[Any, Any], policy: Any, seed: int, *, callback: Callback | None = None) -> WheelsRecall:

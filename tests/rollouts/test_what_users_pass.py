@@ -60,7 +60,7 @@ def test_imitators_learn_the_diagonal_of_the_arena() -> None:
             return super().neighbours(observation)
 
     class SpyOfAnother(KNearestImitator):
-        def predict_proba(self, X: Any) -> Any:  # noqa: N803
+        def predict_proba(self, X: Any) -> Any:
             used.add(self.diagonal)
             return super().predict_proba(X)
 
