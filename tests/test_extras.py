@@ -41,8 +41,6 @@ def bare(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         ("arena show missing.toml", "plots"),
         ("plot missing.csv", "plots"),
         ("train --lab virtual", "robots,camera"),
-        ("recall --lab virtual", "robots,camera"),
-        ("recall --lab lab.toml", "robots,camera"),
         ("robot probe --port /dev/ttyUSB0", "robots"),
         ("camera preview", "camera"),
         ("camera preview --out film.gif", "camera,render"),

@@ -100,6 +100,7 @@ def test_attempts_are_written_even_if_none_is_complete(tmp_path: Path, capsys: p
     assert "none of 3 attempts" in capsys.readouterr().err
     rows = read_rows(tmp_path / "attempts.csv", TrainingRow)
     assert [(row.attempt, row.complete) for row in rows] == [(1, False), (2, False), (3, False)]
+    assert [path.name for path in tmp_path.iterdir()] == ["attempts.csv"]
 
 
 def test_installed_command_prints_its_version() -> None:

@@ -37,6 +37,9 @@ class Answer:
     def act(self, observation: Any) -> Any:
         return self.answer
 
+    def predict(self, observation: Any, *, deterministic: bool) -> tuple[Any, None]:
+        return self.answer, None
+
 
 def test_learners_become_the_policy_of_their_kind() -> None:
     teacher, imitator = Teacher(), NearestNeighbourImitator().fit(X, Y)
@@ -60,12 +63,8 @@ def test_actions_that_are_no_whole_number_are_refused(answer: Any) -> None:
 
 
 def test_action_of_a_model_that_is_no_behaviour_is_refused() -> None:
-    class Fraction:
-        def predict(self, observation: Any, *, deterministic: bool) -> tuple[Any, None]:
-            return np.array([2.7]), None
-
-    with pytest.raises(ValueError, match=r"action of Fraction is .*; allowed: a whole number from 0 to 10"):
-        as_policy(Fraction()).act(X[0])
+    with pytest.raises(ValueError, match=r"action of Answer is .*; allowed: a whole number from 0 to 10"):
+        ModelPolicy(Answer(np.array([2.7]))).act(X[0])
 
 
 @pytest.mark.parametrize("answer", [2, np.int8(2), np.array(2), np.array([2]), np.array([[2]])])

@@ -132,6 +132,12 @@ def test_distance_equals_section_4_6_1() -> None:
 @pytest.mark.parametrize(("arithmetic", "kind"), [("32-bit floats", np.float32), ("64-bit floats", np.float64)])
 @settings(max_examples=60, deadline=None)
 @given(experience=EXPERIENCE, queries=QUERIES, diagonal=st.sampled_from((CORRIDOR, RECTANGLE, 7)))
+@example(
+    # Equal exact distances, from terms in another order of size.
+    experience=[(StateVector(0, 60, 0, 215, 67), 0), (StateVector(0, 63, 0, 215, 64), 1)],
+    queries=[StateVector(0, 60, 0, 215, 60)],
+    diagonal=CORRIDOR,
+)
 def test_votes_in_floats_are_those_of_the_least_sum(
     arithmetic: str, kind: Any, experience: Experienced, queries: list[StateVector], diagonal: int
 ) -> None:
@@ -146,17 +152,6 @@ def test_votes_in_floats_are_those_of_the_least_sum(
             sums.append(total + kind(abs(query[1] - vector[1])) / kind(diagonal))
         expected = Counter(label for label, total in zip(heard, sums, strict=True) if total == min(sums))
         assert dict(imitator.neighbours(query).votes) == dict(expected)
-
-
-def test_floats_split_exact_ties() -> None:
-    """Equal exact distances, from terms in another order of size."""
-    query, vectors = StateVector(0, 60, 0, 215, 60), [(0, 60, 0, 215, 67), (0, 63, 0, 215, 64)]
-    votes = []
-    for arithmetic in ("exact", "32-bit floats", "64-bit floats"):
-        imitator = NearestNeighbourImitator(138, arithmetic=arithmetic).fit(vectors, [0, 1])
-        votes.append(imitator.neighbours(query).tied)
-    assert votes[0] == 2
-    assert min(votes[1:]) == 1
 
 
 # ---------------------------------------------------------------- memories in arrays, for kernels
