@@ -1,6 +1,5 @@
 """`khepera-forage dataset`: a Minari dataset of new episodes or of files, and its data card."""
 
-import argparse
 import re
 from collections import Counter
 from importlib import import_module
@@ -10,7 +9,7 @@ import pytest
 from sklearn.tree import DecisionTreeClassifier
 
 from khepera_forage import as_policy, recall, recall_env
-from khepera_forage.cli.dataset import FOLDER_VARIABLE, food_in_training
+from khepera_forage.cli.dataset import FOLDER_VARIABLE
 from khepera_forage.cli.main import main
 from khepera_forage.envs.arena_settings import settings_of
 from khepera_forage.experience import Experience
@@ -46,6 +45,7 @@ def test_new_episodes_are_a_dataset_with_a_card(capsys: pytest.CaptureFixture[st
         *(f"| `{name}` | " for name in StateVector._fields),
         "Episodes that were not completed are not in the data",
         f"| steps | {steps}; {min(map(len, parts))} to {max(map(len, parts))} an episode |",
+        "The teacher of section 4.4 foraged for PICKABLE food, and the learner listened.",
         "| author | me |",
         "| licence | CC0-1.0 |",
         "- Decisions, that is, readings of what the thesis leaves open: `v1`.",
@@ -82,12 +82,29 @@ def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from() -
 
 @pytest.mark.usefixtures("minari")
 def test_card_of_a_dataset_on_wheels_counts_every_round() -> None:
-    assert main(["dataset", "--wheels", "--episodes", "1", "--decision", "separation=6", "--out", "data"]) == 0
+    assert (
+        main(
+            [
+                "dataset",
+                "--wheels",
+                "--episodes",
+                "1",
+                "--food-type",
+                "PUSHABLE",
+                "--decision",
+                "separation=6",
+                "--out",
+                "data",
+            ]
+        )
+        == 0
+    )
     (episode,) = import_module("minari").load_dataset("khepera_forage/corridor-wheels-v1").iterate_episodes()
     card = Path("data/khepera_forage/corridor-wheels-v1/README.md").read_text(encoding="utf-8")
     counted = {int(number): int(count) for number, count in re.findall(r"^\| (\d+) \| [A-Z_]+ \| (\d+) \|", card, re.M)}
     assert counted == Counter(episode.infos["heard"][:-1].tolist())
     assert counted[10] > 0, "silence"
+    assert "foraged for PUSHABLE food" in card
 
 
 @pytest.mark.usefixtures("minari")
@@ -105,14 +122,15 @@ def test_files_are_a_dataset(capsys: pytest.CaptureFixture[str]) -> None:
 def test_episodes_in_another_arena_are_a_dataset_of_this_arena() -> None:
     from khepera_forage.experience.minari import from_minari
 
-    assert main(["dataset", "--episodes", "1", "--arena", "t_maze", "--seed", "4", "--out", "data"]) == 0
-    assert main(["train", "--episodes", "1", "--arena", "t_maze", "--seed", "4", "--out", "files"]) == 0
-    assert from_minari("khepera_forage/t_maze-v1") == [Experience.load("files/g1.csv")]
-    card = Path("data/khepera_forage/t_maze-v1/README.md").read_text(encoding="utf-8")
+    assert main(["dataset", "--episodes", "1", "--arena", "mixed_foods", "--seed", "4", "--out", "data"]) == 0
+    assert main(["train", "--episodes", "1", "--arena", "mixed_foods", "--seed", "4", "--out", "files"]) == 0
+    assert from_minari("khepera_forage/mixed_foods-v1") == [Experience.load("files/g1.csv")]
+    card = Path("data/khepera_forage/mixed_foods-v1/README.md").read_text(encoding="utf-8")
     for line in (
-        "| arena | t_maze |",
-        "in copies of the arena t_maze",
-        "dataset --episodes 1 --arena t_maze --seed 4 --out data`",
+        "| arena | mixed_foods |",
+        "in copies of the arena mixed_foods",
+        "foraged for food (50 % PICKABLE, 25 % PUSHABLE, 25 % POISONOUS), and",
+        "dataset --episodes 1 --arena mixed_foods --seed 4 --out data`",
     ):
         assert line in card
 
@@ -132,15 +150,6 @@ def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest
     env = dataset.recover_environment().unwrapped
     assert env.arena == BLOCKS
     assert {"foods": env.foods, "limit": env.limit}.items() <= settings_of(BLOCKS).items()
-
-
-def test_food_in_training_is_named_with_its_shares() -> None:
-    for food_type, arena, food in (
-        (None, "mixed_foods", "food (50 % PICKABLE, 25 % PUSHABLE, 25 % POISONOUS)"),
-        ("PUSHABLE", "mixed_foods", "PUSHABLE food"),
-        (None, "doors", "PICKABLE food"),
-    ):
-        assert food_in_training(argparse.Namespace(food_type=food_type), arena) == food
 
 
 @pytest.mark.usefixtures("minari")

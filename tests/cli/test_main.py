@@ -14,20 +14,31 @@ from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from tests.limited_disk import largest_file
 
 
-def test_train_recall_and_watch_work_together(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    folder = tmp_path / "experience"
-    assert main(["train", "--episodes", "2", "--out", str(folder), "--seed", "0"]) == 0
-    files = [str(folder / "g1.csv"), str(folder / "g2.csv")]
-    assert len(read_rows(folder / "attempts.csv", TrainingRow)) >= 2
-    rows = tmp_path / "rows.csv"
-    assert main(["recall", "--experience", *files, "--episodes", "2", "--out", str(rows), "--seed", "1"]) == 0
-    written = [(row.learner, row.recall) for row in read_rows(rows, RecallRow)]
+@pytest.fixture(scope="module")
+def experience(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("experience")
+    assert main(["train", "--episodes", "2", "--out", str(folder)]) == 0
+    (folder / "g1.lost-1.csv").write_text("not to be read")
+    return folder
+
+
+def recalled(out: Path, *arguments: str) -> list[RecallRow]:
+    assert main(["recall", "--episodes", "2", "--out", str(out), *arguments]) == 0
+    return read_rows(out, RecallRow)
+
+
+def test_train_recall_and_watch_work_together(
+    experience: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert len(read_rows(experience / "attempts.csv", TrainingRow)) >= 2
+    given = ["--experience", str(experience)]
+    written = [(row.learner, row.recall) for row in recalled(tmp_path / "rows.csv", *given)]
     assert written == [("imitator", 0), ("imitator", 1)]
     assert "mean score" in capsys.readouterr().out
     film = tmp_path / "film.gif"
     assert main(["watch", "training", "--out", str(film), "--every", "100"]) == 0
     assert film.read_bytes().startswith(b"GIF")
-    assert main(["watch", "recall", "--experience", *files, "--out", str(film), "--every", "100"]) == 0
+    assert main(["watch", "recall", *given, "--out", str(film), "--every", "100"]) == 0
     mp4 = tmp_path / "film.mp4"
     assert main(["watch", "training", "--out", str(mp4), "--every", "100"]) == 0
     assert mp4.read_bytes()[4:8] == b"ftyp"
@@ -41,19 +52,6 @@ def test_film_of_a_training_shows_a_complete_attempt(tmp_path: Path, capsys: pyt
     assert first == "attempt 1: out of time after 600 rounds, not filmed"
     rounds = int(last.removeprefix("complete after ").removesuffix(" rounds"))
     assert frames.endswith(f": {-(-rounds // 100) + 1} frames"), "the last one shows how it ended"
-
-
-@pytest.fixture(scope="module")
-def experience(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("experience")
-    assert main(["train", "--episodes", "2", "--out", str(folder)]) == 0
-    (folder / "g1.lost-1.csv").write_text("not to be read")
-    return folder
-
-
-def recalled(out: Path, *arguments: str) -> list[RecallRow]:
-    assert main(["recall", "--episodes", "2", "--out", str(out), *arguments]) == 0
-    return read_rows(out, RecallRow)
 
 
 def test_recall_reads_a_folder_of_experience(experience: Path, tmp_path: Path) -> None:
