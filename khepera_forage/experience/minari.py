@@ -206,20 +206,17 @@ def _environment(
 ) -> gym.Env[Any, Any]:
     """The environment of behaviours, or of motors, in the arena of some experience, which the names may tell."""
     found = sorted(set(names))
-    kind = "Wheels-v1" if wheels else "-v1"
     if arena is not None and found != [own := _arena_name(arena)]:
         raise ExperienceError(f"experience of {found}; allowed: of {own!r}, the argument arena")
+    settings: dict[str, Any] = {}
     if isinstance(arena, Arena):
-        return gym.make(f"khepera_forage/Corridor{kind}", decisions=decisions, **settings_of(arena))
-    if len(found) == 1 and found[0] in ARENAS:
-        return gym.make(f"khepera_forage/{environment_name(found[0])}{kind}", decisions=decisions)
-    levels = _levels(found)
-    if levels is None:
-        raise ExperienceError(
-            f"experience of {found}; allowed: one arena, of {', '.join(ARENAS)}, or one of your own with the argument "
-            "arena (--arena FILE); or procedural levels of one difficulty and split"
-        )
-    return gym.make(f"khepera_forage/Procedural{kind}", decisions=decisions, **levels)
+        name, settings = "Corridor", settings_of(arena)
+    elif len(found) == 1 and found[0] in ARENAS:
+        name = environment_name(found[0])
+    else:
+        name, settings = "Procedural", _levels(found)
+    kind = "Wheels-v1" if wheels else "-v1"
+    return gym.make(f"khepera_forage/{name}{kind}", decisions=decisions, **settings)
 
 
 def _arena_name(arena: Any) -> Any:
@@ -229,15 +226,16 @@ def _arena_name(arena: Any) -> Any:
     return arena.name if isinstance(arena, Arena) else arena
 
 
-def _levels(names: Sequence[str]) -> dict[str, Any] | None:
-    """The arguments of `Procedural-v1` in which all named levels are; None if there are none."""
-    known = [level for level in map(level_of, names) if level is not None]
-    levels = sorted(level for _, level in known)
+def _levels(names: Sequence[str]) -> dict[str, Any]:
+    """The arguments of `Procedural-v1` in which all named levels are."""
+    levels = [level_of(name) or ("", -1) for name in names]
+    numbers = sorted(number for _, number in levels)
     splits = {first // LEVELS: split for split, first in SPLITS.items()}
-    kinds = {(difficulty, splits.get(level // LEVELS)) for difficulty, level in known}
-    if len(known) < len(names) or len(kinds) != 1:
-        return None
-    ((difficulty, split),) = kinds
-    num_levels, start_level = levels[-1] - levels[0] + 1, levels[0] % LEVELS
-    own = {"difficulty": difficulty, "split": split, "num_levels": num_levels, "start_level": start_level}
-    return None if split is None else own
+    (difficulty, split), *others = {(difficulty, splits.get(number // LEVELS)) for difficulty, number in levels}
+    if others or split is None:
+        raise ExperienceError(
+            f"experience of {names}; allowed: one arena, of {', '.join(ARENAS)}, or one of your own with the argument "
+            "arena (--arena FILE); or procedural levels of one difficulty and split"
+        )
+    num_levels, start_level = numbers[-1] - numbers[0] + 1, numbers[0] % LEVELS
+    return {"difficulty": difficulty, "split": split, "num_levels": num_levels, "start_level": start_level}
