@@ -30,7 +30,6 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ["teacher.csv"],
         ["teacher.csv", "imitator.csv"],
         ["g/attempts.csv"],
-        ["g/attempts.csv", "g/attempts.csv"],
         ["compared/rows.csv"],
         ["compared/results.json"],
         ["compared/results.json", "compared/rows.csv"],
