@@ -1,7 +1,6 @@
 """An action that holds equals the same action in every round, in one environment and in many."""
 
 from importlib import import_module
-from importlib.util import find_spec
 from typing import Any
 
 import gymnasium as gym
@@ -15,8 +14,7 @@ import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.wrappers import ActionRepeat, VectorActionRepeat
 
 NAME, LIMIT, WORLDS = "khepera_forage/Corridor-v1", 40, 3
-needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba")
-modes = pytest.mark.parametrize("mode", ["sync", pytest.param("vector_entry_point", marks=needs_numba)])
+modes = pytest.mark.parametrize("mode", ["sync", "vector_entry_point"])
 
 
 def single(**kwargs: Any) -> gym.Env[Any, Any]:

@@ -10,9 +10,6 @@ import torch
 from tests.benchmarks.running import is_picture, read
 from tests.examples.running import module_of, refused, run_example
 
-pytest.importorskip("numba")
-pytest.importorskip("matplotlib")
-
 
 def test_ppo_forages_better_than_chance_after_a_short_training(tmp_path: Path) -> None:
     """Chance, held for five rounds, delivers in 13 % of the episodes."""

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from PIL import Image
 
 from khepera_forage.cli.main import main
 from khepera_forage.envs.rendering import palette
-from khepera_forage.experience import Experience
 from khepera_forage.sim.arena_file import read_arena, write_arena
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import ARENAS, FAMILY, family_arena
@@ -26,8 +26,7 @@ obstacles = [[[480, 0], [520, 0], [520, 300], [480, 300]]]
 
 
 def pixels(path: Path) -> NDArray[np.uint8]:
-    image = pytest.importorskip("PIL.Image")
-    return np.asarray(image.open(path).convert("RGB"))
+    return np.asarray(Image.open(path).convert("RGB"))
 
 
 def share(path: Path, colour: palette.Colour) -> float:
@@ -45,7 +44,6 @@ def test_list_has_every_arena_and_difficulty(capsys: pytest.CaptureFixture[str])
 
 @pytest.mark.parametrize("name", ["corridor", "t_maze", "obstacles", "mixed_foods", "procedural"])
 def test_arena_is_drawn(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("matplotlib")
     picture = tmp_path / "new" / "arena.png"
     level = ["--difficulty", "hard", "--level", str(LEVELS)] if name == "procedural" else []
     assert main(["arena", "show", name, *level, "--out", str(picture)]) == 0
@@ -62,7 +60,6 @@ def test_arena_is_drawn(name: str, tmp_path: Path, capsys: pytest.CaptureFixture
 def test_arena_that_is_too_narrow_is_drawn_in_red_and_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    pytest.importorskip("matplotlib")
     path, picture = tmp_path / "narrow.toml", tmp_path / "arena.png"
     shares = []
     for length in (300, 400):  # of the wall: leaves 200 mm and 100 mm
@@ -89,7 +86,6 @@ def test_arena_that_is_too_narrow_is_drawn_in_red_and_refused(
 def test_arena_that_is_not_allowed_is_drawn_and_refused(
     old: str, new: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    pytest.importorskip("matplotlib")
     path, picture = tmp_path / "narrow.toml", tmp_path / "arena.png"
     assert old in DOORS
     path.write_text(DOORS.replace(old, new))
@@ -123,9 +119,3 @@ def test_recall_takes_a_named_arena_and_an_arena_file(tmp_path: Path) -> None:
         texts.append(out.read_text())
     assert texts[0] == texts[1]
     assert "mixed_foods" in texts[2]
-
-
-def test_train_records_in_the_arena(tmp_path: Path) -> None:
-    options = ["--arena", "t_maze", "--episodes", "1", "--out", str(tmp_path)]
-    assert main(["train", *options]) == 0
-    assert Experience.load(tmp_path / "g1.csv").arena == "t_maze"

@@ -2,9 +2,9 @@
 
 import re
 from collections import Counter
-from importlib import import_module
 from pathlib import Path
 
+import minari
 import pytest
 from sklearn.tree import DecisionTreeClassifier
 
@@ -13,6 +13,7 @@ from khepera_forage.cli.dataset import FOLDER_VARIABLE
 from khepera_forage.cli.main import main
 from khepera_forage.envs.arena_settings import settings_of
 from khepera_forage.experience import Experience
+from khepera_forage.experience.minari import from_minari
 from khepera_forage.rollouts.training import arrays
 from khepera_forage.sim.arena_file import write_arena
 from khepera_forage.task.decisions import Decisions
@@ -22,20 +23,15 @@ from tests.arenas import BLOCKS
 SOME = Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (0, 59, 0, 215, 39)], [0, 2, 0], seed=7)
 
 
-@pytest.fixture
-def minari(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("minari")
-    pytest.importorskip("h5py")
+@pytest.fixture(autouse=True)
+def other_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "elsewhere"))
 
 
-@pytest.mark.usefixtures("minari")
 def test_new_episodes_are_a_dataset_with_a_card(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["dataset", "--episodes", "2", "--seed", "4", "--author", "me", "--out", "data"]) == 0
     printed = capsys.readouterr().out
     assert main(["train", "--episodes", "2", "--seed", "4", "--out", "files"]) == 0
-    from khepera_forage.experience.minari import from_minari
-
     parts = from_minari("khepera_forage/corridor-v1")
     assert parts == [Experience.load("files/g1.csv"), Experience.load("files/g2.csv")]
     steps = sum(map(len, parts))
@@ -59,12 +55,9 @@ def test_new_episodes_are_a_dataset_with_a_card(capsys: pytest.CaptureFixture[st
     assert names["episodes"] == parts
 
 
-@pytest.mark.usefixtures("minari")
 def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from() -> None:
     assert main(["dataset", "--alone", "--episodes", "5", "--out", "data"]) == 0
-    from khepera_forage.experience.minari import from_minari
-
-    dataset = import_module("minari").load_dataset("khepera_forage/corridor-alone-v1")
+    dataset = minari.load_dataset("khepera_forage/corridor-alone-v1")
     parts = from_minari(dataset)
     starts = {part.arrays()[0][0].tolist()[1] for part in parts}
     assert len(starts) > 1, "random places"
@@ -80,7 +73,6 @@ def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from() -
     assert sum(recall(env, learner, seed).delivered for seed in range(10)) >= 9
 
 
-@pytest.mark.usefixtures("minari")
 def test_card_of_a_dataset_on_wheels_counts_every_round() -> None:
     assert (
         main(
@@ -99,7 +91,7 @@ def test_card_of_a_dataset_on_wheels_counts_every_round() -> None:
         )
         == 0
     )
-    (episode,) = import_module("minari").load_dataset("khepera_forage/corridor-wheels-v1").iterate_episodes()
+    (episode,) = minari.load_dataset("khepera_forage/corridor-wheels-v1").iterate_episodes()
     card = Path("data/khepera_forage/corridor-wheels-v1/README.md").read_text(encoding="utf-8")
     counted = {int(number): int(count) for number, count in re.findall(r"^\| (\d+) \| [A-Z_]+ \| (\d+) \|", card, re.M)}
     assert counted == Counter(episode.infos["heard"][:-1].tolist())
@@ -107,7 +99,6 @@ def test_card_of_a_dataset_on_wheels_counts_every_round() -> None:
     assert "foraged for PUSHABLE food" in card
 
 
-@pytest.mark.usefixtures("minari")
 def test_files_are_a_dataset_whose_card_names_all_arenas_and_decisions(capsys: pytest.CaptureFixture[str]) -> None:
     for name, level, decisions in (("g1.csv", 7, Decisions()), ("g2.csv", 3, Decisions(next_to_food=22))):
         arena = f"procedural_easy_{level}"
@@ -129,10 +120,7 @@ def test_files_are_a_dataset_whose_card_names_all_arenas_and_decisions(capsys: p
     assert "--name is 'mine-v1'; allowed: a name that is not in data yet" in capsys.readouterr().err
 
 
-@pytest.mark.usefixtures("minari")
 def test_episodes_in_another_arena_are_a_dataset_of_this_arena() -> None:
-    from khepera_forage.experience.minari import from_minari
-
     assert main(["dataset", "--episodes", "1", "--arena", "mixed_foods", "--seed", "4", "--out", "data"]) == 0
     assert main(["train", "--episodes", "1", "--arena", "mixed_foods", "--seed", "4", "--out", "files"]) == 0
     assert from_minari("khepera_forage/mixed_foods-v1") == [Experience.load("files/g1.csv")]
@@ -146,7 +134,6 @@ def test_episodes_in_another_arena_are_a_dataset_of_this_arena() -> None:
         assert line in card
 
 
-@pytest.mark.usefixtures("minari")
 def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest.CaptureFixture[str]) -> None:
     write_arena(BLOCKS, "blocks.toml")
     Experience(SOME.vectors, SOME.behaviours, "blocks").save("g1.csv")
@@ -157,13 +144,12 @@ def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest
     assert "experience of ['blocks']; allowed: of 'doors', the argument arena" in capsys.readouterr().err
     assert main([*command, "--arena", "blocks.toml"]) == 0
     assert Path("data/khepera_forage/blocks-v1/README.md").exists()
-    dataset = import_module("minari").load_dataset("khepera_forage/blocks-v1")
+    dataset = minari.load_dataset("khepera_forage/blocks-v1")
     env = dataset.recover_environment().unwrapped
     assert env.arena == BLOCKS
     assert {"foods": env.foods, "limit": env.limit}.items() <= settings_of(BLOCKS).items()
 
 
-@pytest.mark.usefixtures("minari")
 def test_a_dataset_that_cannot_be_finished_is_removed(monkeypatch: pytest.MonkeyPatch) -> None:
     SOME.save("g1.csv")
 

@@ -88,8 +88,6 @@ def test_decisions_under_which_no_training_succeeds_are_reported_in_one_line(
     backend: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The gripper cannot be lowered 12 pixels from food: its fingers reach further."""
-    if backend == "compiled":
-        pytest.importorskip("numba")
     decision = [f"--decision={text}" for text in ("next_to_food=12", "most_attempts=2")]
     jobs = ["--jobs", "1"] if backend == "pymunk" else []
     assert main(["reproduce", "--quick", "--backend", backend, *jobs, "--out", "t", *decision]) == 2

@@ -2,11 +2,11 @@
 
 import re
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
+import minari
 import numpy as np
 import pytest
 from gymnasium.envs.registration import EnvSpec
@@ -52,17 +52,13 @@ ABOUT: dict[str, Any] = dict.fromkeys(
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    pytest.importorskip("minari")
-    pytest.importorskip("h5py")
+def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
-    return tmp_path
 
 
 @settings(max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(EXPERIENCE, min_size=1, max_size=4))
 def test_conversion_to_minari_and_back_gives_equal_experience(parts: list[Experience]) -> None:
-    minari = import_module("minari")
     dataset = to_minari(parts, "khepera/back-v0", allow_other_decisions=True)
     try:
         assert dataset.total_episodes == len(parts)
@@ -119,7 +115,6 @@ def test_episode_without_decisions_has_those_of_its_environment(monkeypatch: pyt
 
 def test_dataset_from_another_recorder_trains_the_imitator() -> None:
     """The dataset holds an episode of the teacher in the rectangle, recorded step by step."""
-    minari = import_module("minari")
     env = gym.make("khepera_forage:khepera_forage/Rectangle-v1")
     observation, _ = env.reset(seed=2)
     shown, done = [observation], []
@@ -184,7 +179,7 @@ def test_rewards_of_another_number_are_an_error() -> None:
 def test_recovered_environment_has_the_named_arena(name: str) -> None:
     part = Experience(SOME.vectors, SOME.behaviours, name, decisions=OTHER)
     to_minari([part], "khepera/named-v0")
-    dataset = import_module("minari").load_dataset("khepera/named-v0")
+    dataset = minari.load_dataset("khepera/named-v0")
     env = dataset.recover_environment().unwrapped
     assert (env.arena.name, env.decisions) == (name, OTHER)
     assert {"arena": name}.items() <= settings_of(name).items()
@@ -196,7 +191,7 @@ def test_recovered_environment_has_the_named_arena(name: str) -> None:
 def test_recovered_environment_has_the_levels_of_the_experience(first: int, split: str) -> None:
     parts = [Experience(SOME.vectors, SOME.behaviours, f"procedural_hard_{first + level}") for level in (7, 3)]
     to_minari(parts, "khepera/levels-v0")
-    dataset = import_module("minari").load_dataset("khepera/levels-v0")
+    dataset = minari.load_dataset("khepera/levels-v0")
     env = dataset.recover_environment()
     assert {"split": split, "start_level": 3, "num_levels": 5}.items() <= env.spec.kwargs.items()
     names = set()
@@ -218,7 +213,6 @@ def test_episode_without_an_arena_has_that_of_its_environment(arena: object, mon
 
 
 def test_dataset_without_state_vectors_is_an_error() -> None:
-    minari = import_module("minari")
     buffer = minari.data_collector.EpisodeBuffer(
         observations=np.zeros((3, 4), np.float32),
         actions=np.zeros(2, np.int64),

@@ -40,7 +40,6 @@ def decided(text: str) -> str:
 def test_complete_file_is_read(tmp_path: Path) -> None:
     """A file without decisions, or with some that name no version, is one of version 0.1."""
     assert Experience.load(write(tmp_path, WHOLE)) == EXPERIENCE
-    assert Experience.load(write(tmp_path, WHOLE.replace("\n", "\r\n"))) == EXPERIENCE
     assert Experience.load(write(tmp_path, WHOLE), recover=True) == EXPERIENCE
     assert Decisions.v0_1() != Decisions()
     for text, decisions in (

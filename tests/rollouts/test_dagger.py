@@ -8,7 +8,6 @@ from sklearn.tree import DecisionTreeClassifier
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies import UniformPolicy, state_vector_of
-from khepera_forage.policies.features import encoded
 from khepera_forage.policies.learners import LEARNERS, InteractiveImitation, OfflineImitation
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env
@@ -65,4 +64,3 @@ def test_registered_dagger_learners_work(env: BehavioursEnv, name: str) -> None:
     inner: OfflineImitation = learner.learner
     out = dagger(lambda: inner.classifier(env.diagonal, 0), env, 150, 0, sample=inner.sample, **learner.settings)
     assert Behaviour(out.policy.act(out.vectors[0], np.random.default_rng(0))) < Behaviour.WAIT
-    assert encoded(out.vectors, 138).shape == (150, 9)

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from importlib.util import find_spec
 from typing import Any
 
 import gymnasium as gym
@@ -25,10 +24,9 @@ from khepera_forage.task.decisions import Decisions
 
 NAME = "khepera_forage/Corridor-v1"
 SET_UP = set_up_of(Decisions())
-needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="needs numba")
 
 
-@pytest.mark.parametrize("backend", ["pymunk", pytest.param("compiled", marks=needs_numba)])
+@pytest.mark.parametrize("backend", ["pymunk", "compiled"])
 def test_recall_takes_what_make_returns(backend: str) -> None:
     env = gym.make(NAME, backend=backend, noise="none")
     row = recall(env, Teacher.of(env), seed=1)
@@ -85,7 +83,7 @@ def test_train_takes_a_number_as_seed_and_a_wrapped_environment() -> None:
     assert results[0] == results[1] == results[2]
 
 
-@pytest.mark.parametrize("backend", ["pymunk", pytest.param("compiled", marks=needs_numba)])
+@pytest.mark.parametrize("backend", ["pymunk", "compiled"])
 def test_noise_has_names(backend: str) -> None:
     shown = []
     for noise in ("none", Noise.none(), "laboratory", None, Noise.laboratory()):
