@@ -1,4 +1,4 @@
-"""Learners of stable-baselines3: short trainings, the contract of policies, the same outcome for the same seed."""
+"""Learners of stable-baselines3: short trainings, what policies act on, the same outcome for the same seed."""
 
 import pickle
 import random
@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from khepera_forage.policies import Policy
 from khepera_forage.policies.learners import LEARNERS, ReinforcementLearner
 from khepera_forage.policies.models import algorithm_named
 from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels, recall_wheels_env
 from khepera_forage.rollouts.reinforcement import COMPILED_MODE, TrainedPolicy, recall_envs, reinforce
-from tests.contracts.suites import PolicyContract
+from tests.policies.test_policies import observations
 
 FROM_STEPS = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, ReinforcementLearner)}
 SMALL: dict[str, dict[str, Any]] = {
@@ -39,10 +38,10 @@ def trained() -> dict[str, list[TrainedPolicy]]:
     return {name: short(name, AMOUNTS) for name in FROM_STEPS}
 
 
-class TestBehaviours(PolicyContract):
-    @pytest.fixture(params=[name for name, learner in FROM_STEPS.items() if not learner.wheels])
-    def policy(self, request: pytest.FixtureRequest, trained: dict[str, list[TrainedPolicy]]) -> Policy:
-        return trained[request.param][-1].policy
+@pytest.mark.parametrize("name", [name for name, learner in FROM_STEPS.items() if not learner.wheels])
+def test_policies_act_in_all_environments(name: str, trained: dict[str, list[TrainedPolicy]]) -> None:
+    policy, rng = trained[name][-1].policy, np.random.default_rng(0)
+    assert all(0 <= int(policy.act(observation, rng)) <= 10 for observation in observations())
 
 
 @pytest.mark.parametrize("name", FROM_STEPS)

@@ -1,18 +1,17 @@
-"""The contracts of `Robot`, `Camera`, `World` and `Policy`.
+"""The contracts of `Robot`, `Camera` and `World`.
 
 There is one suite of tests for each contract, for every implementation.
 
 A module that tests an implementation defines a fixture `stage` (a world after a reset, with one robot on open floor and
-one food object well away from it) or `policy`, and subclasses the suites.
+one food object well away from it), and subclasses the suites.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from khepera_forage.policies import Policy
 from khepera_forage.robots.khepera import MAX_SPEED, Motors, Robot, Senses
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import Layout, World
@@ -233,36 +232,3 @@ class SimulationContract(WorldContract):
                 history.append((stage.robot.sense(), stage.camera.look(), stage.world.poses()))
             runs.append(history)
         assert runs[0] == runs[1]
-
-
-class PolicyContract:
-    """`Policy`: act."""
-
-    def test_acts_on_observations_of_all_environments(self, policy: Policy) -> None:
-        rng = np.random.default_rng(0)
-        for observation in observations():
-            assert 0 <= int(policy.act(observation, rng)) <= 10
-
-    def test_same_generator_gives_the_same_actions(self, policy: Policy) -> None:
-        runs = []
-        for _ in range(2):
-            rng = np.random.default_rng(1)
-            runs.append([int(policy.act(observation, rng)) for observation in observations()])
-        assert runs[0] == runs[1]
-
-
-def observations() -> list[Any]:
-    """Observations of the same situations in the recall and the training environments."""
-    shown: list[Any] = []
-    for presence, home, food_type, arm, food in ((0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (1, 30, 1, 215, 138)):
-        shown.append(
-            {
-                "object_presence": np.int64(presence),
-                "robot_home_distance": np.array((home,)),
-                "food_type": np.int64(food_type),
-                "arms_height": np.array((arm,)),
-                "robot_food_distance": np.array((food,)),
-            }
-        )
-        shown.append(np.array((presence, home, food_type, arm, food, 10, 0)))
-    return shown

@@ -28,7 +28,6 @@ from khepera_forage.policies import (
 from khepera_forage.policies.learners import LEARNERS, OfflineImitation
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType, StateVector, behaviour_for, classify
-from tests.contracts.suites import observations
 
 IMITATING = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, OfflineImitation)}
 VECTOR = (0, 50, 0, 215, 18)
@@ -60,6 +59,23 @@ POLICIES: dict[str, Callable[[], Policy]] = {
     "model": lambda: as_policy(Constant()),
     "uniform": UniformPolicy,
 }
+
+
+def observations() -> list[Any]:
+    """Observations of the same situations in the recall and the training environments."""
+    shown: list[Any] = []
+    for presence, home, food_type, arm, food in ((0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (1, 30, 1, 215, 138)):
+        shown.append(
+            {
+                "object_presence": np.int64(presence),
+                "robot_home_distance": np.array((home,)),
+                "food_type": np.int64(food_type),
+                "arms_height": np.array((arm,)),
+                "robot_food_distance": np.array((food,)),
+            }
+        )
+        shown.append(np.array((presence, home, food_type, arm, food, 10, 0)))
+    return shown
 
 
 @pytest.mark.parametrize("name", POLICIES)
