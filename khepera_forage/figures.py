@@ -30,12 +30,7 @@ MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 
 
 def new_figure(width: float, height: float) -> "Figure":
-    """An empty figure.
-
-    Args:
-        width: In inches.
-        height: In inches.
-    """
+    """An empty figure; width and height are in inches."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), dpi=DPI, layout="constrained")
