@@ -2,7 +2,7 @@
 
 import math
 import signal
-import threading
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
@@ -22,7 +22,7 @@ from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.robots.khepera import JAW_OPEN, MAX_SPEED
 from khepera_forage.rollouts.recall import WheelsRecall, recall, recall_wheels, recall_wheels_env
 from khepera_forage.rollouts.rows import TrainingRow
-from khepera_forage.rollouts.training import arrays, delayed_interrupts, train
+from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, FoodType
 
@@ -194,14 +194,7 @@ def test_interrupt_while_the_file_is_opened_closes_and_deletes_it(
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-def test_delayed_interrupts_change_nothing_in_other_threads() -> None:
-    handlers: list[object] = []
-
-    def in_thread() -> None:
-        with delayed_interrupts():
-            handlers.append(signal.getsignal(signal.SIGINT))
-
-    thread = threading.Thread(target=in_thread)
-    thread.start()
-    thread.join()
-    assert handlers == [signal.default_int_handler]
+def test_training_in_another_thread_writes_its_file(tmp_path: Path) -> None:
+    with ThreadPoolExecutor() as pool:
+        experience, _ = pool.submit(train, TrainingEnv(), 3, path=tmp_path / "g1.csv").result()
+    assert Experience.load(tmp_path / "g1.csv") == experience
