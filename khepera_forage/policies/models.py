@@ -67,17 +67,13 @@ class ModelPolicy:
     sample: bool = False
     _last: tuple[Generator | None, int, Any, Any] = field(default=_NOTHING, init=False, repr=False)
     """The generator of the last action, how many more rounds it holds, the action, and a recurrent model's state."""
-    _recurs: bool = field(init=False, repr=False)
-    """Whether the model takes a state."""
-    _masks: bool = field(init=False, repr=False)
-    """Whether the model takes action masks."""
+    _takes: frozenset[str] = field(init=False, repr=False)
+    """Arguments of the model's `predict`."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.hold, Integral) or self.hold < 1:
             raise ValueError(f"hold is {self.hold!r}; allowed: a whole number of at least 1")
-        parameters = inspect.signature(self.model.predict).parameters
-        self._recurs = {"state", "episode_start"} <= set(parameters)
-        self._masks = "action_masks" in parameters
+        self._takes = frozenset(inspect.signature(self.model.predict).parameters)
 
     def act(self, observation: Any, rng: Generator | None = None) -> Any:
         """The model's action; with `sample` one number is drawn for a behaviour, and four for motors.
@@ -110,13 +106,14 @@ class ModelPolicy:
             action = _drawn(self.model, shown, checked_generator(rng))
         else:
             options: dict[str, Any] = {"deterministic": True}
-            if self._masks:
+            recurs = {"state", "episode_start"} <= self._takes
+            if "action_masks" in self._takes:
                 vector = state_vector_of(observation)
                 options["action_masks"] = APPLICABLE[vector.object_presence, vector.food_type]
-            if self._recurs:
+            if recurs:
                 options |= {"state": state, "episode_start": np.array([state is None])}
             action, state = self.model.predict(shown, **options)
-            if self._recurs and state is not None and rng is None:
+            if recurs and state is not None and rng is None:
                 raise TypeError(
                     "rng is None; allowed for a recurrent model: a numpy.random.Generator, another one for each episode"
                 )
@@ -286,7 +283,7 @@ def as_policy(learner: Any) -> Policy:
     """
     if not isinstance(learner, type):
         if callable(getattr(learner, "act", None)):
-            return learner if _takes(learner.act, 2) else AgentPolicy(learner)
+            return learner if _takes_rng(learner.act) else AgentPolicy(learner)
         if callable(getattr(learner, "predict_proba", None)):
             return policy_of(copy.deepcopy(learner))
         predict = getattr(learner, "predict", None)
@@ -298,10 +295,10 @@ def as_policy(learner: Any) -> Policy:
     )
 
 
-def _takes(method: Any, count: int) -> bool:
-    """Whether a method can be called with that many arguments in a row."""
+def _takes_rng(act: Any) -> bool:
+    """Whether an `act` can be called with two arguments in a row."""
     try:
-        inspect.signature(method).bind(*range(count))
+        inspect.signature(act).bind(0, 1)
     except TypeError:
         return False
     return True
