@@ -128,11 +128,6 @@ class Noise:
         return replace(self, **values)
 
 
-def noise_name(noise: Noise) -> str:
-    """The noise condition that rows name: "laboratory", "none", or "other"."""
-    return {Noise.laboratory(): "laboratory", Noise.none(): "none"}.get(noise, "other")
-
-
 def checked_noise(noise: Any) -> Noise:
     """The noise that a user asked for: a `Noise`, `"laboratory"`, `"none"`, or None for the laboratory's."""
     if isinstance(noise, Noise):

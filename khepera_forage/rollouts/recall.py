@@ -15,7 +15,7 @@ from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.arguments import whole_number
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.noise import Noise, noise_name
+from khepera_forage.noise import Noise
 from khepera_forage.policies import Neighbours
 from khepera_forage.policies.models import completed
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
@@ -48,7 +48,9 @@ def stopping(env: Any) -> Iterator[None]:
 
 def noise_of_world(world: World) -> str:
     """The noise condition that rows of a world name: "laboratory", "none", or "other"; real robots are "laboratory"."""
-    return noise_name(world.noise) if isinstance(world, Simulation) else "laboratory"
+    if not isinstance(world, Simulation):
+        return "laboratory"
+    return {Noise.laboratory(): "laboratory", Noise.none(): "none"}.get(world.noise, "other")
 
 
 def recall_env(
