@@ -74,23 +74,8 @@ def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from() -
 
 
 def test_card_of_a_dataset_on_wheels_counts_every_round() -> None:
-    assert (
-        main(
-            [
-                "dataset",
-                "--wheels",
-                "--episodes",
-                "1",
-                "--food-type",
-                "PUSHABLE",
-                "--decision",
-                "separation=6",
-                "--out",
-                "data",
-            ]
-        )
-        == 0
-    )
+    options = ["--episodes", "1", "--food-type", "PUSHABLE", "--decision", "separation=6", "--out", "data"]
+    assert main(["dataset", "--wheels", *options]) == 0
     (episode,) = minari.load_dataset("khepera_forage/corridor-wheels-v1").iterate_episodes()
     card = Path("data/khepera_forage/corridor-wheels-v1/README.md").read_text(encoding="utf-8")
     counted = {int(number): int(count) for number, count in re.findall(r"^\| (\d+) \| [A-Z_]+ \| (\d+) \|", card, re.M)}
