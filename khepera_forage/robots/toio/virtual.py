@@ -7,7 +7,7 @@ import asyncio
 import math
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from typing import Any
 from uuid import UUID
 
@@ -19,7 +19,7 @@ from khepera_forage.robots.toio.driver import FASTEST_UNIT, SLOWEST_UNIT, ToioRo
 
 require("a virtual cube", "toio")
 
-from toio.device_interface import CubeInterface  # noqa: E402 (after the check)
+from toio.device_interface.dummy import DummyCube  # noqa: E402 (after the check)
 from toio.toio_uuid import ToioUuid  # noqa: E402
 
 RADIUS = TOIO.radius / TOIO.scale
@@ -88,7 +88,7 @@ class VirtualTable:
                         cube.pose = MatPose(x + push * dx, y + push * dy, heading)
 
 
-class VirtualCube(CubeInterface):
+class VirtualCube(DummyCube):
     """One cube, as toio-py sees it; `pose` is its place on the plan."""
 
     def __init__(self, table: VirtualTable, name: str, pose: MatPose) -> None:
@@ -97,7 +97,6 @@ class VirtualCube(CubeInterface):
         self._units = (0, 0)
         self._until = math.inf
         self._connected = False
-        self._handlers: dict[UUID, Callable[..., Any]] = {}
         self._task: asyncio.Task[None] | None = None
 
     @property
@@ -115,25 +114,16 @@ class VirtualCube(CubeInterface):
         middle = heading + turn / 2
         self.pose = MatPose(x + forward * math.cos(middle), y + forward * math.sin(middle), heading + turn)
 
-    async def __aenter__(self) -> "VirtualCube":
-        await self.connect()
-        return self
-
-    async def __aexit__(self, *_: object) -> None:
-        await self.disconnect()
-
     async def connect(self) -> bool:
         """Connect, unless it is unplugged."""
         if self._name in self._table.unplugged:
             raise ConnectionError("the cube does not advertise itself")
         self._connected = True
-        self._task = asyncio.create_task(self._notify())
         return True
 
     async def disconnect(self) -> bool:
         """Disconnect; the wheels stop when their command ends."""
         self._connected = False
-        self._handlers.clear()
         return True
 
     async def read(self, char_uuid: UUID) -> bytearray:
@@ -151,29 +141,21 @@ class VirtualCube(CubeInterface):
             self._units = _effective(data[2], data[3]), _effective(data[5], data[6])
 
     async def register_notification_handler(self, char_uuid: UUID, notification_handler: Any) -> bool:
-        """Send notifications to a function."""
-        self._handlers[char_uuid] = notification_handler
-        return True
-
-    async def unregister_notification_handler(self, char_uuid: UUID) -> bool:
-        """Send none any more."""
-        self._handlers.pop(char_uuid, None)
+        """Send positions to a function; there are no other notifications."""
+        if char_uuid == ToioUuid.Id.value:
+            self._task = asyncio.create_task(self._notify(notification_handler))
         return True
 
     def is_connect(self) -> bool:
         """Whether it is connected."""
         return self._connected and self._name not in self._table.unplugged
 
-    async def _notify(self) -> None:
+    async def _notify(self, handler: Callable[..., Awaitable[None]]) -> None:
         """Send positions until it is disconnected."""
         while self.is_connect():
             await asyncio.sleep(self._table.interval)
-            handler = self._handlers.get(ToioUuid.Id.value)
-            if handler is not None:
-                self._table.advance()
-                result = handler(None, self._position())
-                if asyncio.iscoroutine(result):
-                    await result
+            self._table.advance()
+            await handler(None, self._position())
 
     def _position(self) -> bytearray:
         place = to_mat(self.pose)
