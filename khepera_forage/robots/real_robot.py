@@ -249,7 +249,8 @@ class RealRobot(ABC):
     def _open(self, work: Callable[[], None]) -> None:
         """Start the thread, and open the connection in it; release everything if that fails."""
         self._thread.start()
-        _add(self)
+        _open_robots[self] = None
+        _handle_suspensions()
         try:
             self.begin(work).result()
         except BaseException:
@@ -258,7 +259,7 @@ class RealRobot(ABC):
 
     def _release(self) -> None:
         self._closed = True
-        _remove(self)
+        _open_robots.pop(self, None)
         self._tasks.put(False)
         if threading.current_thread() is not self._thread:
             self._thread.join(timeout=5.0)
@@ -433,46 +434,39 @@ def _raise_any(errors: Sequence[BaseException]) -> None:
 
 # The open robots of this process. Signal handlers are installed with the first robot, and call the replaced ones.
 
-_open_robots: tuple[RealRobot, ...] = ()
-"""Replaced as a whole, because a signal may arrive at any moment."""
-_lock = threading.Lock()
+_open_robots: dict[RealRobot, None] = {}
+"""In the order of their opening. Changed and copied in single operations only: a signal may arrive at any moment."""
 _replaced: dict[int, Any] = {}
 _suspended_ports: list[str] = []
 
 
-def _add(robot: RealRobot) -> None:
-    """Stop the robot at the end of the program from now on."""
-    global _open_robots
-    with _lock:
-        _open_robots = (*_open_robots, robot)
-        if threading.current_thread() is not threading.main_thread():
-            return  # Python allows handlers only in the main thread; `atexit` and the watchdogs remain.
-        for name in {"SIGTSTP", "SIGCONT"} & signal.Signals.__members__.keys():
-            number = signal.Signals[name]
-            current = signal.getsignal(number)
-            # Leave ignored signals, and handlers not installed by Python, which cannot be called from here. A handler
-            # that was installed after ours may call ours.
-            is_new = number not in _replaced or current == signal.SIG_DFL
-            if is_new and current not in (None, signal.SIG_IGN):
-                _replaced[number] = current
-                signal.signal(number, _on_signal)
+def _handle_suspensions() -> None:
+    """Install the signal handlers, unless they are; Python allows this in the main thread only.
 
-
-def _remove(robot: RealRobot) -> None:
-    """Forget a robot that has been stopped and closed; a second call does nothing."""
-    global _open_robots
-    with _lock:
-        _open_robots = tuple(other for other in _open_robots if other is not robot)
+    Elsewhere `atexit` and the watchdogs remain.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return
+    for name in {"SIGTSTP", "SIGCONT"} & signal.Signals.__members__.keys():
+        number = signal.Signals[name]
+        current = signal.getsignal(number)
+        # Leave ignored signals, and handlers not installed by Python, which cannot be called from here. A handler
+        # that was installed after ours may call ours.
+        is_new = number not in _replaced or current == signal.SIG_DFL
+        if is_new and current not in (None, signal.SIG_IGN):
+            _replaced[number] = current
+            signal.signal(number, _on_signal)
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:
     """Stop the robots before a suspension; after SIGSTOP, which cannot be caught, unless they have watchdogs."""
-    for robot in _open_robots:
+    robots = list(_open_robots)
+    for robot in robots:
         # A command may be on its way, whatever was confirmed.
         if not robot.stop_confirmed or (robot._command is not None and any(robot._command[:2])):
             robot._suspended = True
             _suspended_ports.append(robot.port)
-    stop_and_log(_open_robots, "when the program was suspended")
+    stop_and_log(robots, "when the program was suspended")
     resumed = number == signal.SIGCONT
     if callable(_replaced[number]):
         _replaced[number](number, frame)
@@ -488,17 +482,13 @@ def _on_signal(number: int, frame: FrameType | None) -> None:
 
 @atexit.register
 def _at_exit() -> None:
-    stop_and_log(_open_robots, "at the end of the program")
-    for robot in _open_robots:
+    robots = list(_open_robots)
+    stop_and_log(robots, "at the end of the program")
+    for robot in robots:
         if robot.stop_confirmed:
             robot.close(stop=False)  # ends the watchdog
 
 
-def _forget() -> None:
-    global _open_robots
-    _open_robots = ()
-
-
 if hasattr(os, "register_at_fork"):
     # A forked child has no threads of the robots, and must leave the parent's robots alone.
-    os.register_at_fork(after_in_child=_forget)
+    os.register_at_fork(after_in_child=_open_robots.clear)
