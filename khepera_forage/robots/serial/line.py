@@ -139,11 +139,14 @@ class LineStatistics:
 
 @dataclass(slots=True, eq=False)
 class _Slot:
-    """A request, the command that was really sent for it, and its reply."""
+    """A request and its reply."""
 
     request: Request
-    command: str = ""
     reply: Reply | None = None
+
+    @property
+    def command(self) -> str:
+        return self.request.command
 
 
 class Line:
@@ -155,7 +158,7 @@ class Line:
         baud: One of the protocol's.
         timeout: Seconds that a reply may take in addition to the transmission time of the bytes; two, four and eight
             times as many after silence. The port may take as long to accept a request. `measure` may lengthen it.
-        replace: Called with each request before it is sent; returns what is sent.
+        replace: Called with each request before it is sent; returns what is sent, with the same command.
         check: Called again and again during a wait; may raise an exception to end it.
 
     Attributes:
@@ -330,10 +333,10 @@ class Line:
         garbled, rejected, reason = 0, False, "received nothing"
         self._forget_answered()
         taken = {slot.command for slot in self._pending}
-        if to_send[0].request.command in taken:
+        if to_send[0].command in taken:
             # A query first: no late reply is then taken for that to the first request. If all queries are taken, the
             # first is as good as any: its reply shows only that there is a robot.
-            taken |= {slot.request.command for slot in to_send}
+            taken |= {slot.command for slot in to_send}
             queries = self.protocol.queries
             to_send = [_Slot(next((q for q in queries if q.command not in taken), queries[0])), *to_send]
         deadline = self._send(to_send) + patience
@@ -404,14 +407,11 @@ class Line:
         """
         from serial import SerialTimeoutException
 
-        requests = [self._replace(slot.request) for slot in slots]
-        for slot, request in zip(slots, requests, strict=True):
-            slot.command = request.command
         self._pending += slots
-        data = b"".join(map(self.protocol.encode_request, requests))
+        data = b"".join(self.protocol.encode_request(self._replace(slot.request)) for slot in slots)
         with contextlib.suppress(SerialTimeoutException):
             self._serial.write(data)
-        self.statistics.sent += len(requests)
+        self.statistics.sent += len(slots)
         replies = len(slots) + len(self._ahead)
         return self.now() + self._on_wire(len(data) + replies * _MAX_REPLY_LENGTH)
 
@@ -446,8 +446,7 @@ class Line:
     def _discard_banner(self) -> None:
         """Read to the end of the banner: the robot would lose a request sent before."""
         self.statistics.restarts += 1
-        gap_end = self.now() + _BANNER_GAP
-        end = gap_end - _BANNER_GAP + _MAX_BANNER_DURATION
+        gap_end, end = self.now() + _BANNER_GAP, self.now() + _MAX_BANNER_DURATION
         while self.now() < min(gap_end, end):
             if self._read(1):
                 gap_end = self.now() + _BANNER_GAP
