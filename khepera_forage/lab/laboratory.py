@@ -91,6 +91,11 @@ class Laboratory:
         """The robots, the teacher first."""
         return self._fleet.robots
 
+    @property
+    def port_urls(self) -> tuple[str, ...]:
+        """The ports of the robots, as opened by the drivers."""
+        return tuple(robot.port for robot in self.robots)
+
     def reset(self, rng: np.random.Generator, layout: Layout) -> None:
         """Let the operator place everything, and check the result by camera.
 

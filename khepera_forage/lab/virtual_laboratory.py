@@ -133,11 +133,6 @@ class VirtualLaboratory(Laboratory):
             self._close_lines()
             raise
 
-    @property
-    def port_urls(self) -> tuple[str, ...]:
-        """The ports of the robots, as opened by the drivers."""
-        return tuple(khepera.url for khepera in self.virtual_kheperas)
-
     def reset(self, rng: np.random.Generator, layout: Layout) -> None:
         """As `Laboratory.reset`; the simulation, the frames and the operator draw from `rng`."""
         check_layout(self.arenas, layout)
@@ -180,8 +175,8 @@ class VirtualLaboratory(Laboratory):
                 self.virtual_kheperas[i].close()
             line = VirtualKhepera(firmware, baud=baud, faults=self._faults, rng=self._rngs[i])
             self.virtual_kheperas[i : i + 1] = [line]
-        robots = zip(settings.robots, self.port_urls, strict=True)
-        return replace(settings, robots=tuple(replace(robot, port=url) for robot, url in robots))
+        robots = zip(settings.robots, self.virtual_kheperas, strict=True)
+        return replace(settings, robots=tuple(replace(robot, port=khepera.url) for robot, khepera in robots))
 
     def _close_lines(self) -> None:
         while self.virtual_kheperas:
@@ -203,11 +198,6 @@ class VirtualCubeLaboratory(Laboratory):
         operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes, settings.arenas, self._sleep)
         clock = WallClock(settings.period, lambda: self._now, lambda _: self._sleep(settings.period))
         super().__init__(settings, operator, clock=clock)
-
-    @property
-    def port_urls(self) -> tuple[str, ...]:
-        """The names of the robots."""
-        return tuple(robot.port for robot in self.settings.robots)
 
     def _sleep(self, seconds: float) -> None:
         self._now += seconds
