@@ -5,7 +5,7 @@ from typing import Any
 from khepera_forage.robots.epuck.driver import SerialEPuck
 from khepera_forage.robots.epuck.firmware import EPuckFirmware
 from khepera_forage.robots.khepera import CONTROL_PERIOD
-from khepera_forage.robots.model import model_of
+from khepera_forage.robots.model import E_PUCK, KHEPERA, model_of
 from khepera_forage.robots.real_robot import RealRobot
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.serial.serial_robot import SerialRobot
@@ -14,9 +14,7 @@ from khepera_forage.robots.virtual.firmware import Firmware
 
 DRIVERS: dict[str, type[RealRobot]] = {driver.model.name: driver for driver in (SerialKhepera, SerialEPuck, ToioRobot)}
 """By the name of the robot's model."""
-FIRMWARES: dict[str, type[Firmware]] = {
-    driver.model.name: firmware for driver, firmware in ((SerialKhepera, Firmware), (SerialEPuck, EPuckFirmware))
-}
+FIRMWARES: dict[str, type[Firmware]] = {KHEPERA.name: Firmware, E_PUCK.name: EPuckFirmware}
 """Of the robots with a serial line."""
 
 

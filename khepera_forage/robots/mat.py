@@ -27,11 +27,6 @@ class MatPose(NamedTuple):
 class MatRobot(RealRobot):
     """A robot that reports its place on a mat. See `RealRobot`.
 
-    Args:
-        port: Name of the connection.
-        max_speed: Limit of the wheel speeds in speed units; that of the model by default.
-        period: Seconds of a round.
-
     Attributes:
         mat_size: Width and height of the mat on the plan in mm; the origin is its lower left corner.
         pose: Its last place on the plan.
