@@ -8,22 +8,16 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import numpy as np
 import pytest
 import serial
 
 from khepera_forage.cli.main import main
 from khepera_forage.cli.robot import bars
-from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import CONTROL_PERIOD, Senses
 from khepera_forage.robots.serial.watchdog import Watchdog
-from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
-from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import Layout
 from tests.lab.laboratories import Time
 from tests.robots.rig import Rig, make_rig
-from tests.version_0_1 import CORRIDOR, TIMING
 
 WAIT = 60.0
 """Seconds after which something counts as missing: a busy machine takes long."""
@@ -74,10 +68,8 @@ def rig(monkeypatch: pytest.MonkeyPatch) -> Iterator[Rig]:
 @pytest.fixture
 def frozen() -> Iterator[VirtualKhepera]:
     """A virtual Khepera in a world without time, whose motors never move."""
-    world = PymunkWorld([CORRIDOR], (2,), Noise.none(), timing=TIMING)
-    world.reset(np.random.default_rng(0), Layout((CORRIDOR.start,), ()))
-    with VirtualKhepera(Firmware(world.robots[0]), baud=None, rng=np.random.default_rng(0)) as khepera:
-        yield khepera
+    with make_rig() as rig:
+        yield rig.ports[0]
 
 
 def output(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
@@ -139,25 +131,20 @@ def test_drive_turns_the_wheels_and_stops(rig: Rig, capsys: pytest.CaptureFixtur
 def test_drive_continues_after_a_restart(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """The power supply fails for a moment, after half a second."""
     monkeypatch.setattr("khepera_forage.cli.robot.time", Time())
-    world = PymunkWorld([CORRIDOR], (2,), Noise.none(), timing=TIMING)
-    world.reset(np.random.default_rng(0), Layout((CORRIDOR.start,), ()))
-    firmware = Firmware(world.robots[0])
-    handle, rounds = firmware.handle, iter(range(1000))
+    rounds = iter(range(1000))
+    with make_rig() as rig:
 
-    def handle_and_advance(line: bytes) -> bytes:
-        if line.startswith(b"H"):
-            world.advance()
-            firmware.tick()
-            if next(rounds) == 5:
-                return firmware.power_on()
-        return handle(line)
+        def advance(line: bytes) -> bytes | None:
+            if line != b"H":
+                return None
+            rig.advance()
+            return rig.firmware.power_on() if next(rounds) == 5 else None
 
-    firmware.handle = handle_and_advance  # type: ignore[method-assign]
-    with VirtualKhepera(firmware, baud=None) as khepera:
-        out = output(capsys, "drive", "--port", khepera.url, "--left", "4", "--right", "4", "--seconds", "1.5")
+        rig.intercept(advance)
+        out = output(capsys, "drive", "--port", rig.url, "--left", "4", "--right", "4", "--seconds", "1.5")
+        true_left = rig.robots[0].sense().left_pulses
     assert "the robot restarted 1 time: check its power supply" in out
     left, right = (int(pulses) for pulses in re.findall(r"(-?\d+) pulses", out))
-    true_left = world.robots[0].sense().left_pulses
     assert 0 <= true_left - left <= 2 * 40
     assert left == right
 
