@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs.laboratories import virtual_laboratory
-from khepera_forage.lab.laboratory import Laboratory
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
@@ -27,20 +26,17 @@ pytest.importorskip("cv2")
 def stage() -> Iterator[Stage]:
     noise = replace(Noise.laboratory(), placement_error=1, placement_heading_error=0.5)
     with virtual_laboratory(RECTANGLE, 1, V0_1, noise=noise) as world:
+        assert (type(world.robots[0]), type(world.camera)) == (SerialKhepera, TrackedCamera)
         layout = Layout((Pose(200.0, 300.0, 0.5),), (Point(500.0, 150.0),))
         world.reset(np.random.default_rng(3), layout)
         yield Stage(world, layout)
 
 
 class TestSerialKhepera(RobotContract):
-    def test_robot_is_the_real_driver(self, stage: Stage) -> None:
-        assert type(stage.robot) is SerialKhepera
+    pass
 
 
 class TestTrackedCamera(CameraContract):
-    def test_camera_is_the_real_tracker(self, stage: Stage) -> None:
-        assert type(stage.camera) is TrackedCamera
-
     def test_regions_are_at_the_true_places(self, stage: Stage) -> None:
         """The poses of the laboratory are the camera's, so the contract alone does not test them."""
         assert isinstance(stage.world, VirtualLaboratory)
@@ -55,5 +51,4 @@ class TestTrackedCamera(CameraContract):
 
 
 class TestLaboratory(WorldContract):
-    def test_world_is_a_laboratory(self, stage: Stage) -> None:
-        assert isinstance(stage.world, Laboratory)
+    pass

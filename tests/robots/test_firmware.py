@@ -1,4 +1,4 @@
-"""The firmware: replies to every command, byte for byte; wheels, counters, gripper, restart, another body."""
+"""The firmware: replies to every command, byte for byte; wheels, counters, gripper, another body."""
 
 import numpy as np
 import pytest
@@ -93,19 +93,6 @@ def test_gripper_closes_on_food_which_does_not_conduct() -> None:
     stage.advance(20)
     assert 100 < stage.numbers("T,1,H,0")[0] < 150, "closed on 35 mm"
     assert stage.numbers("T,1,F")[0] <= 20
-
-
-def test_restart_sends_the_banner_and_resets_everything(stage: Rig) -> None:
-    for line in ("L,0,1", "G,77,77", "D,8,8"):
-        stage.request(line)
-    stage.advance(5)
-    banner = stage.firmware.handle(b"restart")
-    assert banner == b"".join(line.encode() + b"\r\n" for line in KHEPERA.banner)
-    assert banner.startswith(b"ROM of minirobot KHEPERA")
-    assert stage.numbers("H") == [0, 0]
-    assert stage.numbers("E") == [0, 0]
-    stage.advance(5)
-    assert stage.numbers("H") == [0, 0], "the wheels are stopped"
 
 
 def test_attached_body_continues_the_motion(stage: Rig) -> None:

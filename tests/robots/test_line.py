@@ -59,11 +59,11 @@ def test_replies_may_arrive_in_pieces_with_any_line_ending(end: bytes) -> None:
 
 
 def test_garbled_and_unmatched_lines_are_ignored() -> None:
-    others = b"N\r\nt,2,b,1\r\nh,4,5\r\n\r\n\r\n\xff\x80\r\nn,1,2\r\nhello there\r\n"
+    others = b"N\r\nz\r\nm\r\n5.01\r\nt,2,b,1\r\nh,4,5\r\n\r\n\r\n\xff\x80\r\nn,1,2\r\nhello there\r\n"
     with connected(NumberedReplies({0: lambda reply: [others + reply]}), timeout=5.0) as (line, scripted):
         assert first(line, N) == 1
         assert scripted.commands == [b"N"]
-        assert (line.statistics.unmatched, line.statistics.garbled) == (1, 5)
+        assert (line.statistics.unmatched, line.statistics.garbled) == (1, 8)
 
 
 ACTIONS: dict[str, Callable[[bytes], list[Action]]] = {

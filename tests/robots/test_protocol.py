@@ -65,11 +65,6 @@ def test_decoded_lines_encode_to_the_same_bytes(line: bytes) -> None:
             assert KHEPERA.encode_reply(reply).rstrip(b"\r\n") == line.rstrip(b"\r\n")
 
 
-@pytest.mark.parametrize("text", [*KHEPERA.banner, "n,12,3ROM of minirobot KHEPERA", "e,nan,5", "e,inf,5"])
-def test_words_are_decoded_as_text_even_after_a_partial_reply(text: str) -> None:
-    assert KHEPERA.decode_reply(text.encode()) == TextLine(text)
-
-
 @pytest.mark.parametrize("name", sorted(COMMANDS))
 def test_wrong_values_and_numbers_of_values_are_rejected(name: str) -> None:
     arguments, results = COMMANDS[name]
@@ -118,9 +113,3 @@ def test_lines_that_are_not_printable_are_rejected(line: bytes) -> None:
     for decode in (KHEPERA.decode_request, KHEPERA.decode_reply):
         with pytest.raises(ProtocolError, match="printable"):
             decode(line)
-
-
-@pytest.mark.parametrize("line", [b"N,1,1,1,1,1,1,1,1", b"z", b"m", b"t,1,H,5", b"5.01", b",Command not found"])
-def test_lines_that_are_not_replies_are_rejected(line: bytes) -> None:
-    with pytest.raises(ProtocolError):
-        KHEPERA.decode_reply(line)

@@ -78,7 +78,10 @@ def test_requests_are_executed_and_answered(stage: Rig, tcp: int | None) -> None
         assert [host.readline() for _ in range(3)] == [b"h,600,600\r\n", b"t,1,h,255\r\n", b"z,Command not found\r\n"]
         host.write(b"restart\n")
         assert [host.readline().decode().rstrip() for _ in KHEPERA.banner] == list(KHEPERA.banner)
-        assert khepera.fault_counts == {"replies": 7}
+        assert asked(host, b"E\n") == b"e,0,0\r\n"
+        stage.advance(2)
+        assert asked(host, b"H\n") == b"h,0,0\r\n", "the wheels are stopped"
+        assert khepera.fault_counts == {"replies": 9}
 
 
 def test_pseudo_terminal_works_without_any_configuration(stage: Rig) -> None:
