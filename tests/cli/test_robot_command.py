@@ -14,7 +14,7 @@ import serial
 from khepera_forage.cli.main import main
 from khepera_forage.cli.robot import bars
 from khepera_forage.robots.khepera import CONTROL_PERIOD, Senses
-from khepera_forage.robots.serial.watchdog import Watchdog
+from khepera_forage.robots.serial import serial_robot
 from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
 from tests.lab.laboratories import Time
 from tests.robots.rig import Rig, make_rig
@@ -154,13 +154,7 @@ def test_no_watchdog_starts_none(
     rig: Rig, option: list[str], watchdogs: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     started: list[str] = []
-    original = Watchdog.__init__
-
-    def recorded(self: Watchdog, port: str, descriptor: int, stop: bytes) -> None:
-        started.append(port)
-        original(self, port, descriptor, stop)
-
-    monkeypatch.setattr(Watchdog, "__init__", recorded)
+    monkeypatch.setattr(serial_robot, "start_watchdog", lambda port, *_: started.append(port))
     output(capsys, "grip", "open", "--port", rig.url, *option)
     assert started == [rig.url] * watchdogs
 

@@ -1,7 +1,7 @@
 """A virtual laboratory without noise, and an operator that makes mistakes."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from khepera_forage.envs.laboratories import virtual_laboratory
@@ -9,13 +9,20 @@ from khepera_forage.lab.operator import OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors
-from khepera_forage.sim.arena import Pose, copies
+from khepera_forage.sim.arena import Arena, Pose, copies
 from khepera_forage.sim.world import Layout
 from khepera_forage.vision.rendering import CameraAppearance
 from tests.version_0_1 import CORRIDOR, V0_1
 
 ARENAS = copies(CORRIDOR, 2)
-LAYOUT = Layout(tuple(arena.start for arena in ARENAS), tuple(food for arena in ARENAS for food in arena.foods))
+
+
+def layout_of(arenas: Sequence[Arena]) -> Layout:
+    """The usual places of robots and food."""
+    return Layout(tuple(arena.start for arena in arenas), tuple(food for arena in arenas for food in arena.foods))
+
+
+LAYOUT = layout_of(ARENAS)
 
 
 class Time:

@@ -18,6 +18,7 @@ from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.mat import MatPose
 from khepera_forage.robots.toio import virtual
 from khepera_forage.sim.world import Layout
+from tests.lab.laboratories import layout_of
 from tests.version_0_1 import SET_UP, V0_1
 
 FILE = """
@@ -39,12 +40,8 @@ def lab() -> Iterator[VirtualCubeLaboratory]:
         yield lab
 
 
-def layout_of(lab: VirtualCubeLaboratory) -> Layout:
-    return Layout(tuple(a.start for a in lab.arenas), tuple(f for a in lab.arenas for f in a.foods))
-
-
 def test_cubes_drive_to_their_places_for_every_episode_and_are_sensed(lab: VirtualCubeLaboratory) -> None:
-    layout = layout_of(lab)
+    layout = layout_of(lab.arenas)
     for seed in range(2):
         lab.reset(np.random.default_rng(seed), layout)
         for pose, start in zip(lab.poses(), layout.starts, strict=True):
@@ -79,7 +76,7 @@ def test_cubes_drive_to_their_places_within_the_safe_speed(
 
     monkeypatch.setattr(virtual, "_effective", recorded)
     with VirtualCubeLaboratory(parse(f"safe_speed = {safe_speed}\n{FILE}", SET_UP, 0.1)) as lab:
-        lab.reset(np.random.default_rng(0), layout_of(lab))
+        lab.reset(np.random.default_rng(0), layout_of(lab.arenas))
     assert max(map(abs, units)) == fastest
 
 
@@ -99,11 +96,11 @@ def test_spare_food_cube_without_room_is_named() -> None:
         VirtualCubeLaboratory(settings) as lab,
         pytest.raises(OperatorGaveUp, match=r"no room beside the arenas for virtual:food[123]: take it away"),
     ):
-        lab.reset(np.random.default_rng(0), layout_of(lab))
+        lab.reset(np.random.default_rng(0), layout_of(lab.arenas))
 
 
 def test_lost_cube_stops_all_and_takes_a_person(lab: VirtualCubeLaboratory) -> None:
-    layout = layout_of(lab)
+    layout = layout_of(lab.arenas)
     lab.reset(np.random.default_rng(0), layout)
     lab.table.unplugged.add("robot 1")
     with pytest.raises(RobotLost, match="virtual:robot 1"):

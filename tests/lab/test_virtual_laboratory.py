@@ -30,6 +30,7 @@ from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.vision.rendering import CameraAppearance
+from tests.lab.laboratories import layout_of
 from tests.version_0_1 import SET_UP, V0_1
 
 pytest.importorskip("serial")
@@ -111,16 +112,14 @@ def test_laboratory_of_a_file_shows_its_markers(markers: str, numbers: tuple[int
     robots = [f'[[robots]]\nport = "{n}"\nholes = {n}\noffset = [600, {400 + 100 * n}]\n' for n in numbers]
     settings = parse(f'[camera]\nsource = 0\n[tracker]\nmarkers = "{markers}"\n' + "".join(robots), SET_UP, 0.1)
     with VirtualLaboratory(settings, arm_speed=40, jaw_speed=333, noise="none") as lab:
-        starts = tuple(arena.start for arena in lab.arenas)
-        lab.reset(np.random.default_rng(0), Layout(starts, tuple(f for a in lab.arenas for f in a.foods)))
-        for pose, start in zip(lab.poses(), starts, strict=True):
-            assert math.dist(pose[:2], start[:2]) < 5
+        lab.reset(np.random.default_rng(0), layout_of(lab.arenas))
+        for pose, arena in zip(lab.poses(), lab.arenas, strict=True):
+            assert math.dist(pose[:2], arena.start[:2]) < 5
 
 
 def test_laboratory_of_e_puck2s_is_sensed_and_driven() -> None:
     with virtual_laboratory("corridor", 2, V0_1, robot="e-puck2", noise=Noise.none()) as lab:
-        starts = tuple(arena.start for arena in lab.arenas)
-        lab.reset(np.random.default_rng(0), Layout(starts, tuple(f for a in lab.arenas for f in a.foods)))
+        lab.reset(np.random.default_rng(0), layout_of(lab.arenas))
         seen = set()
         for _ in range(70):
             for robot in lab.robots:
@@ -203,7 +202,7 @@ def test_rounds_set_up_and_arm_follow_the_decisions() -> None:
             assert arena.home.x - arena.foods[0].x == pytest.approx(200)
             assert arena.start.x - arena.bounds[0] == pytest.approx(120)
         assert lab.round_duration == 0.2
-        lab.reset(np.random.default_rng(0), Layout(tuple(a.start for a in lab.arenas), ()))
+        lab.reset(np.random.default_rng(0), layout_of(lab.arenas))
         lab.robots[0].drive(Motors(0, 0, 255, 200))
         arms = []
         for _ in range(4):
@@ -249,10 +248,9 @@ def test_robot_without_a_serial_line_is_refused() -> None:
 @pytest.mark.parametrize("period", [0.05, 0.18, 0.5])
 def test_simulation_advances_by_the_period(period: float) -> None:
     with virtual_laboratory("corridor", 1, replace(V0_1, round_duration=period), **QUIET) as lab:
-        start = lab.arenas[0].start
-        lab.reset(np.random.default_rng(0), Layout((start,), lab.arenas[0].foods))
+        lab.reset(np.random.default_rng(0), layout_of(lab.arenas))
         lab.robots[0].drive(Motors(5, 5, 215, 200))
         for _ in range(5):
             lab.advance()
-        assert lab.simulation.poses()[0].x == pytest.approx(start.x + 5 * 5 * 8 * period)
+        assert lab.simulation.poses()[0].x == pytest.approx(lab.arenas[0].start.x + 5 * 5 * 8 * period)
         assert b"".join(lab.firmwares[0].handle(b"E").split()) == b"e,5,5"

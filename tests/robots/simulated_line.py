@@ -6,7 +6,7 @@ from typing import Self
 import pytest
 
 from khepera_forage.robots.serial import line
-from khepera_forage.robots.serial.protocol import LineSplitter, seconds_on_wire
+from khepera_forage.robots.serial.protocol import KHEPERA, LineSplitter, Reply, Text, seconds_on_wire
 
 Action = bytes | float
 """Bytes to send, or seconds to wait."""
@@ -30,19 +30,11 @@ class NumberedReplies:
 
 
 def reply_with(request: bytes, value: int) -> bytes:
-    """The reply to a request, with all values equal to `value`."""
-    letter = request.split(b",")[0]
-    v = str(value).encode()
-    if request.startswith((b"T,1,H", b"T,1,G")):
-        return b"t,1," + request[4:5].lower() + b"," + v + b"\r\n"
-    if request.startswith((b"T,1,D", b"T,1,E")):
-        return b"t,1," + request[4:5].lower() + b"\r\n"
-    counts = {b"N": 8, b"O": 8, b"H": 2, b"E": 2, b"I": 1}
-    if letter == b"B":
-        return b"b,5.02,5.01\r\n"
-    if letter == b"K":
-        return b"k,0,0," + v + b",0,0," + v + b"\r\n"
-    return b",".join([letter.lower(), *[v] * counts.get(letter, 0)]) + b"\r\n"
+    """The reply to a request of a Khepera, with all values equal to `value`, as far as they are allowed."""
+    command = KHEPERA.decode_request(request).command
+    results = KHEPERA.commands[command].results
+    values = tuple("5.02" if isinstance(result, Text) else min(value, result.high) for result in results)
+    return KHEPERA.encode_reply(Reply(command, values))
 
 
 class SimulatedLine:

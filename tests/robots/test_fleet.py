@@ -4,6 +4,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -132,27 +133,18 @@ def test_invalid_fleets_are_rejected() -> None:
 @pytest.mark.parametrize("is_late", [False, True], ids=["in time", "a little late"])
 def test_silent_robot_stops_the_others_before_it_counts_as_lost(is_late: bool) -> None:
     """Also one that is done after the others were held."""
-    with make_fleet(2) as (rig, fleet):
+    with make_fleet(2) as (rig, fleet), ThreadPoolExecutor() as pool:
         run_rounds(rig, fleet, FORWARD, 2)
         rig.ports[0].interrupted = True
         rig.ports[1].faults = Faults(delay=float(is_late), lateness=(0.15, 0.15))
-        losses: list[RobotLost] = []
-
-        def receive() -> None:
-            try:
-                fleet.receive()
-            except RobotLost as lost:
-                losses.append(lost)
-
-        waiting = threading.Thread(target=receive)
-        waiting.start()
+        waiting = pool.submit(fleet.receive)
         time.sleep(0.1 * is_late)
         rig.ports[1].faults = Faults()
         while rig.firmwares[1].turning:
-            assert waiting.is_alive()
+            assert not waiting.done()
             time.sleep(0.002)
         rig.ports[0].interrupted = not is_late
-        waiting.join()
-        assert [lost.port for lost in losses] == [rig.url] * (not is_late)
+        lost = waiting.exception()
+        assert lost is None if is_late else isinstance(lost, RobotLost) and lost.port == rig.url
         assert not rig.firmwares[1].turning
         rig.ports[0].interrupted = False

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from typing import Any
 
 import pytest
@@ -34,12 +34,8 @@ def connected(script: Script, *, timeout: float = 0.08) -> Iterator[tuple[Line, 
 @contextmanager
 def opened() -> Iterator[tuple[Line, Rig]]:
     """A line on a pseudo-terminal."""
-    with make_rig() as rig:
-        line = Line(rig.url, KHEPERA, baud=115200)
-        try:
-            yield line, rig
-        finally:
-            line.close()
+    with make_rig() as rig, closing(Line(rig.url, KHEPERA, baud=115200)) as line:
+        yield line, rig
 
 
 def first(line: Line, request: Request) -> int | str:

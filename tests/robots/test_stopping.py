@@ -4,7 +4,6 @@ import contextlib
 import logging
 import os
 import signal
-import subprocess
 import time
 
 import pytest
@@ -189,19 +188,13 @@ def test_robot_that_confirms_no_stop_is_reported() -> None:
         assert f"{rig.url} may still be moving: its driver has ended" in errors
 
 
-def test_watchdog_ends_with_the_driver(no_leaks: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    processes: list[subprocess.Popen[bytes]] = []
-    original = Watchdog.__init__
-
-    def recorded(self: Watchdog, port: str, descriptor: int, stop: bytes) -> None:
-        original(self, port, descriptor, stop)
-        processes.append(self._process)
-
-    monkeypatch.setattr(Watchdog, "__init__", recorded)
+def test_watchdog_ends_with_the_driver(no_leaks: None) -> None:
     with make_rig(1) as rig, SerialKhepera(rig.url) as robot:
+        assert robot._watchdog is not None
+        process = robot._watchdog._process
         run_rounds(rig, robot, FORWARD)
-        assert processes[0].poll() is None
-    assert processes[0].poll() == 0
+        assert process.poll() is None
+    assert process.poll() == 0
 
 
 def test_lost_watchdog_is_reported(caplog: pytest.LogCaptureFixture) -> None:
