@@ -58,6 +58,10 @@ _CONTACT = RADIUS + FOOD_RADIUS
 """mm from the centre of a robot without a gripper to that of food that it pushes."""
 
 
+def _ahead(pose: Pose, distance: float) -> Point:
+    return Point(pose.x + distance * math.cos(pose.heading), pose.y + distance * math.sin(pose.heading))
+
+
 class FoodLocator:
     """The food objects of a laboratory, in the order of its layout.
 
@@ -110,8 +114,7 @@ class FoodLocator:
         for pose, robot in robots:
             k_ahead = self.ahead_of(pose, robot.model.reach)
             if not robot.model.has_gripper and robot.touches and k_ahead is not None and k_ahead not in seen:
-                x, y = (pose[i] + _CONTACT * f(pose.heading) for i, f in enumerate((math.cos, math.sin)))
-                self.places[k_ahead] = FoodPlace(x, y, False)
+                self.places[k_ahead] = FoodPlace(*_ahead(pose, _CONTACT), False)
 
     def _update_held(self, number: int, pose: Pose, robot: RealRobot) -> None:
         """Move held food with its robot; released food stays at its last position."""
@@ -121,14 +124,13 @@ class FoodLocator:
             if released is not None:
                 self.places[released] = self.places[released]._replace(lifted=False)
             return
-        x = pose.x + _GRIP_CENTRE * math.cos(pose.heading)
-        y = pose.y + _GRIP_CENTRE * math.sin(pose.heading)
+        place = _ahead(pose, _GRIP_CENTRE)
         if number not in self.held:
-            nearest = self._nearest_free(Point(x, y), set(self.held.values()))
+            nearest = self._nearest_free(place, set(self.held.values()))
             if nearest is None:
                 return
             self.held[number] = nearest
-        self.places[self.held[number]] = FoodPlace(x, y, senses.arm < ARM_ON_FLOOR)
+        self.places[self.held[number]] = FoodPlace(*place, senses.arm < ARM_ON_FLOOR)
 
     def _nearest_free(self, place: Point, taken: set[int]) -> int | None:
         free = [k for k in range(len(self.places)) if k not in taken]
