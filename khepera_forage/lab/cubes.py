@@ -35,12 +35,13 @@ class CubeOperator:
 
     def __init__(
         self,
-        robots: Callable[[], Sequence[MatRobot]],
-        foods: Callable[[], Sequence[MatRobot]],
+        robots: Sequence[MatRobot],
+        foods: Sequence[MatRobot],
         arenas: Sequence[Arena],
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
         self._robots, self._foods, self._arenas, self._sleep = robots, foods, arenas, sleep
+        self._cubes = [*robots, *foods]
         self._repeats = 0
 
     def __call__(self, request: OperatorRequest) -> None:
@@ -50,14 +51,13 @@ class CubeOperator:
         self._repeats = self._repeats + 1 if request.errors else 0
         if self._repeats >= _MAX_REPEATS:
             raise OperatorGaveUp(f"the cubes do not reach their places: {'; '.join(request.errors)}")
-        robots, foods = self._robots(), self._foods()
-        for food in foods:
+        for food in self._foods:
             food.receive()
         if request.foods is not None:
             places = request.foods
-            if len(foods) < len(places):
-                raise OperatorGaveUp(f"{len(foods)} food cubes for {len(places)} places; allowed: one each")
-            free, nearest = list(foods), []
+            if len(self._foods) < len(places):
+                raise OperatorGaveUp(f"{len(self._foods)} food cubes for {len(places)} places; allowed: one each")
+            free, nearest = list(self._foods), []
             for place in places:
                 nearest.append(min(free, key=lambda cube: math.dist(cube.pose[:2], place)))
                 free.remove(nearest[-1])
@@ -67,7 +67,7 @@ class CubeOperator:
             for cube, place in zip(nearest, places, strict=True):
                 self._drive(cube, place)
         for mark in request.robots:
-            self._drive(robots[mark.number], Point(*mark.pose[:2]), mark.pose.heading)
+            self._drive(self._robots[mark.number], Point(*mark.pose[:2]), mark.pose.heading)
 
     def _is_outside(self, x: float, y: float) -> bool:
         return all(arena.clearance(Point(x, y)) <= -RADIUS for arena in self._arenas)
@@ -75,7 +75,7 @@ class CubeOperator:
     def _place_outside(self, cube: MatRobot) -> Point:
         """The nearest place outside all arenas with room for a cube."""
         width, height = (int(size - RADIUS) for size in cube.mat_size)
-        others = [other.pose[:2] for other in self._cubes() if other is not cube]
+        others = [other.pose[:2] for other in self._cubes if other is not cube]
         places = [
             Point(x, y)
             for x in range(round(RADIUS), width, 10)
@@ -85,9 +85,6 @@ class CubeOperator:
         if not places:
             raise OperatorGaveUp(f"the mat has no room beside the arenas for {cube.port}: take it away")
         return min(places, key=lambda place: math.dist(place, cube.pose[:2]))
-
-    def _cubes(self) -> list[MatRobot]:
-        return [*self._robots(), *self._foods()]
 
     def _drive(self, cube: MatRobot, place: Point, heading: float | None = None) -> None:
         """Drive a cube to a place, and turn it; stops it in any case."""
@@ -125,7 +122,7 @@ class CubeOperator:
         dx, dy = place.x - x, place.y - y
         distance = math.hypot(dx, dy) or 1e-6
         ux, uy = dx / distance, dy / distance
-        for other in self._cubes():
+        for other in self._cubes:
             ox, oy = other.pose.x - x, other.pose.y - y
             ahead, aside = ox * ux + oy * uy, oy * ux - ox * uy
             if other is not cube and 0 < ahead < min(distance, 2 * _AROUND) and abs(aside) < _AROUND:

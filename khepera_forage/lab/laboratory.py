@@ -83,7 +83,7 @@ class Laboratory:
         self._frames: FreshFrames | MatCamera
         self._open()
         if operator is None and settings.food_cubes:
-            operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes, self.arenas)
+            operator = CubeOperator(self._cubes, self._food_cubes, self.arenas)
         self._operator: Operator = ask_person if operator is None else operator
 
     @property

@@ -195,9 +195,9 @@ class VirtualCubeLaboratory(Laboratory):
         self._now = 0.0
         self.table = VirtualTable(lambda: self._now, _INTERVAL)
         use_table(self.table)
-        operator = CubeOperator(lambda: self._cubes, lambda: self._food_cubes, settings.arenas, self._sleep)
         clock = WallClock(settings.period, lambda: self._now, lambda _: self._sleep(settings.period))
-        super().__init__(settings, operator, clock=clock)
+        super().__init__(settings, clock=clock)
+        self._operator = CubeOperator(self._cubes, self._food_cubes, self.arenas, self._sleep)
 
     def _sleep(self, seconds: float) -> None:
         self._now += seconds
