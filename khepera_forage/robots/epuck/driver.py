@@ -29,7 +29,7 @@ PROTOCOL = Protocol(
     # As in the firmware of the e-puck1.
     banner=("WELCOME to the SerCom protocol on e-Puck", 'the EPFL education robot type "H" for help'),
     identity=Request("V"),
-    queries=tuple(Request(letter) for letter in "EQONV"),
+    queries=tuple(map(Request, "EQONV")),
     baud_rates=(115200,),
     baud=115200,
     stop_bits=1,

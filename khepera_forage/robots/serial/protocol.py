@@ -274,23 +274,18 @@ COMMANDS: dict[str, Command] = {
 }
 """By the command name of a `Request`: a letter, a gripper message, or the word restart."""
 
-BANNER = (
-    "ROM of minirobot KHEPERA, Edoardo Franzi",
-    "K-Team S.A.",
-    "October 22, 1998",
-    "Rev. 5.01",
-    "Serial Communication Protocol",
-)
-"""The text is K-Team's; the line breaks are an assumption."""
-
 KHEPERA = Protocol(
     COMMANDS,
-    BANNER,
-    identity=Request("B"),
-    queries=(
-        *(Request("E"), Request("B"), Request("K"), Request("I", (0,))),
-        *(Request("H"), Request("O"), Request("N")),
+    # The text is K-Team's; the line breaks are an assumption.
+    banner=(
+        "ROM of minirobot KHEPERA, Edoardo Franzi",
+        "K-Team S.A.",
+        "October 22, 1998",
+        "Rev. 5.01",
+        "Serial Communication Protocol",
     ),
+    identity=Request("B"),
+    queries=(*map(Request, "EBK"), Request("I", (0,)), *map(Request, "HON")),
     baud_rates=BAUD_RATES,
     baud=38400,
     stop_bits=2,
