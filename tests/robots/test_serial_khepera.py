@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.robots.khepera import Motors, RobotLost
+from khepera_forage.robots.serial import serial_robot
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.virtual_khepera import Faults
 from tests.robots.driver_process import wait_for
@@ -188,13 +189,14 @@ RATES = {
 
 
 @pytest.mark.parametrize("name", RATES)
-def test_senses_are_correct_under_faults(name: str) -> None:
+def test_senses_are_correct_under_faults(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Drive wheels, arm and jaw: the driver's senses equal those of the simulated robot in every round.
 
     What enters the experience is always right. A garbled digit may leave a well-formed reading of the infra-reds or the
     counters, which is wrong until the next round. After a restart the counters lack what came after
     their last reading.
     """
+    monkeypatch.setattr(serial_robot, "HOLD_AFTER", 60.0)  # a round may take long on a busy machine
     with make_rig(faults=Faults(), seed=5) as rig, SerialKhepera(rig.url, baud=115200, timeout=0.05) as robot:
         rig.ports[0].faults = RATES[name]
         rng, wrong = np.random.default_rng(1), 0
