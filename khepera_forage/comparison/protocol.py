@@ -71,7 +71,7 @@ DEMONSTRATIONS, SEARCHES, TESTS = 5, 5, 10
 """In a set that is searched for; searches for each learner; trainings with each set found."""
 BUDGETS = {"imitator": Budget(24, 20, 16, 160)}
 _BUDGET = Budget(16, 6, 2, 40)
-"""Of the other learners, which take a hundred times as long to learn and forage."""
+"""Of the other learners, which take tens of times as long to learn and forage."""
 TRAINED, ALONE = "training episodes", "the teacher alone"
 """Data of the track on wheels: a learner's, or those of a teacher that forages alone from random places."""
 

@@ -102,15 +102,15 @@ def test_the_protocol_is_that_of_the_published_rows() -> None:
     for track, one in TRACKS.items():
         places = {row["place"] for row in published if row["track"] == track}
         assert places == {place for group in one.places for place in GROUPS[group]}
-    fixed = ("condition", "place", "recalls", "foods")
+    values = ("condition", "place", "recalls", "score", "delivered", "foods", "vectors")
     wanted = [
-        tuple(row[column] for column in fixed)
+        tuple(row[column] for column in values)
         for row in published
         if (row["track"], row["learner"], row["replication"]) == ("vocabulary", "imitator", "0")
     ]
     run = [row for unit in plan("vocabulary", {"imitator": LEARNERS["imitator"]}, 0, False, 1) for row in unit.run()]
     repeated = [row for row in run if row.learner == "imitator"]
-    assert [tuple(str(getattr(row, column)) for column in fixed) for row in repeated] == wanted
+    assert [tuple(str(getattr(row, column)) for column in values) for row in repeated] == wanted
 
 
 def test_lines_stand_in_the_order_of_the_protocol() -> None:
