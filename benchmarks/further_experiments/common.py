@@ -5,6 +5,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from itertools import product, repeat
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -211,7 +212,7 @@ def train_files(
     seeds: Sequence[np.random.SeedSequence],
     amount: int = 1,
     teacher: Policy | None = None,
-    setups: Iterable[Mapping[str, Any]] | None = None,
+    setups: Iterable[Mapping[str, Any] | None] = repeat(None),
     callback: Callable[[], object] | None = None,
 ) -> Iterator[tuple[Experience, EpisodeRow]]:
     """Training episodes, one a seed; by default of the teacher of section 4.4, in the set-up of figure 5.1.
@@ -219,10 +220,8 @@ def train_files(
     Raises:
         IncompleteTrainingError: One episode failed in as many attempts as the size allows.
     """
-    marks = iter(setups) if setups is not None else None
     radius, decisions = env.home_radius, env.decisions.values()
-    for file, seed in enumerate(seeds, 1):
-        options = next(marks) if marks is not None else None
+    for file, (seed, options) in enumerate(zip(seeds, setups, strict=False), 1):
         experience, attempts = train(
             env, seed, teacher=teacher, options=options, attempts=trial.size.attempts, callback=callback
         )
@@ -244,9 +243,11 @@ def train_files(
         )
 
 
-def thesis_files(trial: Trial, env: TrainingEnv | None = None) -> tuple[list[Experience], list[EpisodeRow]]:
-    """As many training episodes as the size says, with the set-up of figure 5.1."""
-    trained = list(train_files(env or trial.env(), trial, trial.seeds(trial.size.files)))
+def all_files(
+    trial: Trial, env: TrainingEnv | None = None, seeds: Sequence[np.random.SeedSequence] = (), **how: Any
+) -> tuple[list[Experience], list[EpisodeRow]]:
+    """All episodes of `train_files`; by default as many as the size says."""
+    trained = list(train_files(env or trial.env(), trial, seeds or trial.seeds(trial.size.files), **how))
     return [experience for experience, _ in trained], [row for _, row in trained]
 
 
@@ -258,18 +259,12 @@ def imitator(files: Files, diagonal: int, threshold: float = 0.0) -> NearestNeig
 
 
 def recall_all(
-    env: BehavioursEnv,
-    policy: Policy,
-    trial: Trial,
-    amount: int = 0,
-    files: Files = (),
-    condition: str = "",
-    fresh: bool = False,
+    env: BehavioursEnv, policy: Policy, trial: Trial, amount: int = 0, files: Files = (), condition: str = ""
 ) -> list[RecallEpisode]:
     """A replication's recalls in one arena; their places are the same under every condition and for every amount.
 
-    The policy's experience in `files` and the condition, by default the trial's, are for the rows. With `fresh`, every
-    recall has a copy of the policy, because that remembers what it does.
+    The policy's experience in `files` and the condition, by default the trial's, are for the rows. Every recall has a
+    copy of the policy, because some remember what they do.
     """
     vectors = arrays(list(files))[0] if files else np.zeros((0, 5), np.int64)
     distinct = len(np.unique(vectors, axis=0))
@@ -277,7 +272,7 @@ def recall_all(
     seeds = np.random.SeedSequence(trial.seed, spawn_key=key).generate_state(trial.size.recalls).tolist()
     rows = []
     for number, seed in enumerate(seeds):
-        row = recall(env, copy(policy) if fresh else policy, seed)
+        row = recall(env, copy(policy), seed)
         poisonous = sum(food.known == FoodType.POISONOUS for food in env.forager.food.objects)
         rows.append(
             RecallEpisode(
@@ -346,13 +341,11 @@ class Analysis:
 
     def recall_table(self, note: str, measures: Sequence[Measure[RecallEpisode]], amount: str = "episodes") -> Table:
         """Means by condition, arena and amount."""
-        by = {"condition": "condition", "arena": "arena", "amount": amount}
-        return means_table("recalls", "Recall", note, by, self.recalls, measures, self.rng)
+        return self._means_table("recalls", "Recall", note, self.recalls, measures, ("condition", "arena"), amount)
 
     def training_table(self, note: str, measures: Sequence[Measure[EpisodeRow]], amount: str = "files") -> Table:
         """Means by condition and amount."""
-        by = {"condition": "condition", "amount": amount}
-        return means_table("trainings", "Training", note, by, self.trainings, measures, self.rng)
+        return self._means_table("trainings", "Training", note, self.trainings, measures, ("condition",), amount)
 
     def places_table(self, amount: int) -> Table:
         """Score and food delivered of every condition after some number of episodes, by where the food lay."""
@@ -366,8 +359,28 @@ class Analysis:
             "Recall in the corridor by how far from home the food lay: more than 5 pixels of 5 mm nearer than the mark "
             "of figure 5.1, at least 15 pixels further out, or between."
         )
-        by = {"condition": "condition", "arena": "arena", "amount": "episodes"}
-        return means_table("places", "By place of the food", note, by, shown, (SCORE, DELIVERED), self.rng)
+        by, measures = ("condition", "arena"), (SCORE, DELIVERED)
+        return self._means_table("places", "By place of the food", note, shown, measures, by, "episodes")
+
+    def _means_table(
+        self,
+        stem: str,
+        title: str,
+        note: str,
+        rows: Sequence[RowT],
+        measures: Sequence[Measure[RowT]],
+        by: tuple[str, ...],
+        amount: str,
+    ) -> Table:
+        """Means for every combination of the fields `by`, in the order of the rows, and of the amounts."""
+        rng, lines = self.rng, list[dict[str, Value]]()
+        known = [dict.fromkeys(getattr(row, name) for row in rows) for name in by]
+        for *names, count in product(*known, amounts_of(rows, 0)):
+            about = dict(zip(by, names, strict=True))
+            if own := pick(rows, **about, amount=count):
+                means = {measure.name: mean(own, measure, rng) for measure in measures}
+                lines.append({**about, amount: count, "rows": len(own), **means})
+        return table_of(stem, title, note, lines, {measure.name: measure.digits for measure in measures})
 
     def states_table(
         self,
@@ -385,38 +398,6 @@ class Analysis:
             if state in occurring(rows)
         ]
         return table_of("states", "By state", note, lines)
-
-
-def means_table(
-    stem: str,
-    title: str,
-    note: str,
-    by: Mapping[str, str],
-    rows: Sequence[RowT],
-    measures: Sequence[Measure[RowT]],
-    rng: np.random.Generator,
-) -> Table:
-    """Several measures for every combination of fields that occurs.
-
-    Numbers are sorted, text keeps the order of the rows; `by` has the fields, and the headings of their columns.
-    """
-    groups: dict[tuple[Any, ...], list[RowT]] = {}
-    for row in rows:
-        groups.setdefault(tuple(getattr(row, name) for name in by), []).append(row)
-    seen = [list(dict.fromkeys(values)) for values in zip(*groups, strict=True)]
-    for values in seen:
-        if not any(isinstance(value, str) for value in values):
-            values.sort()
-    keys = sorted(groups, key=lambda key: [own.index(value) for own, value in zip(seen, key, strict=True)])
-    lines: list[dict[str, Value]] = [
-        {
-            **dict(zip(by.values(), key, strict=True)),
-            "rows": len(groups[key]),
-            **{measure.name: mean(groups[key], measure, rng) for measure in measures},
-        }
-        for key in keys
-    ]
-    return table_of(stem, title, note, lines, {measure.name: measure.digits for measure in measures})
 
 
 Report = tuple[Sequence[Claim], Sequence[Table], "Figure"]

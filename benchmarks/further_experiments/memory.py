@@ -40,7 +40,7 @@ TESTED = ("food ×2", "food ×4", "food ×8", LEARNED)
 
 def run_weights(trial: fw.Trial) -> list[fw.Row]:
     """The same training files for all weights, and the same recalls."""
-    files, trainings = fw.thesis_files(trial)
+    files, trainings = fw.all_files(trial)
     rows: list[fw.Row] = [*trainings]
     for arena in fw.ARENAS:
         env = trial.alone(arena)
@@ -231,18 +231,16 @@ LEARNERS = (THESIS, HIGHEST, *THRESHOLDS, GOAL, GOAL_ALL, LABELS)
 
 def run_alternatives(trial: fw.Trial) -> list[fw.Row]:
     """The same training files for all learners, and the same recalls."""
-    files, trainings = fw.thesis_files(trial)
+    files, trainings = fw.all_files(trial)
     rows: list[fw.Row] = [*trainings]
     for arena in fw.ARENAS:
         env = trial.alone(arena)
         teacher = Teacher.of(env)
         rows += fw.recall_all(env, teacher, trial, condition=TEACHER)
-        until_goal = UntilGoal(teacher, env.home_radius)
-        rows += fw.recall_all(env, until_goal, trial, condition=TEACHER_GOAL, fresh=True)
+        rows += fw.recall_all(env, UntilGoal(teacher, env.home_radius), trial, condition=TEACHER_GOAL)
         for amount in trial.size.amounts:
             for name, policy, experience in _policies(files[:amount], env):
-                fresh = isinstance(policy, UntilGoal)
-                rows += fw.recall_all(env, policy, trial, amount, experience, name, fresh)
+                rows += fw.recall_all(env, policy, trial, amount, experience, name)
     return rows
 
 

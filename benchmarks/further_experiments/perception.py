@@ -1,14 +1,14 @@
 """Two experiments on what the learner perceives and drives: a redesigned state vector, and learned behaviours."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from itertools import chain
+from itertools import chain, repeat
 from typing import Any, NamedTuple
 
 import numpy as np
+from sklearn.ensemble import ExtraTreesRegressor
 
 import further_experiments.common as fw
-from further_experiments.learned_behaviours import LearnedBehaviours
 from further_experiments.training import ALL, ONE, setups
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TEACHER as TRAINER
@@ -16,11 +16,10 @@ from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import pick
 from khepera_forage.experience import Experience
 from khepera_forage.figures import legend, levels, panels
-from khepera_forage.geometry.plane import length
+from khepera_forage.geometry.plane import bearing_of, length, turn_to
 from khepera_forage.policies import NearestNeighbourImitator, Observation, Teacher
-from khepera_forage.robots.khepera import FINGER_TIP, Motors
-from khepera_forage.task.behaviours import command
-from khepera_forage.task.decisions import DEFAULT_VALUES
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, FINGER_TIP, JAW_CLOSED, JAW_OPEN, Motors
+from khepera_forage.task.behaviours import wait
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.thesis.claims import Claim, above, within
@@ -63,11 +62,10 @@ class ObservingTeacher:
 
 
 def observe(
-    env: TrainingEnv, trial: fw.Trial, seeds: Any = None, setups: Iterable[Mapping[str, Any]] | None = None
+    env: TrainingEnv, trial: fw.Trial, seeds: Sequence[np.random.SeedSequence], setups: Iterable[Any] = repeat(None)
 ) -> list[tuple[Experience, fw.EpisodeRow, list[Moment]]]:
     """Complete training episodes, with every step in which the learner heard a behaviour; see `train_files`."""
     teacher = ObservingTeacher(env)
-    seeds = seeds or trial.seeds(trial.size.files)
     episodes = fw.train_files(env, trial, seeds, teacher=teacher, setups=setups, callback=teacher)
     return [(experience, row, teacher.moments) for experience, row in episodes]
 
@@ -112,7 +110,7 @@ class RedesignedImitator:
 
 def run_vectors(trial: fw.Trial) -> list[fw.Row]:
     """The same training episodes for both state vectors, and the same recalls."""
-    experience, trainings, moments = zip(*observe(trial.env(), trial), strict=True)
+    experience, trainings, moments = zip(*observe(trial.env(), trial, trial.seeds(trial.size.files)), strict=True)
     rows: list[fw.Row] = [*trainings]
     for arena in fw.ARENAS:
         env = trial.alone(arena)
@@ -206,21 +204,78 @@ class CopiedMotorsEnv(TrainingEnv):
             learner.motors_for = teacher.motors_for  # type: ignore[method-assign]
 
 
-def hand_coded(behaviour: int, raw: RawData) -> Motors:
-    """The motor commands of the hand-coded behaviours."""
-    return command(behaviour, raw, DEFAULT_VALUES)
+Command = Callable[[int, RawData], Motors]
+"""Motors for one step of a behaviour, from what the robot perceives now; see `task.behaviours.command`."""
+TREES = 10
+"""Of each ensemble."""
+_ARM_HALF, _JAW_HALF = (ARM_DOWN + ARM_RAISED) / 2, (JAW_OPEN + JAW_CLOSED) / 2
+
+
+def relations(raw: RawData) -> tuple[float, ...]:
+    """Raw data relative to the robot, independent of the arena: distances as in section 4.3, and bearings.
+
+    The 17 numbers are the six infra-reds, arm, jaw, object presence, whether food is seen, distance (pixels) and
+    bearing (degrees) of food, home and nearest wall (those of food 0 if none is seen), and the type of the food.
+    """
+
+    def bearing(x: float, y: float) -> float:
+        return turn_to(bearing_of(x - raw.x, y - raw.y), raw.orientation)
+
+    return (
+        *raw.proximity,
+        raw.arm,
+        raw.jaw,
+        raw.object_presence,
+        raw.food_seen,
+        length(raw.food_x - raw.x, raw.food_y - raw.y) if raw.food_seen else 0.0,
+        bearing(raw.food_x, raw.food_y) if raw.food_seen else 0.0,
+        length(raw.home_x - raw.x, raw.home_y - raw.y),
+        bearing(raw.home_x, raw.home_y),
+        raw.wall_distance,
+        raw.wall_bearing,
+        raw.food_type,
+    )
+
+
+def learned_command(
+    raws: Sequence[RawData], behaviours: Sequence[int], motors: Sequence[Motors], random_state: int = 0
+) -> Command:
+    """Behaviours that are learned from steps: what the robot perceived before each, and what it did.
+
+    For every behaviour an ensemble of scikit-learn's extremely randomised trees predicts wheels, arm and jaw from
+    `relations`. Wheel speeds are the mean of the trees. Arm and jaw have two positions each; the majority of the trees
+    decides, and a draw means raised and closed. A behaviour without examples stands still and keeps arm and jaw.
+    """
+    rows = np.array([relations(raw) for raw in raws], np.float32)
+    commands, labels = np.array(motors, np.float64), np.array(behaviours, np.int64)
+    ensembles: dict[int, list[Any]] = {}
+    for known in np.unique(labels).tolist():
+        own = labels == known
+        forest = ExtraTreesRegressor(TREES, random_state=random_state).fit(rows[own], commands[own])
+        ensembles[known] = [estimator.tree_ for estimator in forest.estimators_]
+
+    def command(behaviour: int, raw: RawData) -> Motors:
+        if behaviour not in ensembles:
+            return wait(raw)
+        row = np.array([relations(raw)], np.float32)
+        # The trees themselves are thirty times as fast as `predict`, which validates its input.
+        predicted = np.concatenate([tree.predict(row)[..., 0] for tree in ensembles[behaviour]])
+        left, right = predicted[:, :2].mean(axis=0).tolist()
+        arm = ARM_DOWN if 2 * (predicted[:, 2] > _ARM_HALF).sum() > len(predicted) else ARM_RAISED
+        jaw = JAW_OPEN if 2 * (predicted[:, 3] > _JAW_HALF).sum() > len(predicted) else JAW_CLOSED
+        return Motors(left, right, arm, jaw)
+
+    return command
 
 
 class LearnedBehavioursEnv(BehavioursEnv):
     """Recall with learned behaviours in place of the hand-coded ones.
 
     The score is that of equation 5.1: a step is correct if the teacher would have chosen the same behaviour. `command`
-    leads from a behaviour and raw data to motors; it may be replaced between episodes.
+    may be replaced between episodes.
     """
 
-    def __init__(self, command: Callable[[int, RawData], Motors] = hand_coded, **kwargs: Any) -> None:
-        super().__init__(**kwargs)
-        self.command = command
+    command: Command
 
     def reset(self, **kwargs: Any) -> Any:
         """Start an episode, in which the robot has the learned behaviours."""
@@ -241,14 +296,14 @@ def run_actions(trial: fw.Trial) -> list[fw.Row]:
     learned = {}
     for amount in trial.size.amounts:
         raws, heard, motors = zip(*chain(*moments[:amount]), strict=True)
-        learned[amount] = LearnedBehaviours(random_state=trial.replication).fit(raws, heard, motors)
+        learned[amount] = learned_command(raws, heard, motors, trial.replication)
     for arena in fw.ARENAS:
         given = trial.alone(arena)
         own = LearnedBehavioursEnv(arena=arena, foods=given.foods, limit=given.limit)
         teacher = Teacher.of(given)
         rows += fw.recall_all(given, teacher, trial, condition=f"{trial.condition}: {TEACHER}")
         for amount, behaviours in learned.items():
-            own.command = behaviours.command
+            own.command = behaviours
             program = fw.imitator(files[:amount], given.diagonal)
             for what, alone, policy in ((PROGRAM, given, program), (BEHAVIOURS, own, teacher), (BOTH, own, program)):
                 condition = f"{trial.condition}: {what}"

@@ -171,11 +171,10 @@ def run_person(trial: fw.Trial) -> list[fw.Row]:
         person = SimulatedPerson(env, delay, WRONG[trial.condition])
         seeds = trial.seeds(min(LESSONS, trial.size.files))
         try:
-            trained = list(fw.train_files(env, trial, seeds, delay, person))
+            files, trainings = fw.all_files(trial, env, seeds, amount=delay, teacher=person)
         except IncompleteTrainingError:
             continue  # No learner can be trained like this: the delay has no rows.
-        files = [experience for experience, _ in trained]
-        rows += [row for _, row in trained]
+        rows += trainings
         for alone in recall_envs:
             rows += fw.recall_all(alone, fw.imitator(files, alone.diagonal), trial, delay, files)
     return rows
@@ -256,9 +255,7 @@ def run_together(trial: fw.Trial) -> list[fw.Row]:
     number, noise = trial.condition.split(maxsplit=1)
     learners, trial = int(number), trial._replace(condition=noise)
     env = trial.env(num_learners=learners, noise=NOISES[noise])
-    seeds = trial.seeds(trial.size.files)
-    rows: list[fw.Row] = [row for _, row in fw.train_files(env, trial, seeds, amount=learners)]
-    return rows
+    return [*fw.all_files(trial, env, amount=learners)[1]]
 
 
 def report_together(found: fw.Analysis) -> fw.Report:

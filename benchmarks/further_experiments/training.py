@@ -39,7 +39,7 @@ MAX_POISON_HOME = 5.0
 def train_with_food(trial: fw.Trial) -> list[fw.Row]:
     """Training and recall with one kind of food. The policy with 0 episodes draws behaviours at random."""
     odds = FOOD[trial.condition]
-    files, trainings = fw.thesis_files(trial, trial.env(food_types=odds))
+    files, trainings = fw.all_files(trial, trial.env(food_types=odds))
     recalls: list[fw.RecallEpisode] = []
     for arena in fw.ARENAS:
         env = trial.alone(arena, food_types=odds)
@@ -132,9 +132,8 @@ def train_with_setups(trial: fw.Trial) -> list[fw.Row]:
     """Training episodes of one kind, and recalls after some of them and after all."""
     seeds, places = trial.seeds(2)
     marks = setups(trial.condition, np.random.default_rng(places))
-    trained = list(fw.train_files(trial.env(), trial, seeds.spawn(trial.size.files), setups=marks))
-    files = [experience for experience, _ in trained]
-    rows: list[fw.Row] = [row for _, row in trained]
+    files, trainings = fw.all_files(trial, seeds=seeds.spawn(trial.size.files), setups=marks)
+    rows: list[fw.Row] = [*trainings]
     for arena in fw.ARENAS:
         rows += fw.recall_imitators(trial.alone(arena), trial, files)
     return rows
