@@ -31,7 +31,7 @@ from khepera_forage.rollouts.training import Attempt, arrays, attempt, train
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
-from khepera_forage.study import Count, Page, Picture, WorkUnit, collect, finish, parse
+from khepera_forage.study import Count, Job, Page, Picture, collect, finish, parse
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
 COUNTS = (
@@ -100,72 +100,51 @@ class WithoutOrienting(NamedTuple):
         return Behaviour.SEARCH_FOR_FOOD if behaviour == Behaviour.ORIENT_WITH_FOOD else behaviour
 
 
-class Block(NamedTuple):
-    """Recalls of one policy in one arena, on both backends. Imitators take turns."""
-
-    part: str
-    policy: str
-    arena: str
-    level: int
-    food: str
-    first: int
-    seeds: tuple[int, ...]
-    imitators: tuple[Vectors, ...] = ()
-
-    @property
-    def key(self) -> str:
-        """What is done, and the first and the last seed."""
-        return " ".join(map(str, (*self[:6], self.seeds[0], self.seeds[-1])))
-
-    def run(self) -> list[Recall]:
-        """Recall with every seed."""
-        settings = settings_of(self.arena) if self.arena not in DIFFICULTIES else {}
-        if not settings:
-            settings = procedural_settings(self.arena, "test", 1, self.level)
-            settings["arena"] = settings["arena"][0]
-        settings["food_types"] = ODDS.get(self.food, self.food)
-        envs = {backend: BehavioursEnv(**settings, backend=backend) for backend in BACKENDS}
-        teacher = Teacher.of(envs[PYMUNK])
-        diagonal = envs[PYMUNK].diagonal
-        policies: list[Any] = [NearestNeighbourImitator(diagonal).fit(*own) for own in self.imitators]
-        policies = policies or [WithoutOrienting(teacher) if self.policy == NO_ORIENT else teacher]
-        rows = []
-        for number, seed in enumerate(self.seeds, self.first):
-            done = [recall(env, policies[number % len(policies)], seed) for env in envs.values()]
-            types = [food.type for food in envs[PYMUNK].forager.food.objects]
-            deliverable = len(types) - types.count(FoodType.POISONOUS)
-            for backend, row in zip(BACKENDS, done, strict=True):
-                counts = row.steps, row.foods, deliverable, row.delivered, row.poison_home
-                rows.append(Recall(*self[:5], seed, backend, done[0] == done[1], row.score, *counts))
-        for env in envs.values():
-            env.close()
-        return rows
+def compared_recalls(
+    part: str,
+    policy: str,
+    arena: str,
+    level: int,
+    food: str,
+    first: int,
+    seeds: tuple[int, ...],
+    imitators: tuple[Vectors, ...] = (),
+) -> list[Recall]:
+    """Recalls of one policy in one arena with every seed, on both backends. Imitators take turns."""
+    if arena in DIFFICULTIES:
+        settings = procedural_settings(arena, "test", 1, level)
+        settings["arena"] = settings["arena"][0]
+    else:
+        settings = settings_of(arena)
+    settings["food_types"] = ODDS.get(food, food)
+    envs = {backend: BehavioursEnv(**settings, backend=backend) for backend in BACKENDS}
+    teacher = Teacher.of(envs[PYMUNK])
+    policies: list[Any] = [NearestNeighbourImitator(envs[PYMUNK].diagonal).fit(*own) for own in imitators]
+    policies = policies or [WithoutOrienting(teacher) if policy == NO_ORIENT else teacher]
+    rows = []
+    for number, seed in enumerate(seeds, first):
+        done = [recall(env, policies[number % len(policies)], seed) for env in envs.values()]
+        types = [food.type for food in envs[PYMUNK].forager.food.objects]
+        deliverable = len(types) - types.count(FoodType.POISONOUS)
+        for backend, row in zip(BACKENDS, done, strict=True):
+            about = (part, policy, arena, level, food, seed, backend, done[0] == done[1], row.score)
+            rows.append(Recall(*about, row.steps, row.foods, deliverable, row.delivered, row.poison_home))
+    for env in envs.values():
+        env.close()
+    return rows
 
 
-class ComparedAttempts(NamedTuple):
-    """Attempts at a training episode, on both backends."""
-
-    arena: str
-    seeds: tuple[int, ...]
-
-    @property
-    def key(self) -> str:
-        """What is done, and the first and the last seed."""
-        return f"{TRAININGS} {self.arena} {self.seeds[0]} {self.seeds[-1]}"
-
-    def run(self) -> list[ComparedTraining]:
-        """Make the attempts."""
-        envs = {backend: TrainingEnv(arena=self.arena, backend=backend) for backend in BACKENDS}
-        rows = []
-        for seed in self.seeds:
-            done = {backend: _attempted(env, seed) for backend, env in envs.items()}
-            same = done[PYMUNK] == done[COMPILED]
-            rows += [
-                ComparedTraining(self.arena, seed, b, same, own.complete, own.rounds) for b, (own, _) in done.items()
-            ]
-        for env in envs.values():
-            env.close()
-        return rows
+def compared_trainings(arena: str, seeds: tuple[int, ...]) -> list[ComparedTraining]:
+    """Attempts at a training episode with every seed, on both backends."""
+    envs = {backend: TrainingEnv(arena=arena, backend=backend) for backend in BACKENDS}
+    rows = []
+    for seed in seeds:
+        done = {backend: _attempted(env, seed) for backend, env in envs.items()}
+        same = done[PYMUNK] == done[COMPILED]
+        rows += [ComparedTraining(arena, seed, b, same, own.complete, own.rounds) for b, (own, _) in done.items()]
+    for env in envs.values():
+        env.close()
+    return rows
 
 
 def _attempted(env: TrainingEnv, seed: int) -> tuple[Attempt, list[tuple[StateVector, Behaviour]]]:
@@ -183,33 +162,39 @@ def _trained(seed: int, imitator: int) -> Vectors:
     return arrays(files)
 
 
-def work_of(part: str, seed: int, imitators: tuple[Vectors, ...], counts: dict[str, int]) -> list[WorkUnit]:
+def work_of(part: str, seed: int, imitators: tuple[Vectors, ...], counts: dict[str, int]) -> list[Job]:
     """All units of a part."""
+
+    def recalls(
+        policy: str, arena: str, level: int, food: str, first: int, seeds: tuple[int, ...], *own: tuple[Vectors, ...]
+    ) -> Job:
+        about = (part, policy, arena, level, food, first)
+        key = " ".join(map(str, (*about, seeds[0], seeds[-1])))
+        return Job(key, compared_recalls, (*about, seeds, *own))
+
     if part == ARENAS:
-        lines: list[tuple[str, str, tuple[Vectors, ...]]]
-        lines = [(TEACHER, food, ()) for food in (*GOALS, ONE_THIRD_EACH)]
-        lines += [(IMITATOR, ONE_THIRD_EACH, imitators[:1])]
+        lines = [*((TEACHER, food, ()) for food in (*GOALS, ONE_THIRD_EACH)), (IMITATOR, ONE_THIRD_EACH, imitators[:1])]
         many = tuple(range(seed, seed + counts["recalls"]))
         places = [(arena, 0, many) for arena in FAMILY]
         places += [(arena, i, (seed + i,)) for arena in DIFFICULTIES for i in range(counts["levels"])]
         return [
-            Block(part, policy, arena, level, food, 0, seeds, own)
+            recalls(policy, arena, level, food, 0, seeds, own)
             for policy, food, own in lines
             for arena, level, seeds in places
         ]
-    work: list[WorkUnit] = []
+    work: list[Job] = []
     count = counts[{ONLY_TEACHER: "forages", IMITATORS: "episodes", TRAININGS: "attempts"}[part]]
     for number, arena in enumerate(THESIS_ARENAS):
         drawing = np.random.SeedSequence(seed, spawn_key=(PARTS.index(part), number))
         seeds = drawing.generate_state(count).tolist()
         some = [(i, tuple(seeds[i : i + BLOCK])) for i in range(0, count, BLOCK)]
         if part == TRAININGS:
-            work += [ComparedAttempts(arena, own) for _, own in some]
+            work += [Job(f"{part} {arena} {own[0]}", compared_trainings, (arena, own)) for _, own in some]
         elif part == IMITATORS:
-            work += [Block(part, IMITATOR, arena, 0, PICKABLE, i, own, imitators) for i, own in some]
+            work += [recalls(IMITATOR, arena, 0, PICKABLE, i, own, imitators) for i, own in some]
         else:
             foods = [(TEACHER, PICKABLE), (TEACHER, PUSHABLE), (TEACHER, POISONOUS), (NO_ORIENT, PICKABLE)]
-            work += [Block(part, policy, arena, 0, food, i, own) for policy, food in foods for i, own in some]
+            work += [recalls(policy, arena, 0, food, i, own) for policy, food in foods for i, own in some]
     return work
 
 

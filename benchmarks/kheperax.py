@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from khepera_forage.estimates import UNKNOWN, Column, Table, Value, extremes, pi
 from khepera_forage.figures import OURS, SMALL, THESIS, grid, new_figure
 from khepera_forage.option_values import whole_number
 from khepera_forage.rollouts.compiled.recalls import run_teacher
-from khepera_forage.study import Count, Page, Picture, collect, finish, parse
+from khepera_forage.study import Count, Job, Page, Picture, collect, finish, parse
 
 WORLDS, QUICK_WORLDS = (64, 256, 1024, 4096, 16384), (64, 256)
 SETTINGS = {
@@ -60,38 +60,27 @@ class Timed:
     seconds: float
 
 
-class Round(NamedTuple):
-    """Every line once, one right after the other, so that a slow machine slows both sides of a ratio."""
+def timed(number: int, worlds: tuple[int, ...], at_least: float, seed: int) -> list[Timed]:
+    """Time every line for `at_least` seconds; the first repeat, -1, compiles and leaves no rows.
 
-    number: int
-    worlds: tuple[int, ...]
-    at_least: float
-    seed: int
+    One line comes right after the other, so that a slow machine slows both sides of a ratio.
+    """
+    rows = []
+    for count in worlds:
+        for line in NAMES:
+            episodes = kheperax(SETTINGS[line], count) if line in SETTINGS else foraging(line, count, seed)
+            steps, seconds = 0, 0.0
+            while seconds < at_least:
+                began = perf_counter()
+                steps += episodes()
+                seconds += perf_counter() - began
+            rows.append(Timed(line, count, number, steps, seconds))
+    return rows if number >= 0 else []
 
-    @property
-    def key(self) -> str:
-        """The number."""
-        return str(self.number)
 
-    def run(self) -> list[Timed]:
-        """Time all lines for `at_least` seconds; the first repeat, -1, compiles and leaves no rows."""
-        rows = []
-        for worlds in self.worlds:
-            for line in NAMES:
-                step, steps, seconds = self._episodes(line, worlds), 0, 0.0
-                while seconds < self.at_least:
-                    began = perf_counter()
-                    steps += step()
-                    seconds += perf_counter() - began
-                rows.append(Timed(line, worlds, self.number, steps, seconds))
-        return rows if self.number >= 0 else []
-
-    def _episodes(self, line: str, worlds: int) -> Callable[[], int]:
-        """A function that runs whole episodes and returns their steps."""
-        if line in SETTINGS:
-            return kheperax(SETTINGS[line], worlds)
-        # Several episodes for each world, so that all threads end at about the same time.
-        return lambda: int(run_teacher(episodes=4 * worlds, seed=self.seed, **TASKS[line]).steps.sum())
+def foraging(line: str, worlds: int, seed: int) -> Callable[[], int]:
+    """Runs our episodes: several for each world, so that all threads end at about the same time."""
+    return lambda: int(run_teacher(episodes=4 * worlds, seed=seed, **TASKS[line]).steps.sum())
 
 
 @cache
@@ -233,7 +222,8 @@ def main() -> int:
     sys.path[:] = [folder for folder in sys.path if Path(folder) != Path(__file__).parent]  # this file has its name
     os.environ["JAX_PLATFORMS"] = "cpu"
     os.environ["XLA_FLAGS"] = f"--xla_force_host_platform_device_count={CORES} --xla_cpu_enable_fast_math=true"
-    units = [Round(k, worlds, 0.05 if given.quick else 0.25, given.seed) for k in range(-1, given.repeats)]
+    at_least = 0.05 if given.quick else 0.25
+    units = [Job(str(k), timed, (k, worlds, at_least, given.seed)) for k in range(-1, given.repeats)]
     try:
         rows = collect(given, units, {Timed: "rows"}).of(Timed)
     except ImportError as error:

@@ -258,28 +258,14 @@ class CaseValue:
     value: float
 
 
-class Repeat(NamedTuple):
-    """One case, once in each checkout: each time with another seed, core and order of the checkouts."""
-
-    number: int
-    case: Case
-    size: int
-    seed: int
-    found: dict[str, Path]
-
-    @property
-    def key(self) -> str:
-        """The case and the repeat."""
-        return f"{self.case.name} {self.number}"
-
-    def run(self) -> list[CaseValue]:
-        """Measure."""
-        case, number = self.case, self.number
-        cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
-        core = str(cores[number % len(cores)]) if case.one_core and cores else ""
-        names = list(self.found)[:: 1 if number % 2 else -1]
-        values = [measure(case, self.found[name], self.size, self.seed + number, core) for name in names]
-        return [CaseValue(case.name, case.unit, number, *one) for one in zip(names, values, strict=True)]
+def repeated(case: str, number: int, size: int, seed: int, found: dict[str, Path]) -> list[CaseValue]:
+    """A case, once in each checkout; each repeat with another seed, core and order of the checkouts."""
+    measured = BY_NAME[case]
+    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    core = str(cores[number % len(cores)]) if measured.one_core and cores else ""
+    names = list(found)[:: 1 if number % 2 else -1]
+    values = [measure(measured, found[name], size, seed + number, core) for name in names]
+    return [CaseValue(case, measured.unit, number, *one) for one in zip(names, values, strict=True)]
 
 
 def git(*arguments: str) -> str:
@@ -334,7 +320,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def main() -> int:
     """Measure, print the table, and write page and rows."""
     from khepera_forage.estimates import Column, Table
-    from khepera_forage.study import Count, Page, collect, finish, parse
+    from khepera_forage.study import Count, Job, Page, collect, finish, parse
 
     count = Count("repeats", 5, 1, "repeats; of seconds 3 at most")
     given = parse("throughput", __doc__, count, jobs=None, add=_add_arguments)
@@ -349,7 +335,7 @@ def main() -> int:
     with TemporaryDirectory(prefix="throughput-") as folder:
         found = checkouts(commit, Path(folder).resolve())
         units = [
-            Repeat(number, case, size, given.seed, found)
+            Job(f"{case.name} {number}", repeated, (case.name, number, size, given.seed, found))
             for number in range(given.repeats)
             for case, size in sizes.items()
             if number < 3 or case.unit != "s"
