@@ -281,15 +281,9 @@ def table_of(
     digits: Mapping[str, int] | None = None,
     hidden: Collection[str] = (),
 ) -> Table:
-    """A `Table` of rows that have the same columns, in the same order.
+    """A `Table` of rows that have the same columns, in the same order: values by the name of their column.
 
-    Args:
-        stem: As in `Table`, like `title` and `note`.
-        title: Heading.
-        note: Explanation.
-        rows: Values by the name of their column.
-        digits: After the decimal point, by the name of the column; by default 1.
-        hidden: Names of columns that appear in CSV alone.
+    Columns have one digit after the decimal point unless `digits` says otherwise; `hidden` ones appear in CSV alone.
     """
     columns = [
         Column(name, (digits or {}).get(name, 1), isinstance(value, Estimate), name not in hidden)

@@ -225,7 +225,7 @@ class RowStore:
     def __init__(
         self, folder: Path, tables: Tables, settings: Mapping[str, str], fresh: bool = False, file: str = UNITS
     ) -> None:
-        self._folder, self._tables = folder, tables
+        self._tables = tables
         self.finished: dict[str, list[Any]] = {}
         folder.mkdir(parents=True, exist_ok=True)
         self._path = folder / file
@@ -246,12 +246,6 @@ class RowStore:
         self.finished[key] = list(rows)
         with open(self._path, "ab", buffering=0) as file:
             write_all(file, self._line(key), self._path)
-
-    def write_tables(self, order: Sequence[str]) -> None:
-        """Write every table as CSV, with the rows of some units in this order."""
-        rows = Rows(row for key in order for row in self.finished[key])
-        for kind, name in self._tables.items():
-            write_rows(self._folder / f"{name}.csv", kind, rows.of(kind))
 
     def _line(self, key: str) -> bytes:
         rows = self.finished[key]
@@ -334,7 +328,7 @@ def collect(
     Args:
         given: Folder, processes and settings.
         units: All work, in the order in which rows shall stand.
-        tables: All types of rows in the folder, and the names of their files.
+        tables: All types of rows in the folder.
         execute: Does the work; by default processes of this machine.
         settings: What the rows depend on beside `given.settings`.
         others: Also write and return the rows of other finished units in the folder, before those of this run.
@@ -358,8 +352,10 @@ def collect(
         store.add(key, rows)
     if others:
         keys = [*(key for key in store.finished if key not in set(keys)), *keys]
-    store.write_tables(keys)
-    return Rows(row for key in keys for row in store.finished[key])
+    collected = Rows(row for key in keys for row in store.finished[key])
+    for kind, name in tables.items():
+        write_rows(given.out / f"{name}.csv", kind, collected.of(kind))
+    return collected
 
 
 class Picture(NamedTuple):

@@ -94,10 +94,7 @@ def amounts_table(curves: Sequence[Curve]) -> Table:
 def other_arenas(rows: Sequence[RecallBatch], learners: Mapping[str, ReadLearner], seed: int) -> list[Picture | Table]:
     """What each learner delivers in each arena after all of its learning; nothing if these are the thesis's arenas.
 
-    Args:
-        rows: With increasing amounts of learning.
-        learners: Those of the rows, by name.
-        seed: Of the resamples.
+    The rows have increasing amounts of learning; the seed is that of the resamples.
     """
     arenas = list(dict.fromkeys(row.arena for row in rows))
     if set(arenas) <= set(ARENAS):
@@ -156,16 +153,7 @@ def page(
     quick: bool = False,
     elsewhere: Sequence[Picture | Table] = (),
 ) -> Page:
-    """All of it.
-
-    Args:
-        curves: Of all learners in all arenas.
-        learners: Those of the curves, by name.
-        missing: Why learners are left out, by name.
-        tuned: Whether settings have a page in `tuning`.
-        quick: Whether this is a smoke test.
-        elsewhere: From `other_arenas`.
-    """
+    """All of it: `missing` says why learners are left out, `tuned` whether settings have a page in `tuning`."""
     names = list(dict.fromkeys(curve.learner for curve in curves))
     settings = Table(
         "settings",
