@@ -3,7 +3,6 @@
 All of them learn in the corridor alone.
 """
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache, lru_cache, partial
@@ -31,7 +30,7 @@ from khepera_forage.policies.policy import UniformPolicy
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import WheelsRecall, recall, recall_env, recall_wheels, recall_wheels_env
 from khepera_forage.rollouts.reinforcement import reinforce
-from khepera_forage.rollouts.rows import RecallRow, require_field
+from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import ARENAS as NAMED
@@ -60,9 +59,6 @@ class RecallBatch:
         foods: Food objects in all of them that are not poisonous.
         recall_steps: Steps of all of them.
         seconds: Wall time of the learning so far, including the simulation.
-
-    Raises:
-        ValueError: Fields that contradict each other.
     """
 
     learner: str
@@ -77,15 +73,6 @@ class RecallBatch:
     foods: int
     recall_steps: int
     seconds: float
-
-    def __post_init__(self) -> None:
-        require_field(self.arena in ALL_ARENAS, self, "arena", ", ".join(ALL_ARENAS))
-        for name in ("replication", "amount", "steps", "vectors", "seconds"):
-            require_field(getattr(self, name) >= 0, self, name, "0 or more")
-        require_field(self.recalls >= 1, self, "recalls", "1 or more")
-        require_field(math.isfinite(self.score) and self.score <= 100, self, "score", "up to 100")
-        require_field(0 <= self.delivered <= self.foods, self, "delivered", f"0..{self.foods} foods")
-        require_field(self.recall_steps >= self.recalls, self, "recall_steps", "1 a recall or more")
 
 
 @dataclass(frozen=True, slots=True)

@@ -226,18 +226,6 @@ def test_tuned_learners_have_as_many_settings_each() -> None:
     assert len({settings_text(learner) for learner in candidates().values()}) == 5 * len(tried)
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        *(("arena", "kitchen"), ("delivered", 11), ("score", 101.0), ("recalls", 0), ("seconds", -1.0)),
-        *(("recall_steps", 1), ("steps", -1)),
-    ],
-)
-def test_contradictions_in_rows_are_refused(name: str, value: Any) -> None:
-    with pytest.raises(ValueError, match=f"{name} is {value!r}; allowed: "):
-        replace(batch("tree", 1, 90, 9), **{name: value})
-
-
 def test_a_learner_of_ones_own_has_a_row(tmp_path: Path) -> None:
     """From a file in the folder in which the benchmark is started; other learners have no rows."""
     (tmp_path / "mine.py").write_text(
