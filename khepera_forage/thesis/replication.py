@@ -179,14 +179,6 @@ class JobCounts(NamedTuple):
     block_forages: int = 0
     noise_cells: tuple[Cell, ...] = NOISE_CELLS
 
-    @property
-    def baselines(self) -> list[tuple[str, str, int]]:
-        """Policy, arena and forages in a block of every baseline, if there are blocks."""
-        forages = {TEACHER: self.block_forages, RANDOM: self.block_forages // 5}
-        if not self.baseline_blocks:
-            return []
-        return [(learner, arena, count) for arena in THESIS_ARENAS for learner, count in forages.items()]
-
 
 def job_counts(replications: int, backend: str, quick: bool = False) -> JobCounts:
     """The repetitions that belong to a number of replications of the whole design; a few of each with `quick`."""
@@ -230,6 +222,7 @@ def jobs(
     # The claim on tracking losses (5.3.1) compares the same number of trainings with and without losses.
     if backend == PYMUNK and NO_LOSSES in counts.noise_conditions:
         add(NO_LOSSES, replicating, counts.noise_replications, counts.replications, NO_LOSSES, ())
-    for learner, arena, forages in counts.baselines:
-        add(f"{learner} {arena}", foraging, 0, counts.baseline_blocks, learner, arena, forages)
+    for arena in THESIS_ARENAS:
+        for learner, forages in ((TEACHER, counts.block_forages), (RANDOM, counts.block_forages // 5)):
+            add(f"{learner} {arena}", foraging, 0, counts.baseline_blocks, learner, arena, forages)
     return made

@@ -8,6 +8,7 @@ from khepera_forage.cli.main import main
 from khepera_forage.study import Job
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.replication import Row
+from tests.benchmarks.running import read
 from tests.thesis.synthetic import one_row_jobs
 
 
@@ -28,9 +29,17 @@ def test_reproduce_ends_with_a_summary_of_both_decisions(tmp_path: Path, capsys:
     assert "smoke test" in start
     page = (tmp_path / "thesis.md").read_text(encoding="utf-8")
     assert page.startswith("# The thesis's experiments, repeated")
+    size = "1 replication, 1 recall episodes of the imitator"
+    assert f"{size}, noise: laboratory, decisions: v1, next_to_food=22, close_to_food=31, backend: compiled. " in page
+    assert f"For comparison: {size}, decisions: v0.1. " in page
+    assert "`recalls_v0.1.csv`" in page
     assert "| v0.1: score (%) |" in page
+    fourth = read(tmp_path / "table_cells.csv")[3]
+    assert float(fourth["ours: score (%)"]) == float(fourth["v0.1: score (%)"]) == 80.0
+    assert {"v0.1: score percentile", "v0.1: food: low", "v0.1: food percentile"} <= fourth.keys()
     assert "\n\n## Command\n\n    " in page
     lines = end.strip().splitlines()
+    assert "arena      episodes  score (%): thesis  ours  v0.1  food: thesis  ours  v0.1" in lines
     assert lines[-1] == f"Page (thesis.md), tables, figures and rows are in {tmp_path}"
     assert max(map(len, lines[:-1])) <= 80
     (last,) = (line.split() for line in lines if line.startswith("corridor") and "10" in line.split())

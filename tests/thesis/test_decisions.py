@@ -1,10 +1,8 @@
 """Reproductions under other decisions: rows are never mixed, and those of version 0.1 stand beside them."""
 
-import csv
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +15,6 @@ from khepera_forage.task import decisions as decisions_module
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.design import LABORATORY, NO_NOISE, THESIS
-from khepera_forage.thesis.orient_analysis import OrientRow, arrival_vectors
 from khepera_forage.thesis.replication import Row, UntrainedRow
 from khepera_forage.thesis.reproduce import PAGE, SUMMARY, V0_1_RECALLS, write_report
 from tests.thesis.synthetic import one_row, recall, training
@@ -29,22 +26,15 @@ NEXT, NEXT_TEXT = replace(V0_1, next_to_food=22), "v0.1;next_to_food=22"
 DIFFERENCES = "food_to_home is 200, not 180; next_to_food is 22, not 20"
 
 
-def test_arrival_vectors_follow_the_decisions() -> None:
-    """The robot arrives 20 to 22 pixels from the food; the first place is 10 pixels nearer to home than in training."""
-    assert arrival_vectors(OTHER)[0, :, [1, 4]].T.tolist() == [[50, 20], [51, 21], [52, 22]]
-
-
-@pytest.mark.parametrize("number", range(4))
-def test_report_refuses_rows_of_different_decisions(number: int, tmp_path: Path) -> None:
-    rows: list[Any] = [recall(), training(), recall(noise=NO_NOISE), OrientRow(0, 1, "g1", 0, 1.0, 0.0, 0.0)]
-    rows[number] = replace(rows[number], decisions=TEXT)
+def test_report_refuses_rows_of_different_decisions(tmp_path: Path) -> None:
+    rows = [recall(decisions=TEXT), training()]
     with pytest.raises(ValueError, match=r"rows of different decisions: food_to_home is .*; next_to_food is") as error:
         write_report(tmp_path, Rows(rows), np.random.default_rng(0))
     assert str(error.value).endswith("allowed: rows of the same decisions in one report")
     assert not list(tmp_path.iterdir())
 
 
-def reproduce(out: Path, decisions: Decisions | None) -> Path:
+def reproduce(out: Path, decisions: Decisions) -> Path:
     return reproduction.reproduce(0, 1, out, backend=COMPILED, decisions=decisions)
 
 
@@ -60,7 +50,7 @@ def test_reproduction_refuses_a_folder_with_rows_of_other_decisions(name: str, t
         reproduce(tmp_path, V0_1)
     assert str(error.value).endswith("same decisions (now v0.1), another --out, or no such file")
     with pytest.raises(ValueError, match=re.escape(f"{path} has rows of other decisions: ")) as error:
-        reproduce(tmp_path, None)
+        reproduce(tmp_path, Decisions())
     assert f"(now {decisions_text(Decisions())})" in str(error.value)
     assert path.read_bytes() == before
 
@@ -94,11 +84,6 @@ def test_rows_keep_their_decisions(
     reproduce(tmp_path, OTHER)
 
 
-def test_reproduction_refuses_something_else_than_decisions(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"decisions is 17; allowed: a khepera_forage\.Decisions, or None"):
-        reproduction.reproduce(0, 1, tmp_path, decisions=17)  # type: ignore[arg-type]
-
-
 @pytest.mark.usefixtures("no_pictures")
 def test_reproduction_compares_with_version_0_1(tmp_path: Path) -> None:
     """The rows are those of a reproduction under version 0.1, which has no comparison itself."""
@@ -116,21 +101,6 @@ def test_reproduction_compares_with_version_0_1(tmp_path: Path) -> None:
     for name in ("recalls.csv", V0_1_RECALLS, "table_cells.csv", PAGE, SUMMARY):
         one, other = (re.sub(rb"load average [\d.]+", b"", (out / name).read_bytes()) for out in (first, second))
         assert one == other
-
-
-@pytest.mark.usefixtures("one_job")
-def test_page_table_and_summary_have_both_decisions(tmp_path: Path) -> None:
-    page = reproduce(tmp_path, NEXT).read_text()
-    size = "1 replication, 1 recall episodes of the imitator"
-    assert f"{size}, noise: laboratory, decisions: v0.1, next_to_food=22, backend: compiled. " in page
-    assert f"For comparison: {size}, decisions: v0.1. " in page
-    assert f"`{V0_1_RECALLS}`" in page
-    with open(tmp_path / "table_cells.csv", encoding="utf-8", newline="") as file:
-        fourth = list(csv.DictReader(file))[3]
-    assert float(fourth["ours: score (%)"]) == float(fourth["v0.1: score (%)"]) == 80.0
-    assert {"v0.1: score percentile", "v0.1: food: low", "v0.1: food percentile"} <= fourth.keys()
-    heading = "arena      episodes  score (%): thesis  ours  v0.1  food: thesis  ours  v0.1"
-    assert heading in (tmp_path / SUMMARY).read_text().splitlines()
 
 
 def with_untrained(decisions: str) -> list[Row]:
@@ -171,13 +141,6 @@ def test_reproduction_replaces_only_rows_of_version_0_1(tmp_path: Path) -> None:
     assert not ours.exists(), "the command stops before the first experiment"
     reproduction.reproduce(0, 1, tmp_path, backend=COMPILED, decisions=NEXT, comparison=False)
     assert [row.decisions for row in read_rows(path, RecallRow)] == [NEXT_TEXT]
-
-
-def test_report_refuses_other_rows_as_those_of_version_0_1(tmp_path: Path) -> None:
-    rows, rng = [recall(decisions=NEXT_TEXT)], np.random.default_rng(0)
-    with pytest.raises(ValueError, match="v0_1_recalls have other decisions: next_to_food is 22, not 20; "):
-        write_report(tmp_path, Rows(rows), rng, v0_1_recalls=rows)
-    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.usefixtures("no_pictures")

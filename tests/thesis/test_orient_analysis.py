@@ -30,13 +30,14 @@ def imitator() -> NearestNeighbourImitator:
 @pytest.mark.parametrize("equal_distance", ["nearer state", "farther state"])
 @pytest.mark.parametrize("next_to_food", [Decisions().next_to_food, 12.5, 13.5, 17.0])
 def test_robot_arrives_at_the_largest_distances_next_to_food(next_to_food: float, equal_distance: str) -> None:
-    decisions = Decisions(next_to_food=next_to_food, equal_distance=equal_distance)
+    decisions = Decisions(next_to_food=next_to_food, equal_distance=equal_distance, food_to_home=200)
     arrival = arrival_vectors(decisions)[-1].tolist()
     last = arrival[-1][-1]
     farther = [*arrival[-1][:-1], last + 1]
     states = [classify(StateVector(*vector), 20, decisions.values()) for vector in (*arrival, farther)]
     assert states == [*[State.NEXT_TO_FOOD] * 3, State.CLOSE_TO_FOOD]
     assert [vector[-1] for vector in arrival] == [last - 2, last - 1, last]
+    assert [vector[1] - vector[-1] for vector in arrival] == [200 // 5 + PIXELS_BEYOND[-1]] * 3, "from home to the food"
 
 
 def test_orient_confidence_falls_beyond_the_training_distance(imitator: NearestNeighbourImitator) -> None:
