@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from khepera_forage.thesis.inference import page
-from khepera_forage.thesis.inference.page import Predictions, explained
+from khepera_forage.thesis.inference.page import explained
 from khepera_forage.thesis.inference.posterior import Parameter, Posterior, PriorCheck
 from khepera_forage.thesis.inference.summary import ALL, FITTED, NAMES, SLOPES, thesis_statistics
 
@@ -70,12 +70,3 @@ def test_a_set_predicts_what_lies_among_its_own_experiments() -> None:
     assert not found[1].any()
     alike = thesis + rng.normal(size=(2000, 1, WIDTH)) + rng.normal(size=(2000, 5, WIDTH))
     assert page.predicted(alike)[:, tested].mean() == pytest.approx(0.95, abs=0.01), "also of few experiments"
-
-
-def test_predictions_weigh_experiments() -> None:
-    experiments = np.full((3, WIDTH), np.nan)
-    experiments[:, 0] = [10.0, 20.0, 30.0]
-    experiments[:2, 1] = [1.0, 3.0]
-    predictions = Predictions("p", experiments, np.array([0.0, 1.0, 3.0]))
-    assert predictions.interval(0) == (30.0, 20.0, 30.0)
-    assert np.isnan(predictions.interval(2)).all()

@@ -13,6 +13,7 @@ from khepera_forage.thesis.inference.posterior import (
     Parameter,
     Told,
     calibrate,
+    central,
     effective_number,
     forest_weights,
     infer,
@@ -161,11 +162,6 @@ def test_sets_that_resemble_an_experiment_have_the_most_weight_and_all_are_valid
     assert Told.SOMETHING not in {c.told for c in found.calibrations}, "too few sets to validate"
 
 
-def test_too_few_sets_are_refused() -> None:
-    with pytest.raises(ValueError, match="2 admissible sets; allowed: at least 3"):
-        infer([], np.zeros((2, 1, 46), np.float32), np.zeros(46), 0)
-
-
 def test_experiment_unlike_all_simulated_ones_is_told() -> None:
     rng = np.random.default_rng(0)
     statistics = rng.normal(size=(300, 4, 5)).astype(np.float32)
@@ -216,4 +212,6 @@ def test_weighted_quantiles_and_ranks() -> None:
     assert rank(values, weights, 2.0) == 50.0
     assert rank(values, weights, 9.0) == 100.0
     assert np.isnan(rank(np.array([np.nan]), np.ones(1), 1.0))
+    assert central(values, np.array([0.0, 1.0, 3.0])) == (2, 1, 2)
+    assert np.isnan(central(np.array([np.nan, 1.0]), np.array([1.0, 0.0]))).all()
     assert effective_number(np.array([1.0, 1.0, 0.0])) == 2.0

@@ -53,10 +53,3 @@ def test_ranges_are_allowed_and_shares_are_probabilities_of_all_readings() -> No
             allowed: set[Any] = set(field.choices) or set(range(int(field.least), int(field.most) + 1))
             assert set(part.of) <= allowed
             assert sum(part.of.values()) == pytest.approx(1.0)
-
-
-def test_prior_that_no_set_satisfies_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("khepera_forage.thesis.inference.prior._TRIES", 50)
-    prior = Prior({"home_radius": PriorRange(110, 110, ""), "home_to_wall": PriorRange(60, 70, "")}, {})
-    with pytest.raises(ValueError, match=r"none of 50 draws of this prior is possible; the last one: decision home"):
-        prior.draw(np.random.default_rng(0))

@@ -3,7 +3,7 @@
 import math
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -49,24 +49,9 @@ MEANS = [k for k, name in enumerate(NAMES) if name.endswith((" score", " food"))
 _NOISE_UNITS = {"placement_error": "mm", "placement_heading_error": "degrees", "position_jitter": "pixels"}
 
 
-class Predictions(NamedTuple):
-    """What one or many laboratories predict for experiments of the thesis's size, each with a weight.
-
-    Attributes:
-        experiments: Statistics, shape (experiments, statistics); they may be missing.
-    """
-
-    name: str
-    experiments: Floats
-    weights: Floats
-
-    def interval(self, column: int) -> Estimate:
-        """Median and central 95 % of a statistic."""
-        return central(self.experiments[:, column], self.weights)
-
-    def rank(self, column: int, value: float) -> float:
-        """Percentile of a value of a statistic."""
-        return rank(self.experiments[:, column], self.weights, value)
+Predictions = Mapping[str, tuple[Floats, Floats]]
+"""What one or many laboratories predict for experiments of the thesis's size, by name: their statistics, shape
+(experiments, statistics), which may be missing; and the weight of each."""
 
 
 def page(given: Arguments, drawn: Drawn) -> Page:
@@ -77,16 +62,13 @@ def page(given: Arguments, drawn: Drawn) -> Page:
     if Decisions() != Decisions.v0_1():
         under["default"] = Decisions()
     each = QUICK_EXPERIMENTS if given.quick else EXPERIMENTS
-    single = [
-        Predictions(name, replicate(LabModel(own, Noise.laboratory()), given.seed, each), np.ones(each))
+    predictions = {
+        name: (replicate(LabModel(own, Noise.laboratory()), given.seed, each), np.ones(each))
         for name, own in under.items()
-    ]
+    }
     _, experiments, width = drawn.statistics.shape
-    inferred = Predictions(
-        "posterior",
-        drawn.statistics.reshape(-1, width).astype(np.float64),
-        np.repeat(posterior.weights / experiments, experiments),
-    )
+    weights = np.repeat(posterior.weights / experiments, experiments)
+    predictions["posterior"] = drawn.statistics.reshape(-1, width).astype(np.float64), weights
     found = explained(posterior, drawn.statistics, np.random.default_rng(given.seed))
     asked = [_question(one.name) for one in found[:QUESTIONS] if np.isfinite(one.share)]
     questions = "".join(f"\n{k}. {question}" for k, question in enumerate(asked, 1))
@@ -98,7 +80,7 @@ def page(given: Arguments, drawn: Drawn) -> Page:
         _prior(),
         _reasons([reason or "admissible" for reason in drawn.reasons]),
         *posterior_parts(posterior, sets, given.quick),
-        _cells([*single, inferred], drawn.statistics, posterior.weights),
+        _cells(predictions, drawn.statistics, posterior.weights),
         claim_table(*measured(given, drawn.laboratories, posterior.weights)),
         _questions(found),
     ]
@@ -360,19 +342,20 @@ def predicted(statistics: Floats) -> NDArray[np.bool_]:
     return np.asarray(enough & (np.abs(mean - thesis_statistics()) <= reach * deviation))
 
 
-def _cells(predictions: Sequence[Predictions], statistics: NDArray[np.float32], weights: Floats) -> Table:
+def _cells(predictions: Predictions, statistics: NDArray[np.float32], weights: Floats) -> Table:
     thesis = thesis_statistics()
     hits = predicted(statistics.astype(np.float64))
     rows: list[dict[str, Value]] = []
     for k in np.flatnonzero(np.isfinite(thesis)).tolist():
         use = "fitted" if ALL[k] in FITTED else "test"
         row: dict[str, Value] = {"statistic": ALL[k], "use": use, "thesis": float(thesis[k])}
-        for one in predictions:
-            row |= {one.name: one.interval(k), f"percentile ({one.name})": one.rank(k, float(thesis[k]))}
+        for name, (experiments, own) in predictions.items():
+            row[name] = central(experiments[:, k], own)
+            row[f"percentile ({name})"] = rank(experiments[:, k], own, float(thesis[k]))
         row["posterior sets (%)"] = 100 * float(weights @ hits[:, k])
         row["admissible sets (%)"] = 100 * float(hits[:, k].mean())
         rows.append(row)
-    shares = ("posterior sets (%)", "admissible sets (%)", *(f"percentile ({one.name})" for one in predictions))
+    shares = ("posterior sets (%)", "admissible sets (%)", *(f"percentile ({name})" for name in predictions))
     return table_of(
         "cells",
         "All statistics",
@@ -382,7 +365,7 @@ def _cells(predictions: Sequence[Predictions], statistics: NDArray[np.float32], 
         "most. Medians of steps are those of recalls that left no food. `test`: never fitted. The last columns take "
         "sets one by one: the share whose own experiments include the thesis's value in their central 95 %.",
         rows,
-        {"thesis": 2} | {one.name: 2 for one in predictions} | dict.fromkeys(shares, 0),
+        {"thesis": 2} | dict.fromkeys(predictions, 2) | dict.fromkeys(shares, 0),
     )
 
 

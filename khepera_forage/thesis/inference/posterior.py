@@ -342,14 +342,9 @@ def infer(
 ) -> Posterior:
     """Weight sets by their likeness to an experiment, and validate the weights on sets that were held out.
 
-    The statistics of admissible sets are the fitted ones, shape (sets, experiments, statistics).
-
-    Raises:
-        ValueError: Fewer than three sets.
+    The statistics of at least three admissible sets are the fitted ones, shape (sets, experiments, statistics).
     """
     count = len(statistics)
-    if count < 3:
-        raise ValueError(f"{count} admissible sets; allowed: at least 3, to learn from and to validate with")
     targets = np.hstack([parameter.targets for parameter in parameters])
     fitted = statistics.astype(np.float64)
     weights = forest_weights(fitted, targets, observed[None], seed, trees)[0]

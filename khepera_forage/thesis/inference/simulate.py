@@ -5,8 +5,10 @@ at, no learner. Under each admissible set the thesis's whole design is replicate
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from importlib import resources
+from itertools import count
 from pathlib import Path
 from typing import NamedTuple
 
@@ -238,33 +240,36 @@ def draw(given: Arguments, wanted: int, experiments: int) -> Drawn:
         store = RowStore(given.out, {SetRow: "sets"}, settings, given.fresh, FILE)
     except ValueError as error:
         given.refuse(str(error))
-    size = QUICK_CHUNK if given.quick else CHUNK
     rows: list[SetRow] = []
     admissible: list[SetRow] = []
-    number = 0
     with progress(total=wanted, desc="admissible sets") as bar:
-        while len(admissible) < wanted:
-            if str(number) not in store.finished:
-                coming = range(number, number + effective_n_jobs(given.jobs) * CHUNKS_A_PROCESS)
-                missing = [
-                    Job(str(k), _chunk, (given.seed, range(k * size, (k + 1) * size), experiments))
-                    for k in coming
-                    if str(k) not in store.finished
-                ]
-                for key, made in in_processes(given.jobs)(missing):
-                    store.add(key, made)
-            for row in store.finished[str(number)]:
-                if len(admissible) < wanted:
-                    rows.append(row)
-                    if not row.reason:
-                        admissible.append(row)
-                        bar.update()
-            number += 1
+        for row in _endless(given, store, experiments):
+            rows.append(row)
+            if not row.reason:
+                admissible.append(row)
+                bar.update()
+                if len(admissible) == wanted:
+                    break
     return Drawn(
         [row.reason for row in rows],
         [laboratory_from_text(row.laboratory) for row in admissible],
         np.array([row.statistics for row in admissible], np.float32).reshape(wanted, experiments, len(ALL)),
     )
+
+
+def _endless(given: Arguments, store: RowStore, experiments: int) -> Iterator[SetRow]:
+    """All sets in their order; those that are not in the store are drawn some chunks at a time."""
+    size = QUICK_CHUNK if given.quick else CHUNK
+    for number in count():
+        if str(number) not in store.finished:
+            missing = [
+                Job(str(k), _chunk, (given.seed, range(k * size, (k + 1) * size), experiments))
+                for k in range(number, number + effective_n_jobs(given.jobs) * CHUNKS_A_PROCESS)
+                if str(k) not in store.finished
+            ]
+            for key, made in in_processes(given.jobs)(missing):
+                store.add(key, made)
+        yield from store.finished[str(number)]
 
 
 def _chunk(seed: int, numbers: range, experiments: int) -> list[SetRow]:
