@@ -189,7 +189,7 @@ def work_of(part: str, seed: int, imitators: tuple[Vectors, ...], counts: dict[s
         seeds = drawing.generate_state(count).tolist()
         some = [(i, tuple(seeds[i : i + BLOCK])) for i in range(0, count, BLOCK)]
         if part == TRAININGS:
-            work += [Job(f"{part} {arena} {own[0]}", compared_trainings, (arena, own)) for _, own in some]
+            work += [Job(f"{part} {arena} {own[0]} {own[-1]}", compared_trainings, (arena, own)) for _, own in some]
         elif part == IMITATORS:
             work += [recalls(IMITATOR, arena, 0, PICKABLE, i, own, imitators) for i, own in some]
         else:
