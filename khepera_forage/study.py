@@ -32,6 +32,7 @@ import shlex
 import signal
 import sys
 import threading
+import warnings
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -293,7 +294,9 @@ def in_processes(jobs: int | None) -> Execute:
     """Processes of this machine, 1 for this process alone; None is joblib's present backend."""
 
     def execute(units: Sequence[WorkUnit]) -> Iterator[Done]:
-        with _ended_by_sigterm():
+        with _ended_by_sigterm(), warnings.catch_warnings():
+            # joblib replaces a process whose memory has grown, as torch's does, and warns of it.
+            warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
             running = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
             yield from running(delayed(done)(unit) for unit in units)
 
