@@ -51,7 +51,7 @@ def blank(kind: Any) -> Any:
 
 
 def columns_of(records: NDArray[Any]) -> Any:
-    """The fields of an array of records as attributes, each an array that shares its memory; records in it likewise."""
+    """The fields of an array of records as attributes: arrays that share its memory; inner records likewise."""
     fields = {name: records[name] for name in records.dtype.names or ()}
     return SimpleNamespace(**{name: columns_of(own) if own.dtype.names else own for name, own in fields.items()})
 

@@ -50,8 +50,6 @@ class CompiledBatch:
 
     Attributes:
         worlds: Their records.
-        foragers: Fields of the `ForagerState` records, arrays with one element a world; see `columns_of`.
-        raw: The same of the `RawData` records.
         largest_diagonal: Of all arenas in which an episode may take place, in pixels.
 
     Raises:
@@ -67,7 +65,6 @@ class CompiledBatch:
         self._arenas = PreparedArenas(pool)
         self._places = np.zeros(self.num_worlds, np.int64)
         self.worlds = new_worlds(self.num_worlds, foods)
-        self.foragers, self.raw = columns_of(self.worlds.foragers[:, 0]), columns_of(self.worlds.raw[:, 0])
         self._free = np.ones(1, np.bool_)
         self._seeds: dict[int, int] = {}
         """Of worlds that were seeded and not restarted since."""
@@ -132,6 +129,16 @@ class CompiledBatch:
         """Let some worlds be in the arenas of their next episodes."""
         keys, numbers = self.worlds.robots["key"][worlds, 0], self.worlds.foragers["number"][worlds, 0]
         self._places[worlds] = self._arenas.of_episodes(keys, numbers)
+
+    @property
+    def foragers(self) -> Any:
+        """`ForagerState` of all worlds: each field is an array with one element a world."""
+        return columns_of(self.worlds.foragers[:, 0])
+
+    @property
+    def raw(self) -> Any:
+        """`RawData` of all worlds, likewise."""
+        return columns_of(self.worlds.raw[:, 0])
 
     def step(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> None:
         """One round in every world.
