@@ -104,7 +104,9 @@ def _forage(env: BehavioursEnv, arguments: argparse.Namespace) -> Callable[..., 
     others = arguments.allow_other_decisions
     with warnings.catch_warnings(record=True) as recovered:
         warnings.simplefilter("always", ExperienceWarning)
-        parts = load_each(arguments.experience, None, env.decisions, others, arguments.recover)  # an episode each
+        parts = load_each(  # one for each training episode
+            arguments.experience, decisions=env.decisions, allow_other_decisions=others, recover=arguments.recover
+        )
     for warning in recovered:
         print(warning.message)
     vectors, behaviours = Experience.join(parts, allow_other_decisions=others).arrays()

@@ -91,8 +91,9 @@ class Experience:
         """
         if not paths:
             raise TypeError("no path to load; allowed: one or more")
-        parts = load_each(paths, arena, decisions, allow_other_decisions, recover)
-        return cls.join(parts, allow_other_decisions=allow_other_decisions)
+        others = allow_other_decisions
+        parts = load_each(paths, arena=arena, decisions=decisions, allow_other_decisions=others, recover=recover)
+        return cls.join(parts, allow_other_decisions=others)
 
     @classmethod
     def join(cls, parts: Sequence["Experience"], *, allow_other_decisions: bool = False) -> Self:
@@ -164,7 +165,8 @@ class Experience:
 
 def load_each(
     paths: Iterable[str | PathLike[str]],
-    arena: str | None,
+    *,
+    arena: str | None = None,
     decisions: Decisions | None,
     allow_other_decisions: bool,
     recover: bool,
