@@ -1,7 +1,7 @@
 """`CompiledBatch`: recalls in many compiled worlds, stepped together."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,7 @@ from khepera_forage.envs.compiled.step import (
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.layouts import arena_map_of, given_places
 from khepera_forage.geometry.paths import ChosenWaypoint
-from khepera_forage.records import columns_of
+from khepera_forage.records import columns_of, dtype_of
 from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, Motors
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.world import CompiledWorld
@@ -37,6 +37,31 @@ from khepera_forage.task.states import Behaviour, State, StateVector
 
 _LEAST = 512
 """Worlds for which another thread pays."""
+
+
+@dataclass(slots=True)
+class _Turn:
+    """What one world does in one round.
+
+    Attributes:
+        world: Its number.
+        place: Of its arena, see `arena_at`.
+        begins: A new episode, in place of an action.
+        start_given: Where it begins: the robot stands where it starts; otherwise it starts at a random place.
+        foods_given: Likewise for the food.
+        behaviour: The action; -1 if that is `motors`.
+        motors: Four numbers in -1..1.
+        no_room: Written by the round: there was none for a new episode.
+    """
+
+    world: int = 0
+    place: int = 0
+    begins: bool = False
+    start_given: bool = False
+    foods_given: bool = False
+    behaviour: int = Behaviour.WAIT.value
+    motors: list[float] = field(default_factory=lambda: [0.0] * 4)
+    no_room: bool = False
 
 
 class CompiledBatch:
@@ -63,16 +88,16 @@ class CompiledBatch:
         pool = ArenaPool(settings.arena, settings.decisions)
         self.largest_diagonal = pool.diagonal
         self._arenas = PreparedArenas(pool)
-        self._places = np.zeros(self.num_worlds, np.int64)
         self.worlds = new_worlds(self.num_worlds, foods)
-        self._free = np.ones(1, np.bool_)
+        self._turns = np.zeros(self.num_worlds, dtype_of(_Turn))
+        self._turns["world"] = np.arange(self.num_worlds)
         self._seeds: dict[int, int] = {}
         """Of worlds that were seeded and not restarted since."""
 
     @property
     def arenas(self) -> list[Arena]:
         """The arena in which each world is."""
-        return [self._arenas.arena(place) for place in self._places.tolist()]
+        return [self._arenas.arena(place) for place in self._turns["place"].tolist()]
 
     def world(self, number: int) -> WorldRecords:
         """The records of one world, which share its memory."""
@@ -97,12 +122,12 @@ class CompiledBatch:
             ValueError: Options that are unknown or place something off the free floor, or an arena with no room. All
                 worlds then stay unchanged.
         """
-        self._places = self._arenas.forget(self._places)
-        kept = [part[worlds] for part in (*self.worlds, self._places)]
+        self._turns["place"] = self._arenas.forget(self._turns["place"])
+        kept = [part[worlds] for part in (*self.worlds, self._turns)]
         try:
             self._begin(worlds, options or {})
         except ValueError:
-            for part, rows in zip((*self.worlds, self._places), kept, strict=True):
+            for part, rows in zip((*self.worlds, self._turns), kept, strict=True):
                 part[worlds] = rows
             raise
 
@@ -113,22 +138,24 @@ class CompiledBatch:
             robots["key"][seeded] = keys_of(list(seeds.values()))
             robots["round"][seeded] = foragers["number"][seeded] = 0
         self._enter(worlds)
+        turns = self._turns[worlds]
         start, places = None, None
-        for place in np.unique(self._places[worlds]).tolist() if options else ():
+        for place in np.unique(turns["place"]).tolist() if options else ():
             start, places = given_places(self._arenas.arena(place), self.foods, options)
         if start is not None:
             self.worlds.robots[["x", "y", "heading"]][worlds, 0] = tuple(start)
         for k, food in enumerate(places or ()):
             self.worlds.foods[["x", "y"]][worlds, k] = tuple(food)
-        waiting, actions = np.ones(len(worlds), np.bool_), np.full((len(worlds), 1), float(Behaviour.WAIT))
-        self._run(worlds, actions, waiting, start is not None, places is not None)
+        turns["begins"], turns["start_given"], turns["foods_given"] = True, start is not None, places is not None
+        turns["behaviour"] = Behaviour.WAIT
+        self._run(turns)
         for world in seeds:
             del self._seeds[world]
 
     def _enter(self, worlds: NDArray[np.int64]) -> None:
         """Let some worlds be in the arenas of their next episodes."""
         keys, numbers = self.worlds.robots["key"][worlds, 0], self.worlds.foragers["number"][worlds, 0]
-        self._places[worlds] = self._arenas.of_episodes(keys, numbers)
+        self._turns["place"][worlds] = self._arenas.of_episodes(keys, numbers)
 
     @property
     def foragers(self) -> Any:
@@ -140,11 +167,11 @@ class CompiledBatch:
         """`RawData` of all worlds, likewise."""
         return columns_of(self.worlds.raw[:, 0])
 
-    def step(self, actions: NDArray[np.float64], waiting: NDArray[np.bool_]) -> None:
+    def step(self, actions: NDArray[Any], waiting: NDArray[np.bool_]) -> None:
         """One round in every world.
 
         Args:
-            actions: One behaviour a world, shape (worlds, 1), or four numbers in -1..1, shape (worlds, 4).
+            actions: One behaviour a world, shape (worlds,), or four numbers in -1..1, shape (worlds, 4).
             waiting: Worlds that begin a new episode instead.
 
         Raises:
@@ -152,30 +179,27 @@ class CompiledBatch:
         """
         new = waiting.nonzero()[0]
         if len(new):
-            self._places = self._arenas.forget(self._places)
+            self._turns["place"] = self._arenas.forget(self._turns["place"])
             self._enter(new)
-        self._run(np.arange(self.num_worlds), actions, waiting)
+        self._turns["begins"] = waiting
+        if actions.ndim == 1:
+            self._turns["behaviour"] = actions
+        else:
+            self._turns["behaviour"], self._turns["motors"] = -1, actions
+        self._run(self._turns)
 
-    def _run(
-        self, worlds: NDArray[np.int64], actions: NDArray[np.float64], waiting: NDArray[np.bool_], *given: bool
-    ) -> None:
-        """One round or the start of an episode in some worlds; arguments as for `arguments`."""
-        self._free[0] = True
-        share_out(_step_worlds, len(worlds), *self.arguments(worlds, actions, waiting, *given), least=_LEAST)
-        if not self._free[0]:
-            raise self._arenas.no_room(self._places[worlds[waiting]], self.foods)
+    def step_alone(self, action: Sequence[float]) -> None:
+        """One round in the only world of a batch: a behaviour, or four numbers in -1..1."""
+        if len(action) == 1:
+            self._turns["behaviour"] = action[0]
+        else:
+            self._turns["behaviour"], self._turns["motors"] = -1, action
+        _step_worlds(0, 1, *self.worlds, self._arenas.blocks, self._record, self._turns)
 
-    def arguments(
-        self,
-        worlds: NDArray[np.int64],
-        actions: NDArray[np.float64],
-        waiting: NDArray[np.bool_],
-        start_given: bool = False,
-        places_given: bool = False,
-    ) -> tuple[Any, ...]:
-        """Those of `_step_worlds` after the first two, for the worlds with these numbers; see `step`, `restart`."""
-        given = worlds, actions, waiting, start_given, places_given
-        return *self.worlds, self._arenas.blocks, self._places, self._record, *given, self._free
+    def _run(self, turns: NDArray[Any]) -> None:
+        share_out(_step_worlds, len(turns), *self.worlds, self._arenas.blocks, self._record, turns, least=_LEAST)
+        if turns["no_room"].any():
+            raise self._arenas.no_room(turns["place"][turns["no_room"]], self.foods)
 
 
 @entry
@@ -193,39 +217,24 @@ def _step_worlds(
     links: Any,
     chosen: Any,
     blocks: Any,
-    places: Any,
     settings: Any,
-    numbers: Any,
-    actions: Any,
-    waiting: Any,
-    start_given: bool,
-    places_given: bool,
-    free: Any,
+    turns: Any,
 ) -> None:
-    """One round in the worlds with some `numbers`, from the one at `first` up to the one at `last`.
-
-    An action, or the start of an episode where a world waits for one. `free[0]` becomes False where a new episode has
-    no room.
-    """
+    """One round in the worlds of some turns: of the one at `first`, up to the one at `last`."""
     # As arguments of their own, which numba hands over faster than a tuple.
     worlds = WorldRecords(robots, foragers, raw, foods, trackers, objects, detections, tracks, links, chosen)
     place, arena = -1, arena_at(blocks, 0)
     for k in range(first, last):
-        i = numbers[k]
-        world = world_of(worlds, i)
-        if places[i] != place:
-            place, arena = places[i], arena_at(blocks, places[i])
-        if waiting[k] and not begin(world, arena, settings[0], start_given, places_given):
-            free[0] = False
-        if actions.shape[1] == 1:
-            command_behaviour(world, arena, settings[0], int(actions[k, 0]))
+        turn = turns[k]
+        world = world_of(worlds, turn.world)
+        if turn.place != place:
+            place, arena = turn.place, arena_at(blocks, turn.place)
+        turn.no_room = turn.begins and not begin(world, arena, settings[0], turn.start_given, turn.foods_given)
+        if turn.behaviour < 0:
+            command_action(world, arena, settings[0], turn.motors)
         else:
-            command_action(world, arena, settings[0], actions[k])
+            command_behaviour(world, arena, settings[0], turn.behaviour)
         carry_out(world, arena, settings[0])
-
-
-_FIRST, _GOES_ON = np.zeros(1, np.int64), np.zeros(1, np.bool_)
-"""The only world of a batch of one; it does not wait for a new episode."""
 
 
 class CompiledRecalls:
@@ -236,7 +245,6 @@ class CompiledRecalls:
     def __init__(self, settings: Settings, foods: int, limit: int) -> None:
         self._batch = CompiledBatch(1, settings, foods, limit)
         self.diagonal = self._batch.largest_diagonal
-        self._actions = {count: np.zeros((1, count)) for count in (1, 4)}
 
     @property
     def arena(self) -> Arena:
@@ -264,7 +272,7 @@ class CompiledRecalls:
 
     def begin(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> ForagerState:
         """Begin the next episode, as `WorldRecalls.begin`, without `rng`: a compiled world draws its own numbers."""
-        self._batch.restart(_FIRST, options)
+        self._batch.restart(np.zeros(1, np.int64), options)
         # The robot has stood still for one round, so it is still where it started.
         worlds = self._batch.worlds
         starts, places = worlds.robots[["x", "y", "heading"]], worlds.foods[["x", "y"]]
@@ -273,9 +281,7 @@ class CompiledRecalls:
 
     def step(self, action: Sequence[float]) -> ForagerState:
         """One round under the number of a behaviour, or four numbers in -1..1."""
-        actions = self._actions[len(action)]
-        actions[0] = action
-        _step_worlds(0, 1, *self._batch.arguments(_FIRST, actions, _GOES_ON))
+        self._batch.step_alone(action)
         return state_of(self._batch.worlds)
 
 
@@ -302,8 +308,8 @@ def forager_of(world: WorldRecords, arena: Arena, decisions: Decisions) -> Forag
     )
     values = decisions.values(robot.has_gripper)
     forager = Forager(robot, arena_map_of(arena), decisions.recall_marker, food, values)
-    for field in fields(ForagerState):
-        setattr(forager, field.name, getattr(now, field.name))
+    for part in fields(ForagerState):
+        setattr(forager, part.name, getattr(now, part.name))
     forager.raw, forager.state = raw_of(world), State(now.state)
     record = robot.record
     gripper = (record.arm_target, record.jaw_target) if robot.has_gripper else (ARM_DOWN, JAW_OPEN)

@@ -159,7 +159,7 @@ class RecallVectorEnv(VectorEnv):
         self._seeded = True
         return shown
 
-    def _step(self, actions: NDArray[np.float64]) -> tuple[Any, ...]:
+    def _step(self, actions: NDArray[Any]) -> tuple[Any, ...]:
         self.batch.step(actions, self._over)
         episode = self.batch.foragers.episode
         rewards, terminated, truncated = (
@@ -295,7 +295,7 @@ class BehavioursVectorEnv(RecallVectorEnv):
     def _single(self, **kwargs: Any) -> gym.Env[Any, Any]:
         return BehavioursEnv(**kwargs)
 
-    def _checked(self, actions: ArrayLike) -> NDArray[np.float64]:
+    def _checked(self, actions: ArrayLike) -> NDArray[Any]:
         given, count = np.asarray(actions), int(self.single_action_space.n)  # type: ignore[attr-defined]
         fine = given.shape == (self.num_envs,) and given.dtype.kind in "iu"
         if not fine or given.min() < 0 or given.max() >= count:
@@ -303,7 +303,7 @@ class BehavioursVectorEnv(RecallVectorEnv):
                 f"actions are {actions!r}; allowed: {self.num_envs} whole numbers from 0 to {count - 1}, one "
                 "behaviour each"
             )
-        return given.astype(np.float64)[:, None]
+        return given
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Which behaviours apply now, one row a world; see `BehavioursEnv.action_masks`.
