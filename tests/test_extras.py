@@ -45,7 +45,7 @@ def bare(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         ("camera preview", "camera"),
         ("camera preview --out film.gif", "camera,render"),
         ("camera calibrate --points 0,0=0,0 1,0=1,0 1,1=1,1 0,1=0,1", "camera"),
-        ("camera markers --out markers.png", "render"),
+        ("camera markers --out markers.svg", "plots"),
     ],
 )
 def test_command_says_at_once_what_to_install(command: str, extras: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -58,14 +58,7 @@ def test_command_says_at_once_what_to_install(command: str, extras: str, capsys:
 
 @pytest.mark.usefixtures("bare")
 @pytest.mark.parametrize(
-    "command",
-    [
-        "decisions",
-        "compare --list",
-        "train --episodes 1 --out g",
-        "recall --episodes 1 --out r.csv",
-        "camera markers --out m.svg",
-    ],
+    "command", ["decisions", "compare --list", "train --episodes 1 --out g", "recall --episodes 1 --out r.csv"]
 )
 def test_command_works_without_extras(command: str) -> None:
     assert main(command.split()) == 0

@@ -160,7 +160,7 @@ def test_calibrate_from_clicks_in_a_window(monkeypatch: pytest.MonkeyPatch, caps
 def test_markers_writes_a_page(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["camera", "markers"]) == 0
     assert "print it at 100 %" in capsys.readouterr().out
-    assert 'width="210mm"' in Path("markers.svg").read_text(encoding="utf-8")
+    assert 'width="595.275591pt"' in Path("markers.svg").read_text(encoding="utf-8"), "210 mm"
 
 
 def test_tags_are_printed_and_calibrate_a_camera_that_is_then_watched(capsys: pytest.CaptureFixture[str]) -> None:

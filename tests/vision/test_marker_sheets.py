@@ -6,48 +6,49 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from PIL import Image
 
-from khepera_forage.vision.marker_sheets import DPI, PAGE_HEIGHT, PAGE_WIDTH, marker_pages, save_pages, svg, tag_pages
+from khepera_forage.vision.marker_sheets import DPI, PAGE_HEIGHT, PAGE_WIDTH, marker_pages, save_pages, tag_pages
 from khepera_forage.vision.tracker import Tracker
 
-SVG = "{http://www.w3.org/2000/svg}"
+INCH = 25.4  # mm
 
 
-def test_svg_rectangles_have_their_true_size() -> None:
-    root = ElementTree.fromstring(svg(marker_pages()[0]).partition("\n")[2])
-    assert (root.get("width"), root.get("height")) == ("210mm", "297mm")
-    assert root.get("viewBox") == "0 0 210 297", "one unit is one mm"
-    sizes = [
-        (r.get("fill"), float(r.attrib["width"]), float(r.attrib["height"]))
-        for r in root.iter(f"{SVG}rect")
-        if "%" not in r.attrib["width"]
-    ]
-    assert sizes.count(("white", 120.0, 80.0)) == 2
-    assert sizes.count(("black", 136.0, 96.0)) == 2
-    assert sizes.count(("black", 20.0, 20.0)) == 3
+def test_markers_have_their_true_size(tmp_path: Path) -> None:
+    """Lines of pixels across marker 1: black, white and black again, each as long in mm as in figure 3.9."""
+    with Image.open(save_pages(tmp_path / "markers.png", marker_pages())) as image:
+        black = np.asarray(image.convert("L")) < 128
+
+    def edges(pixels: NDArray[np.bool_]) -> NDArray[np.float64]:
+        return np.flatnonzero(np.diff(pixels)) * INCH / DPI
+
+    down, across = black[:, round(105 * DPI / INCH)], black[round(68 * DPI / INCH)]
+    assert edges(down[: round(118 * DPI / INCH)])[-4:] == pytest.approx([20, 28, 108, 116], abs=0.1)
+    assert edges(across[: round(174 * DPI / INCH)]) == pytest.approx([37, 45, 120, 140, 165, 173], abs=0.1)
 
 
-@pytest.mark.parametrize("kind", ["png", "pdf"])
-def test_png_and_pdf_are_an_a4_page(tmp_path: Path, kind: str) -> None:
+@pytest.mark.parametrize("kind", ["svg", "png", "pdf"])
+def test_every_format_is_an_a4_page(tmp_path: Path, kind: str) -> None:
     path = save_pages(tmp_path / f"markers.{kind}", marker_pages())
-    if kind == "pdf":
-        data = path.read_bytes()
-        assert data.startswith(b"%PDF")
-        # In points of 1/72 inch.
-        box = data.partition(b"/MediaBox [")[2].partition(b"]")[0].split()
-        assert [float(side) / 72 * 25.4 for side in box[2:]] == pytest.approx([210, 297], abs=0.1)
-        return
-    with Image.open(path) as image:
-        assert image.info["dpi"] == pytest.approx((DPI, DPI), rel=1e-4)
-        assert image.size == (round(PAGE_WIDTH / 25.4 * DPI), round(PAGE_HEIGHT / 25.4 * DPI))
+    if kind == "png":
+        with Image.open(path) as image:
+            assert image.info["dpi"] == pytest.approx((DPI, DPI), rel=1e-4)
+            size = [side / DPI * INCH for side in image.size]
+    elif kind == "svg":
+        root = ElementTree.parse(path).getroot()
+        size = [float(root.attrib[side].removesuffix("pt")) / 72 * INCH for side in ("width", "height")]
+    else:
+        box = path.read_bytes().partition(b"/MediaBox [")[2].partition(b"]")[0].split()
+        size = [float(side) / 72 * INCH for side in box[2:]]
+    assert size == pytest.approx([PAGE_WIDTH, PAGE_HEIGHT], abs=0.1)
 
 
 def test_tracker_recognises_the_printed_markers(tmp_path: Path) -> None:
     """The printed page, cut along the frames, on a grey floor, at 5 mm per pixel."""
     with Image.open(save_pages(tmp_path / "markers.png", marker_pages())) as image:
         page = np.asarray(image.convert("L"))
-    scale = DPI / 25.4
+    scale = DPI / INCH
     floor = np.full((480 * 8, 640 * 8), 105, np.uint8)
     for row, (x, y) in enumerate(((1000, 1000), (2000, 1400))):
         top, left = 68 + row * 118 - 48, 105 - 68
@@ -74,7 +75,7 @@ def test_printed_tags_have_their_true_size(tmp_path: Path) -> None:
     )
     assert sorted(ids.ravel().tolist()) == [1, 7]
     for c in corners:
-        sides = np.hypot(*(np.roll(c[0], 1, axis=0) - c[0]).T) * 25.4 / (DPI / 4)
+        sides = np.hypot(*(np.roll(c[0], 1, axis=0) - c[0]).T) * INCH / (DPI / 4)
         assert sides == pytest.approx(80.0, abs=0.5)
 
 
