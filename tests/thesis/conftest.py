@@ -1,5 +1,7 @@
 """A small reproduction that the tests of tables, figures and the report share."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -17,6 +19,7 @@ from khepera_forage.thesis.tables import CellResult, cell_results
 from tests.thesis import synthetic
 
 REPLICATIONS = 6
+PUBLISHED = Path(__file__).parents[2] / "docs" / "published" / "thesis.zip"
 
 
 @pytest.fixture

@@ -1,6 +1,8 @@
 """The thesis's claims: their effects are those of the rows, and the rules give the verdicts."""
 
+import csv
 import math
+import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -11,20 +13,9 @@ from khepera_forage.estimates import UNKNOWN, Estimate, pick
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import State
-from khepera_forage.thesis.claims import (
-    AFTER_ORIENT,
-    Rule,
-    Verdict,
-    above,
-    at_most,
-    claims,
-    gather,
-    percent,
-    percent_change,
-    points,
-    within,
-)
+from khepera_forage.thesis.claims import AFTER_ORIENT, Rule, Verdict, above, at_most, claims, gather, within
 from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, training_distance
+from tests.thesis.conftest import PUBLISHED
 from tests.thesis.synthetic import failed, recall
 
 SUPPORTED, NOT, UNDECIDED = Verdict.SUPPORTED, Verdict.NOT_SUPPORTED, Verdict.UNDECIDED
@@ -102,43 +93,26 @@ def test_effects_are_those_of_the_rows(
     assert len({claim.name for claim in found}) == len(found)
 
 
-def test_rules_are_those_that_the_page_states() -> None:
-    rules = [claim.rule for claim in claims(gather([], [], rng()))]
-    assert rules == [
-        *[above(0.0)] * 5,
-        within(10.0),
-        *[above(0.1)] * 4,
-        *(above(0.5), above(0.9), above(0.0), above(0.5)),
-        *(at_most(500), at_most(700)),
-    ]
-
-
-@pytest.mark.parametrize("arena", ARENAS)
-@pytest.mark.parametrize(("nearer", "verdict"), [(True, SUPPORTED), (False, NOT)])
-def test_only_success_nearer_to_home_supports_the_claim_of_areas(arena: str, nearer: bool, verdict: Verdict) -> None:
-    near, far = (recall, failed) if nearer else (failed, recall)
-    rows = [
-        make(arena=arena, replication=number, food_x=(x,))
-        for number in range(5)
-        for make, x in ((near, -25.0), (far, -70.0))
-    ]
-    (claim,) = (c for c in claims(gather(rows, [], rng())) if c.name.startswith("Food nearer") and arena in c.name)
-    assert claim.verdict is verdict
-    assert f"{100 if nearer else 0} % of 5 food objects nearer to home" in claim.sentence
+def test_claims_without_rows_are_undecided_and_have_the_published_names_and_rules() -> None:
+    found = claims(gather([], [], rng()))
+    for claim in found:
+        assert (claim.verdict, claim.effect) == (UNDECIDED, "-")
+        assert "nan" not in claim.sentence
+    with zipfile.ZipFile(PUBLISHED) as archive:
+        names, rules = (list(csv.reader(archive.read(f"{of}.csv").decode().splitlines())) for of in ("claims", "rules"))
+    assert [claim.name for claim in found] == [row[names[0].index("claim")] for row in names[1:]]
+    assert [claim.rule.words(claim.unit) for claim in found] == [row[1] for row in rules[1:]]
 
 
 def test_effects_are_in_the_units_of_the_claims() -> None:
     rows = [recall(episodes=n, steps=100, correct=score) for n, score in ((1, 40), (10, 70))]
+    rows += [failed(episodes=5, replication=i, food_x=(-25.0,)) for i in range(5)]
     rows += [failed(learner=TEACHER, episodes=0, replication=i, steps=400, limit=400) for i in range(5)]
     found = claims(gather(rows, [], rng()))
     assert (found[0].effect, found[0].verdict) == ("+30.0 points", UNDECIDED)
+    assert (found[6].effect, found[6].verdict) == ("-100 [-100, -100] points", NOT)
+    assert "0 % of 5 food objects nearer to home than the 36 pixels of training, 100 % of 2" in found[6].sentence
     assert (found[-2].effect, found[-2].verdict) == ("∞ [∞, ∞] steps", NOT)
-
-
-def test_claims_without_rows_are_undecided() -> None:
-    for claim in claims(gather([], [], rng())):
-        assert (claim.verdict, claim.effect) == (UNDECIDED, "-")
-        assert "nan" not in claim.sentence
 
 
 def test_claims_from_two_noise_conditions_are_an_error() -> None:
@@ -164,10 +138,3 @@ def test_claims_from_two_noise_conditions_are_an_error() -> None:
 )
 def test_rule_gives_its_verdict(rule: Rule, estimate: Estimate, verdict: Verdict) -> None:
     assert rule.judge(estimate) is verdict
-
-
-def test_rules_and_effects_have_a_text() -> None:
-    assert above(0.5).words(percent) == "supported above 50 %, not supported below"
-    assert within(10.0).words(points) == "supported between -10.0 points and +10.0 points, not supported beyond"
-    assert percent_change.estimate(Estimate(0.125, -0.02, 0.3)) == "+12 [-2, +30] points"
-    assert points.estimate(Estimate(0.0, float("nan"), float("nan"))) == "0 points"

@@ -4,6 +4,7 @@ import csv
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,14 +22,6 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.thesis import figures
 from khepera_forage.thesis.claims import Evidence, gather
 from khepera_forage.thesis.design import NO_NOISE, training_distance
-from khepera_forage.thesis.figures import (
-    BIN,
-    fig_5_4,
-    figure_by_episodes,
-    food_places,
-    noise_figure,
-    success_by_distance,
-)
 from khepera_forage.thesis.replication import UntrainedRow
 from khepera_forage.thesis.reproduce import PAGE, write_report
 from khepera_forage.thesis.tables import CellResult, cell_results, noise_table
@@ -37,7 +30,7 @@ from tests.thesis.synthetic import failed, recall
 
 Draw = Callable[..., Figure]
 BY_EPISODES = [
-    (partial(figure_by_episodes, *kind), kind[1], maximum)
+    (partial(figures.figure_by_episodes, *kind), kind[1], maximum)
     for kind, maximum in zip(figures.BY_EPISODES, (None, 20, None, 24), strict=True)
 ]
 """Figures with their arena, and the food objects in it."""
@@ -46,52 +39,34 @@ BY_EPISODES = [
 def test_success_by_distance_ignores_other_arenas_and_policies() -> None:
     rows = [recall(food_x=(-30.0,), food_y=(1.0,)), failed(food_x=(0.0,), food_y=(30.0,)), failed(food_x=(-90.0,))]
     ignored = [recall(arena="rectangle"), recall(learner=RANDOM)]
-    near, far = success_by_distance(food_places(rows + ignored))
-    assert (near[0], near[1], near[2].value) == (BIN * 3.5, 2, 50)
+    near, far = figures.success_by_distance(figures.food_places(rows + ignored))
+    assert (near[0], near[1], near[2].value) == (figures.BIN * 3.5, 2, 50)
     assert (far[1], far[2].value) == (1, 0.0)
-    assert BIN * 4 <= training_distance(Decisions.v0_1()) < BIN * 5
+    assert figures.BIN * 4 <= training_distance(Decisions.v0_1()) < figures.BIN * 5
 
 
-def test_figures_show_the_thesis_and_our_means(results: list[CellResult]) -> None:
-    """The thesis's values are those of its figures 5.2, 5.3, 5.5 and 5.6."""
+def test_figures_show_the_thesis_our_means_and_version_0_1(results: list[CellResult], recalls: list[RecallRow]) -> None:
+    """The thesis's values are those of its figures 5.2, 5.3, 5.5 and 5.6; version 0.1 is grey, left of ours."""
     printed = ([52.7, 67.55, 68.2, 73.8], [8, 11, 12, 14], [44.25, 60.33, 67.08], [7, 14, 13])
+    old_results = cell_results(pick(recalls, replication=0), np.random.default_rng(12))
     for (draw, arena, scale), values in zip(BY_EPISODES, printed, strict=True):
-        figure = draw(results)
-        (axes,) = figure.axes
-        points = [(line.get_marker(), np.ravel(line.get_ydata())) for line in axes.lines]
-        thesis = [y[0] for marker, y in points if marker == "D"]
-        ours = [y[0] for marker, y in points if marker == "o"]
-        assert thesis == pytest.approx(values, abs=0.01)
-        mine = [r for r in results if r.cell.arena == arena]
-        if scale is None:
-            assert ours == pytest.approx([r.score.ours.value for r in mine])
-        else:
-            assert ours == pytest.approx([scale * r.food.ours.value / r.cell.available for r in mine])
-            assert axes.get_ylim()[1] >= scale
-
-
-def test_figures_show_version_0_1_in_grey_left_of_ours(results: list[CellResult], recalls: list[RecallRow]) -> None:
-    v0_1_results = cell_results(pick(recalls, replication=0), np.random.default_rng(12))
-    for draw, arena, maximum in BY_EPISODES:
-        (axes,) = draw(results, v0_1_results).axes
-        marks = [(to_hex(line.get_color()).upper(), line) for line in axes.lines if line.get_marker() == "o"]
-        grey, ours = (
-            np.array([np.hstack(line.get_data()) for colour, line in marks if colour == wanted])
-            for wanted in (GREY, OURS)
-        )
-        mine = [r for r in v0_1_results if r.cell.arena == arena]
-        values = [r.food.ours.value * maximum / r.cell.available if maximum else r.score.ours.value for r in mine]
-        assert grey[:, 1].tolist() == pytest.approx(values)
-        assert (grey[:, 0] < ours[:, 0]).all()
+        (axes,) = draw(results, old_results).axes
+        points: dict[str, list[Any]] = {kind: [] for kind in ("D", OURS, GREY)}
+        for line in axes.lines:
+            if (marker := line.get_marker()) in ("D", "o"):
+                kind = "D" if marker == "D" else to_hex(line.get_color()).upper()
+                points[kind].append(np.hstack(line.get_data()).tolist())
+        thesis, ours, old = (np.array(places) for places in points.values())
+        assert thesis[:, 1] == pytest.approx(values, abs=0.01)
+        for shown, measured in ((ours, results), (old, old_results)):
+            own = [r for r in measured if r.cell.arena == arena]
+            means = [scale * r.food.ours.value / r.cell.available if scale else r.score.ours.value for r in own]
+            assert shown[:, 1] == pytest.approx(means)
+        assert (old[:, 0] < ours[:, 0]).all()
+        assert axes.get_ylim()[1] >= (scale or 0)
         legend = axes.get_legend()
         assert legend is not None
         assert "version 0.1, mean and 95 % interval" in [text.get_text() for text in legend.get_texts()]
-
-
-def test_figures_without_rows_can_be_drawn() -> None:
-    results = cell_results([], np.random.default_rng(1))
-    for figure in (*(draw(results) for draw, *_ in BY_EPISODES), fig_5_4([])):
-        figure.draw_without_rendering()
 
 
 def test_report_has_page_tables_and_figures(tmp_path: Path, rows: Rows) -> None:
@@ -117,17 +92,10 @@ def test_report_has_page_tables_and_figures(tmp_path: Path, rows: Rows) -> None:
     assert float(claims[0]["value: low"]) <= float(claims[0]["value"]) <= float(claims[0]["value: high"])
 
 
-def test_report_on_one_replication_has_no_supported_claim(tmp_path: Path, recalls: list[RecallRow]) -> None:
-    write_report(tmp_path, Rows(pick(recalls, replication=0)), np.random.default_rng(8), resamples=200)
-    page = (tmp_path / PAGE).read_text(encoding="utf-8")
-    assert "1 replication, 106 recall episodes" in page
-    assert "| undecided |" in page
-    assert "| supported |" not in page
-    assert "Effect of each source of noise" not in page
-
-
 @pytest.mark.parametrize(("draw", "scale"), [(figure, scale) for figure, _, scale in BY_EPISODES])
-def test_all_experiments_are_shown(draw: Draw, scale: int | None, results: list[CellResult]) -> None:
+def test_figures_by_episodes_are_readable_and_show_all_experiments(
+    draw: Draw, scale: int | None, results: list[CellResult]
+) -> None:
     """Penalties make the score of an experiment negative (5.4); many experiments may have the same result."""
     low = [
         r._replace(
@@ -136,31 +104,27 @@ def test_all_experiments_are_shown(draw: Draw, scale: int | None, results: list[
         )
         for r in results
     ]
-    for figure in (draw(results), draw(low), draw(results, results)):
-        (axes,) = figure.axes
-        check_points_are_shown(axes)
-    same = [part for part in draw(low).axes[0].collections if isinstance(part, PathCollection)]
-    for dots in same:
-        points = np.asarray(dots.get_offsets()).round(6)
-        assert len({tuple(point) for point in points}) == len(points)
+    usual, lowest, compared = (lay_out(figure) for figure in (draw(results), draw(low), draw(results, results)))
+    for figure in (usual, lowest, compared):
+        check_points_are_shown(figure.axes[0])
+    for figure in (usual, compared):
+        check_readable(figure)
+    for dots in lowest.axes[0].collections:
+        if isinstance(dots, PathCollection):
+            points = np.asarray(dots.get_offsets()).round(6)
+            assert len({tuple(point) for point in points}) == len(points)
     if scale is None:
-        assert draw(low).axes[0].get_ylim()[0] < -13
-        assert draw(results).axes[0].get_ylim()[0] == pytest.approx(-2), "no empty space without such scores"
+        assert lowest.axes[0].get_ylim()[0] < -13
+        assert usual.axes[0].get_ylim()[0] == pytest.approx(-2), "no empty space without such scores"
     else:
-        bars = {patch.get_facecolor() for patch in axes.patches}
-        (legend,) = legends_of(figure)
+        bars = {patch.get_facecolor() for patch in compared.axes[0].patches}
+        (legend,) = legends_of(compared)
         assert len(bars) == 3
         assert bars <= {patch.get_facecolor() for patch in legend.findobj(Patch) if patch.get_alpha()}
 
 
-@pytest.mark.parametrize("draw", [figure for figure, *_ in BY_EPISODES])
-@pytest.mark.parametrize("compared", [False, True])
-def test_figures_by_episodes_are_readable(draw: Draw, compared: bool, results: list[CellResult]) -> None:
-    check_readable(lay_out(draw(results, results if compared else ())))
-
-
 def test_noise_figure_is_readable(noise_rows: list[RecallRow], evidence: Evidence) -> None:
-    figure = lay_out(noise_figure(noise_table(noise_rows, evidence)))
+    figure = lay_out(figures.noise_figure(noise_table(noise_rows, evidence)))
     check_readable(figure)
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["mean and 95 % interval", "without noise"]
@@ -169,15 +133,12 @@ def test_noise_figure_is_readable(noise_rows: list[RecallRow], evidence: Evidenc
 def test_noise_condition_that_cannot_be_trained_is_told(
     recalls: list[RecallRow], trainings: list[TrainingRow], noise_rows: list[RecallRow]
 ) -> None:
-    """In table and figure; the other conditions have their results."""
     rows = [row for row in noise_rows if row.noise != NO_NOISE]
     tries = [row for row in trainings if row.noise != NO_NOISE]
     missing = [UntrainedRow(first, 100, NO_NOISE, "none of 200 attempts", "") for first in (0, 100)]
     table = noise_table(rows, gather(recalls, tries, np.random.default_rng(1), 200), missing)
     assert table.note.endswith("as no attempt at a training episode was complete: none (200).")
-    none, wheels = table.rows[:2]
-    assert (none[0], none[-2:], wheels[-1]) == (NO_NOISE, (0, 0), 60)
-    figure = lay_out(noise_figure(table))
+    figure = lay_out(figures.noise_figure(table))
     check_readable(figure)
     assert [text.get_text() for axes in figure.axes for text in axes.texts] == ["no complete training"] * 3
     (legend,) = figure.legends
@@ -195,7 +156,7 @@ def scattered(decisions: str) -> list[RecallRow]:
 
 @pytest.mark.parametrize("decisions", SET_UPS)
 def test_marks_do_not_cover_numbers_of_figure_5_4(decisions: str) -> None:
-    figure = lay_out(fig_5_4(scattered(decisions)))
+    figure = lay_out(figures.fig_5_4(scattered(decisions)))
     axes = figure.axes[0]
     numbers = [text for text in axes.texts if text.get_text().isdigit()]
     marks = [line for line in axes.lines if np.asarray(line.get_xydata()).shape == (1, 2)]
@@ -211,7 +172,7 @@ def test_marks_do_not_cover_numbers_of_figure_5_4(decisions: str) -> None:
 
 
 def test_figure_5_4_is_readable_and_explains_its_shading() -> None:
-    figure = lay_out(fig_5_4(scattered("v0.1")))
+    figure = lay_out(figures.fig_5_4(scattered("v0.1")))
     check_readable(figure)
     check_shading_is_explained(figure)
     labels = [text.get_text() for legend in legends_of(figure) for text in legend.get_texts()]
