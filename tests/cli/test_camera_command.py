@@ -49,7 +49,7 @@ def test_preview_prints_the_true_places_of_regions(capsys: pytest.CaptureFixture
     assert "frames/s, 0 ms old" in printed
 
 
-def test_preview_saves_pictures_and_films_that_it_can_read(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_preview_saves_pictures_and_films_that_it_can_read(capsys: pytest.CaptureFixture[str]) -> None:
     assert preview("--out", "one.png", "--frames", "3") == 0
     picture = cv2.imread("one.png")
     assert picture is not None
@@ -74,17 +74,11 @@ def test_preview_saves_pictures_and_films_that_it_can_read(capsys: pytest.Captur
     assert preview("--food-tags", "20", "--food-tag-size", "70", "--frames", "1", "--out", "last.png") == 0
 
 
-def test_preview_names_the_setting_to_change(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    assert preview("--frames", "2", "--out", "sharp.png") == 0
-    capsys.readouterr()
-    sharp = cv2.imread("sharp.png")
-    assert sharp is not None
-    write_film(Path("blurred.avi"), [cv2.GaussianBlur(sharp, (0, 0), 2.5).astype(np.uint8)] * 50, 25)
+def test_preview_names_the_setting_to_change_and_uses_the_calibration(capsys: pytest.CaptureFixture[str]) -> None:
+    blurred = cv2.GaussianBlur(floor_scene(640, 480).frame(), (0, 0), 2.5).astype(np.uint8)
+    write_film(Path("blurred.avi"), [blurred] * 50, 25)
     assert main(["camera", "preview", "--source", "blurred.avi", "--frames", "1"]) == 0
     assert "warning: out of focus" in capsys.readouterr().out
-
-
-def test_preview_uses_the_calibration(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     half = ((0.0, 1200.0), (1600.0, 1200.0), (1600.0, 0.0), (0.0, 0.0))
     # A calibration with half the millimetres per pixel: all regions are too small for a marker.
     Calibration(((0.0, 0.0), (640.0, 0.0), (640.0, 480.0), (0.0, 480.0)), half).save("half.toml")
@@ -125,13 +119,10 @@ def test_calibration_of_a_lens_reports_the_error_of_held_out_points(capsys: pyte
     assert Calibration.load("calibration.toml").lens is not None
 
 
-def test_points_in_a_part_of_the_picture_are_reported(capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_points_are_reported(capsys: pytest.CaptureFixture[str]) -> None:
     points = [f"{u},{v}={5 * u},{2400 - 5 * v}" for u, v in ((200, 200), (300, 200), (300, 300), (200, 300))]
     assert main(["camera", "calibrate", "--points", *points]) == 0
     assert "the points enclose 3 % of the picture" in capsys.readouterr().out
-
-
-def test_residuals_show_a_wrong_point(capsys: pytest.CaptureFixture[str]) -> None:
     for middle, largest in (("320,240=1600,1300", (30, 200)), ("320,240=1600,1200", (0, 0.01))):
         assert main(["camera", "calibrate", "--points", *CORNERS, middle]) == 0
         printed = capsys.readouterr().out

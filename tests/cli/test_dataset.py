@@ -29,24 +29,27 @@ def other_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_new_episodes_are_a_dataset_with_a_card(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["dataset", "--episodes", "2", "--seed", "4", "--author", "me", "--out", "data"]) == 0
+    given = ["--episodes", "2", "--arena", "mixed_foods", "--seed", "4"]
+    assert main(["dataset", *given, "--author", "me", "--out", "data"]) == 0
     printed = capsys.readouterr().out
-    assert main(["train", "--episodes", "2", "--seed", "4", "--out", "files"]) == 0
-    parts = from_minari("khepera_forage/corridor-v1")
+    assert main(["train", *given, "--out", "files"]) == 0
+    parts = from_minari("khepera_forage/mixed_foods-v1")
     assert parts == [Experience.load("files/g1.csv"), Experience.load("files/g2.csv")]
     steps = sum(map(len, parts))
-    assert f"khepera_forage/corridor-v1: 2 episodes, {steps} steps, in data\n" in printed
-    card = Path("data/khepera_forage/corridor-v1/README.md").read_text(encoding="utf-8")
+    assert f"khepera_forage/mixed_foods-v1: 2 episodes, {steps:,} steps, in data\n" in printed
+    card = Path("data/khepera_forage/mixed_foods-v1/README.md").read_text(encoding="utf-8")
     for line in (
+        "| arena | mixed_foods |",
+        "in copies of the arena mixed_foods",
+        "foraged for food (50 % PICKABLE, 25 % PUSHABLE, 25 % POISONOUS), and the learner listened.",
         *(f"| `{name}` | " for name in StateVector._fields),
         "Episodes that were not completed are not in the data",
-        f"| steps | {steps}; {min(map(len, parts))} to {max(map(len, parts))} an episode |",
-        "The teacher of section 4.4 foraged for PICKABLE food, and the learner listened.",
+        f"| steps | {steps:,}; {min(map(len, parts))} to {max(map(len, parts))} an episode |",
         "| author | me |",
         "| licence | CC0-1.0 |",
         "- Decisions, that is, readings of what the thesis leaves open: `v1`.",
         f"- Seed: 4. Seeds of the episodes: {parts[0].seed}, {parts[1].seed}.",
-        "`khepera-forage dataset --episodes 2 --seed 4 --author me --out data`",
+        "`khepera-forage dataset --episodes 2 --arena mixed_foods --seed 4 --author me --out data`",
     ):
         assert line in card
     (block,) = re.findall(r"```python\n(.*?)```", card, flags=re.DOTALL)
@@ -65,6 +68,7 @@ def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from() -
         assert sum(episode.rewards) == pytest.approx(1 - len(part) / 500)
     card = Path("data/khepera_forage/corridor-alone-v1/README.md").read_text(encoding="utf-8")
     assert "Episodes of the teacher, which forages alone." in card
+    assert "It foraged for PICKABLE food, from random places." in card
     assert "dataset --alone --episodes 5 --out data`" in card
     assert "not completed" not in card, "an episode that is out of time is in the data"
     vectors, behaviours = arrays(parts)
@@ -103,20 +107,6 @@ def test_files_are_a_dataset_whose_card_names_all_arenas_and_decisions(capsys: p
         assert line in card
     assert main(command) == 2
     assert "--name is 'mine-v1'; allowed: a name that is not in data yet" in capsys.readouterr().err
-
-
-def test_episodes_in_another_arena_are_a_dataset_of_this_arena() -> None:
-    assert main(["dataset", "--episodes", "1", "--arena", "mixed_foods", "--seed", "4", "--out", "data"]) == 0
-    assert main(["train", "--episodes", "1", "--arena", "mixed_foods", "--seed", "4", "--out", "files"]) == 0
-    assert from_minari("khepera_forage/mixed_foods-v1") == [Experience.load("files/g1.csv")]
-    card = Path("data/khepera_forage/mixed_foods-v1/README.md").read_text(encoding="utf-8")
-    for line in (
-        "| arena | mixed_foods |",
-        "in copies of the arena mixed_foods",
-        "foraged for food (50 % PICKABLE, 25 % PUSHABLE, 25 % POISONOUS), and",
-        "dataset --episodes 1 --arena mixed_foods --seed 4 --out data`",
-    ):
-        assert line in card
 
 
 def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest.CaptureFixture[str]) -> None:

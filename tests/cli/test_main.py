@@ -22,48 +22,37 @@ def experience(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def recalled(out: Path, *arguments: str) -> list[RecallRow]:
-    assert main(["recall", "--episodes", "2", "--out", str(out), *arguments]) == 0
-    return read_rows(out, RecallRow)
+def recalled(*arguments: str) -> list[RecallRow]:
+    assert main(["recall", "--episodes", "2", "--out", "rows.csv", *arguments]) == 0
+    return read_rows(Path("rows.csv"), RecallRow)
 
 
-def test_train_recall_and_watch_work_together(
-    experience: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_train_recall_and_watch_work_together(experience: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert len(read_rows(experience / "attempts.csv", TrainingRow)) >= 2
     given = ["--experience", str(experience)]
-    written = [(row.learner, row.recall) for row in recalled(tmp_path / "rows.csv", *given)]
-    assert written == [("imitator", 0), ("imitator", 1)]
+    rows = recalled(*given)
+    assert [(row.learner, row.recall) for row in rows] == [("imitator", 0), ("imitator", 1)]
     assert "mean score" in capsys.readouterr().out
-    film = tmp_path / "film.gif"
-    assert main(["watch", "training", "--out", str(film), "--every", "100"]) == 0
-    assert film.read_bytes().startswith(b"GIF")
-    assert main(["watch", "recall", *given, "--out", str(film), "--every", "100"]) == 0
-    mp4 = tmp_path / "film.mp4"
-    assert main(["watch", "training", "--out", str(mp4), "--every", "100"]) == 0
-    assert mp4.read_bytes()[4:8] == b"ftyp"
-    assert sorted(path.name for path in tmp_path.glob("*film*")) == ["film.gif", "film.mp4"]
+    files = [str(experience / f"g{number}.csv") for number in (1, 2)]
+    assert recalled("--experience", *files) == rows
+    assert main(["watch", "recall", *given, "--out", "film.gif", "--every", "100"]) == 0
+    assert Path("film.gif").read_bytes().startswith(b"GIF")
+    assert main(["watch", "training", "--out", "film.mp4", "--every", "100"]) == 0
+    assert Path("film.mp4").read_bytes()[4:8] == b"ftyp"
+    assert sorted(path.name for path in Path().glob("*film*")) == ["film.gif", "film.mp4"]
 
 
-def test_film_of_a_training_shows_a_complete_attempt(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    film = ["--seed", "6", "--every", "100", "--out", str(tmp_path / "film.gif")]
-    assert main(["watch", "training", *film]) == 0
+def test_film_of_a_training_shows_a_complete_attempt(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["watch", "training", "--seed", "6", "--every", "100", "--out", "film.gif"]) == 0
     first, *_, last, frames = capsys.readouterr().out.splitlines()
     assert first == "attempt 1: out of time after 600 rounds, not filmed"
     rounds = int(last.removeprefix("complete after ").removesuffix(" rounds"))
     assert frames.endswith(f": {-(-rounds // 100) + 1} frames"), "the last one shows how it ended"
 
 
-def test_recall_reads_a_folder_of_experience(experience: Path, tmp_path: Path) -> None:
-    files = [str(experience / f"g{n}.csv") for n in (1, 2)]
-    rows = recalled(tmp_path / "folder.csv", "--experience", str(experience))
-    assert rows == recalled(tmp_path / "files.csv", "--experience", *files)
-
-
 def test_recall_tells_a_learner_which_vectors_are_of_one_episode(
-    experience: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    experience: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     Path("grouped.py").write_text(
         "from collections import Counter\n"
         "from sklearn.tree import DecisionTreeClassifier\n"
@@ -74,31 +63,28 @@ def test_recall_tells_a_learner_which_vectors_are_of_one_episode(
         "        return super().fit(X, y)\n"
         "counting = OfflineImitation('counting', Counting, grouped=True)\n"
     )
-    recalled(tmp_path / "rows.csv", "--experience", str(experience), "--learner", "grouped:counting")
+    recalled("--experience", str(experience), "--learner", "grouped:counting")
     sizes = [len(Experience.load(experience / f"g{number}.csv")) for number in (1, 2)]
     assert f"{sizes}\n" in capsys.readouterr().out
 
 
-def test_recall_with_another_learner_noise_and_food(experience: Path, tmp_path: Path) -> None:
-    out = tmp_path / "rows.csv"
-    rows = recalled(out, "--experience", str(experience), "--learner", "tree")
+def test_recall_with_another_learner_noise_and_food(experience: Path) -> None:
+    rows = recalled("--experience", str(experience), "--learner", "tree")
     assert {(row.learner, row.noise) for row in rows} == {("tree", "laboratory")}
-    assert rows != recalled(out, "--experience", str(experience))
-    rows = recalled(out, "--foods", "3", "--noise", "none", "--arena", "rectangle")
+    assert rows != recalled("--experience", str(experience))
+    rows = recalled("--foods", "3", "--noise", "none", "--arena", "rectangle")
     assert {(row.learner, row.noise, row.foods) for row in rows} == {("teacher", "none", 3)}
-    still = recalled(out, "--noise", "placement")
-    assert still != recalled(out, "--noise", "wheels,tracking losses")
-    film = tmp_path / "new" / "f.gif"
-    assert main(f"watch recall --noise none --foods 2 --every 50 --out {film}".split()) == 0
+    assert recalled("--noise", "placement") != recalled("--noise", "wheels,tracking losses")
+    assert main(["watch", "recall", "--noise", "none", "--foods", "2", "--every", "50", "--out", "new/f.gif"]) == 0
 
 
-def test_attempts_are_written_even_if_none_is_complete(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_attempts_are_written_even_if_none_is_complete(capsys: pytest.CaptureFixture[str]) -> None:
     hopeless = ["--decision", "next_to_food=12", "--decision", "most_attempts=3"]
-    assert main(["train", "--episodes", "1", "--out", str(tmp_path), *hopeless]) == 2
+    assert main(["train", "--episodes", "1", "--out", "g", *hopeless]) == 2
     assert "none of 3 attempts" in capsys.readouterr().err
-    rows = read_rows(tmp_path / "attempts.csv", TrainingRow)
+    rows = read_rows(Path("g/attempts.csv"), TrainingRow)
     assert [(row.attempt, row.complete) for row in rows] == [(1, False), (2, False), (3, False)]
-    assert [path.name for path in tmp_path.iterdir()] == ["attempts.csv"]
+    assert [path.name for path in Path("g").iterdir()] == ["attempts.csv"]
 
 
 def test_installed_command_prints_its_version() -> None:
@@ -111,10 +97,8 @@ def train(folder: Path, *more: str) -> int:
     return main(["train", "--seed", "3", "--out", str(folder), *more])
 
 
-def test_interrupted_training_is_continued_with_the_same_result(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    whole, part = tmp_path / "whole", tmp_path / "part"
+def test_interrupted_training_is_continued_with_the_same_result(capsys: pytest.CaptureFixture[str]) -> None:
+    whole, part = Path("whole"), Path("part")
     assert train(whole, "--episodes", "3") == 0
     assert train(part, "--episodes", "2") == 0
     lines = (part / "g2.csv").read_text().splitlines(keepends=True)
@@ -129,7 +113,7 @@ def test_interrupted_training_is_continued_with_the_same_result(
         assert (part / name).read_bytes() == (whole / name).read_bytes()
     assert train(part, "--episodes", "3", "--continue") == 0
     assert "all 3 files are in" in capsys.readouterr().out
-    recall = ["recall", "--episodes", "1", "--out", str(tmp_path / "r.csv"), "--experience"]
+    recall = ["recall", "--episodes", "1", "--out", "r.csv", "--experience"]
     interrupted = str(part / "g2.interrupted-1.csv")
     assert main([*recall, interrupted]) == 2
     assert "--recover" in capsys.readouterr().err
@@ -137,10 +121,8 @@ def test_interrupted_training_is_continued_with_the_same_result(
     assert "rows kept" in capsys.readouterr().out
 
 
-def test_full_disk_ends_training_with_the_file_and_what_to_do_and_is_continued(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    whole, part = tmp_path / "whole", tmp_path / "part"
+def test_full_disk_ends_training_with_what_to_do_and_is_continued(capsys: pytest.CaptureFixture[str]) -> None:
+    whole, part = Path("whole"), Path("part")
     assert train(whole, "--episodes", "2") == 0
     capsys.readouterr()
     size = (whole / "g1.csv").stat().st_size
@@ -159,29 +141,28 @@ def test_full_disk_ends_training_with_the_file_and_what_to_do_and_is_continued(
 
 
 def test_training_of_another_seed_arena_or_decisions_is_not_continued_and_nothing_is_changed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert train(tmp_path, "--episodes", "2") == 0
-    other = tmp_path / "other"
-    assert main(["train", "--seed", "2", "--episodes", "2", "--out", str(other)]) == 0
-    (other / "g2.csv").replace(tmp_path / "g2.csv")
-    lines = (tmp_path / "g1.csv").read_text().splitlines(keepends=True)
-    (tmp_path / "g1.csv").write_text("".join(lines[:-2]))  # interrupted
-    before = {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")}
+    assert train(Path(), "--episodes", "2") == 0
+    assert main(["train", "--seed", "2", "--episodes", "2", "--out", "other"]) == 0
+    Path("other/g2.csv").replace("g2.csv")
+    lines = Path("g1.csv").read_text().splitlines(keepends=True)
+    Path("g1.csv").write_text("".join(lines[:-2]))  # interrupted
+    before = {path.name: path.read_bytes() for path in Path().glob("*.csv")}
     for option, message in (
         ([], "g2.csv is of another --seed; allowed with --continue: the same one"),
         (["--decision", "search_speed=10"], "search_speed"),
         (["--arena", "rectangle"], "arena is 'corridor'; allowed: 'rectangle'"),
     ):
-        assert train(tmp_path, "--episodes", "3", "--continue", *option) == 2
+        assert train(Path(), "--episodes", "3", "--continue", *option) == 2
         assert message in capsys.readouterr().err
-    (tmp_path / "g2.csv").unlink()  # so that the folder is of one seed
+    Path("g2.csv").unlink()  # so that the folder is of one seed
     before["attempts.csv"] = before["attempts.csv"].replace(b"rounds", b"round")
     del before["g2.csv"]
-    (tmp_path / "attempts.csv").write_bytes(before["attempts.csv"])
-    assert train(tmp_path, "--episodes", "3", "--continue") == 2
+    Path("attempts.csv").write_bytes(before["attempts.csv"])
+    assert train(Path(), "--episodes", "3", "--continue") == 2
     assert "attempts.csv:1: header is" in capsys.readouterr().err
-    assert {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")} == before
+    assert {path.name: path.read_bytes() for path in Path().glob("*.csv")} == before
 
 
 def test_interrupt_ends_in_one_line_even_while_modules_are_imported(

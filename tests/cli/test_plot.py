@@ -68,7 +68,7 @@ def test_other_files_are_refused(
 ) -> None:
     monkeypatch.chdir(results)
     (results / "empty.csv").write_text((results / "teacher.csv").read_text().partition("\n")[0] + "\n")
-    (results / "broken.json").write_text("{}")
+    (results / "broken.json").write_text("{")
     capsys.readouterr()
     assert main(["plot", *files]) == 2
     error = capsys.readouterr().err

@@ -12,14 +12,14 @@ from khepera_forage.cli.main import main
 COMMAND = f"{sys.executable} -m khepera_forage"
 
 
-def shell(command: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    run = ["bash", "-o", "pipefail", "-c", f"cd {folder} && {command}"]
+def shell(command: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    run = ["bash", "-o", "pipefail", "-c", command]
     return subprocess.run(run, capture_output=True, text=True, env={**os.environ, **environment}, timeout=120)
 
 
 @pytest.mark.parametrize(("command", "unbuffered"), [("decisions", "1"), ("decisions", ""), ("--help", "")])
-def test_closed_pipe_ends_in_silence(command: str, unbuffered: str, tmp_path: Path) -> None:
-    done = shell(f"{COMMAND} {command} | true", tmp_path, PYTHONUNBUFFERED=unbuffered)
+def test_closed_pipe_ends_in_silence(command: str, unbuffered: str) -> None:
+    done = shell(f"{COMMAND} {command} | true", PYTHONUNBUFFERED=unbuffered)
     assert (done.returncode, done.stderr) == (141, "")
 
 
@@ -30,19 +30,19 @@ def test_closed_pipe_ends_in_silence(command: str, unbuffered: str, tmp_path: Pa
         ("watch recall --every 100 --out film.gif 2>&-", "film.gif"),
     ],
 )
-def test_command_without_output_streams_does_its_work(command: str, file: str, tmp_path: Path) -> None:
-    done = shell(f"{COMMAND} {command}", tmp_path)
+def test_command_without_output_streams_does_its_work(command: str, file: str) -> None:
+    done = shell(f"{COMMAND} {command}")
     assert (done.returncode, done.stderr) == (0, "")
-    assert (tmp_path / file).stat().st_size > 100
+    assert Path(file).stat().st_size > 100
 
 
-def test_mistake_without_error_output_has_status_2(tmp_path: Path) -> None:
-    assert shell(f"{COMMAND} recall --experience nowhere.csv 2>&-", tmp_path).returncode == 2
+def test_mistake_without_error_output_has_status_2() -> None:
+    assert shell(f"{COMMAND} recall --experience nowhere.csv 2>&-").returncode == 2
 
 
-def test_output_in_a_narrow_encoding_replaces_characters(tmp_path: Path) -> None:
-    (tmp_path / "wände.toml").write_text("")
-    done = shell(f"{COMMAND} arena show wände.toml", tmp_path, PYTHONIOENCODING="ascii")
+def test_output_in_a_narrow_encoding_replaces_characters() -> None:
+    Path("wände.toml").write_text("")
+    done = shell(f"{COMMAND} arena show wände.toml", PYTHONIOENCODING="ascii")
     assert done.returncode == 2
     assert "w?nde.toml" in done.stderr
 
@@ -57,8 +57,8 @@ def test_virtual_laboratory_without_pseudo_terminals_says_so(
     assert error.count("\n") == 1
 
 
-def test_help_of_all_commands_imports_only_what_it_needs(tmp_path: Path) -> None:
-    done = shell(f"{sys.executable} -X importtime -m khepera_forage --help", tmp_path)
+def test_help_of_all_commands_imports_only_what_it_needs() -> None:
+    done = shell(f"{sys.executable} -X importtime -m khepera_forage --help")
     assert "be the teacher yourself, with keys in a window" in done.stdout
     imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
     assert "khepera_forage.cli.main" in imported

@@ -149,19 +149,15 @@ def test_drive_continues_after_a_restart(capsys: pytest.CaptureFixture[str], mon
     assert left == right
 
 
-@pytest.mark.parametrize(("option", "watchdogs"), [([], 1), (["--no-watchdog"], 0)])
-def test_no_watchdog_starts_none(
-    rig: Rig, option: list[str], watchdogs: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_grip_moves_the_jaw_with_a_watchdog_or_without(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    started: list[str] = []
-    monkeypatch.setattr(serial_robot, "start_watchdog", lambda port, *_: started.append(port))
-    output(capsys, "grip", "open", "--port", rig.url, *option)
-    assert started == [rig.url] * watchdogs
-
-
-def test_grip_moves_the_jaw(rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "jaw at 0, barrier 0" in output(capsys, "grip", "close", "--port", rig.url)
+    watched: list[str] = []
+    monkeypatch.setattr(serial_robot, "start_watchdog", lambda port, *_: watched.append(port))
+    assert "jaw at 0, barrier 0" in output(capsys, "grip", "close", "--port", rig.url, "--no-watchdog")
+    assert not watched
     assert "jaw at 200, barrier 0" in output(capsys, "grip", "open", "--port", rig.url)
+    assert watched == [rig.url]
 
 
 def test_selftest_of_a_working_robot_passes(rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:
