@@ -40,7 +40,9 @@ def test_robot_arrives_at_the_largest_distances_next_to_food(next_to_food: float
     assert [vector[1] - vector[-1] for vector in arrival] == [200 // 5 + PIXELS_BEYOND[-1]] * 3, "from home to the food"
 
 
-def test_orient_confidence_falls_beyond_the_training_distance(imitator: NearestNeighbourImitator) -> None:
+def test_orient_confidence_falls_beyond_the_training_distance_and_stands_in_a_table(
+    imitator: NearestNeighbourImitator,
+) -> None:
     levels = imitator_levels(imitator, arrival_vectors(V0_1))
     rows = {row.beyond: row for row in orient_rows(levels, 0, 1, "g1", V0_1)}
     assert set(rows) == set(PIXELS_BEYOND)
@@ -51,14 +53,7 @@ def test_orient_confidence_falls_beyond_the_training_distance(imitator: NearestN
     # 10 pixels beyond training and 20 from the food, all vectors recorded at 20 to 30 pixels are equally near: ten
     # MOVE SLOWLY and one ORIENT WITH FOOD.
     assert rows[10].search == 0.0
-
-
-def test_orient_table_has_a_line_per_place_and_a_column_per_amount_of_training(
-    imitator: NearestNeighbourImitator,
-) -> None:
-    levels = imitator_levels(imitator, arrival_vectors(V0_1))
-    rows = [row for n in range(6) for k in (1, 3) for row in orient_rows(levels, n, k, "g1", V0_1)]
-    table = orient_table(rows, np.random.default_rng(0))
+    several = [row for n in range(6) for episodes in (1, 3) for row in orient_rows(levels, n, episodes, "g1", V0_1)]
+    table = orient_table(several, np.random.default_rng(0))
     assert len(table.rows) == len(PIXELS_BEYOND)
     assert [column.name for column in table.columns] == ["pixels beyond", "1 episodes", "3 episodes"]
-    assert orient_table([], np.random.default_rng(0)).rows == []

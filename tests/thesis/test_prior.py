@@ -1,26 +1,19 @@
 """The prior of decisions: its ranges, its draws, and its errors."""
 
-from collections import Counter
 from typing import Any
 
 import numpy as np
 import pytest
 
-from khepera_forage import Decisions, Noise
+from khepera_forage import Noise
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.task.decisions import FIELDS
 from khepera_forage.thesis.inference.prior import PRIOR, Prior, PriorRange, Shares
 
-SOME = Shares({"raised": 0.25, "as it is": 0.75}, "a test")
-
-
-def drawn(prior: Prior = PRIOR, count: int = 300) -> list[tuple[Decisions, Noise]]:
-    rng = np.random.default_rng(0)
-    return [prior.draw(rng) for _ in range(count)]
-
 
 def test_draws_cover_their_ranges_and_everything_else_keeps_its_default() -> None:
-    sets = drawn()
+    rng = np.random.default_rng(0)
+    sets = [PRIOR.draw(rng) for _ in range(300)]
     for name, part in PRIOR.parts.items():
         values = [getattr(noise if name in PRIOR.noise else decisions, name) for decisions, noise in sets]
         if isinstance(part, PriorRange):
@@ -39,9 +32,10 @@ def test_draws_cover_their_ranges_and_everything_else_keeps_its_default() -> Non
 
 
 def test_readings_are_drawn_with_their_shares() -> None:
-    prior = Prior({"arm_after_orienting": SOME}, {})
-    counts = Counter(decisions.arm_after_orienting for decisions, _ in drawn(prior, 2000))
-    assert counts["as it is"] / 2000 == pytest.approx(0.75, abs=0.04)
+    prior = Prior({"arm_after_orienting": Shares({"raised": 0.25, "as it is": 0.75}, "a test")}, {})
+    rng = np.random.default_rng(0)
+    drawn = [prior.draw(rng).decisions.arm_after_orienting for _ in range(2000)]
+    assert drawn.count("as it is") / 2000 == pytest.approx(0.75, abs=0.04)
 
 
 def test_ranges_are_allowed_and_shares_are_probabilities_of_all_readings() -> None:

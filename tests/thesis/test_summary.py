@@ -34,12 +34,9 @@ def test_recalls_are_summarised_experiment_by_experiment() -> None:
     assert summary.steps_successful[0] == 100.0
     assert summary.spread.tolist() == [pytest.approx(np.std([70, 67.5], ddof=1)), 0.0]
     assert np.isnan([summary.right_successful[1], summary.steps_successful[1]]).all()
-
-
-def test_scores_cut_fractions_of_a_percent_off_as_the_thesis_does() -> None:
     one = np.full((1, 1, 1), 1.0)
     summary = of_recalls(Cell("corridor", 10, (Subset((1,)),), 1, 1, 500), CellRecalls(2 * one, 3 * one, one, 0 * one))
-    assert summary.score.tolist() == [66.0]
+    assert summary.score.tolist() == [66.0], "fractions of a percent are cut off, as in the thesis"
     assert np.isnan(summary.spread).all()
 
 

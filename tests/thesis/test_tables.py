@@ -26,9 +26,7 @@ def test_cell_results_equal_means_over_the_rows(recalls: list[RecallRow], result
     assert third.food.experiments[1] == sum(r.delivered for r in rows if r.replication == 1)
     assert third.score.ours.low < third.score.ours.value < third.score.ours.high
     assert (third.thesis_printed, third.score.thesis, third.food.thesis) == (68.2, 68.2, 12)
-
-
-def test_cell_results_rank_among_complete_replications_only(recalls: list[RecallRow]) -> None:
+    # An incomplete replication is no experiment.
     last = pick(recalls, arena="corridor", episodes=10)[-1]
     result = tables.cell_results([row for row in recalls if row is not last], np.random.default_rng(1))[3]
     assert result.recalls == 10 * REPLICATIONS - 1
