@@ -4,6 +4,7 @@ import pickle
 import random
 import sys
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import gymnasium as gym
@@ -15,7 +16,7 @@ from khepera_forage.policies.learners import LEARNERS, ReinforcementLearner
 from khepera_forage.policies.models import algorithm_named
 from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels, recall_wheels_env
 from khepera_forage.rollouts.reinforcement import COMPILED_MODE, TrainedPolicy, recall_envs, reinforce
-from tests.policies.test_policies import observations
+from khepera_forage.task.states import Behaviour
 
 FROM_STEPS = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, ReinforcementLearner)}
 SMALL: dict[str, dict[str, Any]] = {
@@ -38,12 +39,6 @@ def trained() -> dict[str, list[TrainedPolicy]]:
     return {name: short(name, AMOUNTS) for name in FROM_STEPS}
 
 
-@pytest.mark.parametrize("name", [name for name, learner in FROM_STEPS.items() if not learner.wheels])
-def test_policies_act_in_all_environments(name: str, trained: dict[str, list[TrainedPolicy]]) -> None:
-    policy, rng = trained[name][-1].policy, np.random.default_rng(0)
-    assert all(0 <= int(policy.act(observation, rng)) <= 10 for observation in observations())
-
-
 @pytest.mark.parametrize("name", FROM_STEPS)
 def test_policies_are_kept_after_each_amount(name: str, trained: dict[str, list[TrainedPolicy]]) -> None:
     early, late = trained[name]
@@ -58,10 +53,8 @@ def test_policies_are_kept_after_each_amount(name: str, trained: dict[str, list[
 @pytest.mark.parametrize("name", FROM_STEPS)
 def test_same_seed_gives_the_same_policy(name: str, trained: dict[str, list[TrainedPolicy]]) -> None:
     assert parameters(short(name, AMOUNTS)[-1]) == parameters(trained[name][-1])
-
-
-def test_another_seed_gives_another_policy(trained: dict[str, list[TrainedPolicy]]) -> None:
-    assert parameters(short("ppo", AMOUNTS, seed=1)[-1]) != parameters(trained["ppo"][-1])
+    if name == "ppo":
+        assert parameters(short(name, AMOUNTS, seed=1)[-1]) != parameters(trained[name][-1])
 
 
 @pytest.mark.parametrize("name", FROM_STEPS)
@@ -96,31 +89,21 @@ def test_policy_forages_the_same_again(name: str, trained: dict[str, list[Traine
 def test_short_training_learns_one_right_behaviour() -> None:
     """An environment with one right behaviour: everything from environment to policy works."""
 
-    class OneRight(gym.Env[dict[str, Any], int]):
+    class OneRight(gym.Wrapper[Any, int, Any, int]):
         """GO HOME is rewarded, all else is not."""
 
-        def __init__(self) -> None:
-            self.observation_space = recall_env("corridor").observation_space
-            self.action_space = gym.spaces.Discrete(10)  # type: ignore[assignment]
-
-        def reset(self, *, seed: int | None = None, options: Any = None) -> tuple[dict[str, Any], dict[str, Any]]:
-            super().reset(seed=seed)
-            self.left = 10
-            if seed is not None:
-                self.observation_space.seed(seed)
-            return self.observation_space.sample(), {}
-
-        def step(self, action: int) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
-            self.left -= 1
-            return self.observation_space.sample(), float(action == 7), False, self.left == 0, {}
+        def step(self, action: int) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+            shown, _, *ended, info = self.env.step(action)
+            return shown, float(action == Behaviour.GO_HOME), *ended, info
 
     def make(count: int) -> gym.vector.VectorEnv[Any, Any, Any]:
-        return gym.vector.SyncVectorEnv([OneRight] * count, autoreset_mode=AutoresetMode.SAME_STEP)
+        one = partial(OneRight, recall_env("corridor", limit=10))
+        return gym.vector.SyncVectorEnv([one] * count, autoreset_mode=AutoresetMode.SAME_STEP)
 
     learner = replace(FROM_STEPS["ppo"], settings={**FROM_STEPS["ppo"].settings, **SMALL["PPO"]}, sample=False)
     (out,) = reinforce(learner, [3_000], 0, make_env=make, envs=4)
-    space, policy = recall_env("corridor").observation_space, replace(out.policy, hold=1)
-    assert [int(policy.act(space.sample())) for _ in range(20)].count(7) >= 18
+    env, policy = recall_env("corridor"), replace(out.policy, hold=1)
+    assert [policy.act(env.reset(seed=seed)[0]) for seed in range(20)].count(Behaviour.GO_HOME) >= 18
 
 
 def test_global_random_states_stay_unchanged() -> None:
@@ -129,31 +112,19 @@ def test_global_random_states_stay_unchanged() -> None:
     assert (str(np.random.get_state(legacy=False)), random.getstate()) == before  # noqa: NPY002
 
 
-def test_log_names_the_backend(caplog: pytest.LogCaptureFixture) -> None:
-    caplog.set_level("INFO", "khepera_forage")
-    short("dqn", (50,))
-    reinforce(FROM_STEPS["dqn"], (50,), 0, envs=2, backend="pymunk")
-    assert [record.message for record in caplog.records] == [
-        "DQN on behaviours trains in 2 environments on the backend compiled",
-        "DQN on behaviours trains in 2 environments on the backend pymunk",
-    ]
-
-
 def test_arena_decides_the_environment() -> None:
     env: Any = recall_envs("rectangle", wheels=True, mode=COMPILED_MODE)(1)
     given = env.spec.kwargs
     assert (given["limit"], given["foods"], env.single_action_space.shape) == (700, 2, (4,))
+
+
+def test_wrong_arguments_and_missing_extras_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ValueError, match="arena is 'ring'; allowed: corridor, rectangle"):
         reinforce(FROM_STEPS["ppo"], [1], 0, arena="ring")
-
-
-@pytest.mark.parametrize("amounts", [[], [0], [-5, 10]])
-def test_amounts_of_steps_out_of_range_are_refused(amounts: list[int]) -> None:
-    with pytest.raises(ValueError, match=r"amounts are \[.*\]; allowed: one or more, each above 0"):
-        reinforce(FROM_STEPS["ppo"], amounts, 0)
-
-
-def test_algorithm_unknown_or_not_installed_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    amounts: list[int]
+    for amounts in ([], [-5, 10]):
+        with pytest.raises(ValueError, match=r"amounts are \[.*\]; allowed: one or more, each above 0"):
+            reinforce(FROM_STEPS["ppo"], amounts, 0)
     with pytest.raises(ValueError, match="algorithm is 'A2C'; allowed: PPO, DQN, SAC"):
         algorithm_named("A2C")
     monkeypatch.setitem(sys.modules, "stable_baselines3", None)

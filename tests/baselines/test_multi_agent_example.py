@@ -2,7 +2,6 @@
 
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 import torch
@@ -23,13 +22,9 @@ def test_pairs_finish_sooner_after_a_short_training(tmp_path: Path) -> None:
     assert all(number <= 8 for number in (*before[:3], *after[:3]))
 
 
-@pytest.fixture
-def example(monkeypatch: pytest.MonkeyPatch) -> Any:
+def test_decision_holds_and_rewards_add_up(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "examples"))  # it imports ppo.py beside it
-    return module_of("multi_agent")
-
-
-def test_decision_holds_and_rewards_add_up(example: Any) -> None:
+    example = module_of("multi_agent")
     env = example.paired_corridors()
     env.reset(seed=3)
     actions = torch.tensor([int(Behaviour.SEARCH_FOR_FOOD), int(Behaviour.WAIT)])
