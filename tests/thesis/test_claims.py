@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from khepera_forage.estimates import UNKNOWN, Estimate, pick
+from khepera_forage.estimates import Estimate, pick
 from khepera_forage.rollouts.rows import RANDOM, TEACHER, RecallRow, TrainingRow
 from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.task.states import State
 from khepera_forage.thesis.claims import AFTER_ORIENT, Rule, Verdict, above, at_most, claims, gather, within
-from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, training_distance
+from khepera_forage.thesis.design import LABORATORY, NO_LOSSES, THESIS, training_distance
 from tests.thesis.conftest import PUBLISHED
 from tests.thesis.synthetic import failed, recall
 
@@ -40,12 +40,8 @@ def delivered(rows: Sequence[RecallRow], least: float = 0, most: float = math.in
 def effects(rows: list[RecallRow], trainings: list[TrainingRow], training: float) -> list[float]:
     """The effect of each claim in the order of the report, computed plainly."""
     own = {arena: pick(rows, arena=arena, learner="imitator") for arena in ARENAS}
-    score = {
-        (a, n): np.mean([r.score for r in pick(own[a], episodes=n)])
-        for a in ARENAS
-        for n in (1, 3, 5, 10)
-        if (a, n) != ("rectangle", 3)
-    }
+    cells = [(cell.arena, cell.episodes) for cell in THESIS]
+    score = {(a, n): np.mean([row.score for row in pick(own[a], episodes=n)]) for a, n in cells}
     shrinking = [
         (score[a, n] - score[a, 1]) / (n - 1) - (score[a, 10] - score[a, 5]) / 5
         for a, n in (("corridor", 3), ("rectangle", 5))
@@ -55,14 +51,8 @@ def effects(rows: list[RecallRow], trainings: list[TrainingRow], training: float
     spent, wrong = np.sum(after, axis=0)
     tries = {noise: pick(trainings, noise=noise) for noise in (LABORATORY, NO_LOSSES)}
     complete = {noise: np.mean([row.complete for row in own]) for noise, own in tries.items()}
-    steps = [
-        np.quantile(
-            [math.inf if row.failed else row.steps for row in pick(rows, arena=arena, learner=TEACHER)],
-            0.95,
-            method="inverted_cdf",
-        )
-        for arena in ARENAS
-    ]
+    teacher = [pick(rows, arena=arena, learner=TEACHER) for arena in ARENAS]
+    steps = [[math.inf if row.failed else row.steps for row in forages] for forages in teacher]
     return [
         *(score[arena, 10] - score[arena, 1] for arena in ARENAS),
         *shrinking,
@@ -74,7 +64,7 @@ def effects(rows: list[RecallRow], trainings: list[TrainingRow], training: float
         1 - wrong / spent,
         1 / complete[LABORATORY] - 1 / complete[NO_LOSSES],
         complete[NO_LOSSES],
-        *steps,
+        *(np.quantile(needed, 0.95, method="inverted_cdf") for needed in steps),
     ]
 
 
@@ -90,7 +80,6 @@ def test_effects_are_those_of_the_rows(
     for claim, value in zip(found, wanted, strict=True):
         assert claim.estimate.value == pytest.approx(value), claim.name
         assert claim.estimate.low <= claim.estimate.value <= claim.estimate.high, claim.name
-    assert len({claim.name for claim in found}) == len(found)
 
 
 def test_claims_without_rows_are_undecided_and_have_the_published_names_and_rules() -> None:
@@ -99,9 +88,9 @@ def test_claims_without_rows_are_undecided_and_have_the_published_names_and_rule
         assert (claim.verdict, claim.effect) == (UNDECIDED, "-")
         assert "nan" not in claim.sentence
     with zipfile.ZipFile(PUBLISHED) as archive:
-        names, rules = (list(csv.reader(archive.read(f"{of}.csv").decode().splitlines())) for of in ("claims", "rules"))
-    assert [claim.name for claim in found] == [row[names[0].index("claim")] for row in names[1:]]
-    assert [claim.rule.words(claim.unit) for claim in found] == [row[1] for row in rules[1:]]
+        names, rules = (csv.DictReader(archive.read(f"{of}.csv").decode().splitlines()) for of in ("claims", "rules"))
+    assert [claim.name for claim in found] == [row["claim"] for row in names]
+    assert [claim.rule.words(claim.unit) for claim in found] == [row["rule"] for row in rules]
 
 
 def test_effects_are_in_the_units_of_the_claims() -> None:
@@ -133,7 +122,6 @@ def test_claims_from_two_noise_conditions_are_an_error() -> None:
         (within(10.0), Estimate(0.0, -9.0, 9.0), SUPPORTED),
         (within(10.0), Estimate(0.0, -11.0, 9.0), UNDECIDED),
         (within(10.0), Estimate(-20.0, -30.0, -11.0), NOT),
-        *((rule, UNKNOWN, UNDECIDED) for rule in (above(0), at_most(0), within(1))),
     ],
 )
 def test_rule_gives_its_verdict(rule: Rule, estimate: Estimate, verdict: Verdict) -> None:

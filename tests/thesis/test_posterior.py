@@ -17,6 +17,7 @@ from khepera_forage.thesis.inference.posterior import (
     central,
     effective_number,
     forest_weights,
+    infer,
     parameters_of,
     prior_check,
     quantiles,
@@ -99,13 +100,9 @@ def test_right_posteriors_are_calibrated_and_wrong_ones_are_not(simulator: tuple
 
 def test_error_of_a_number_is_the_ranked_probability_score() -> None:
     """Of a posterior that is surely 2 where 5 is true: 3; of the guess 2 or 4: mean 2, less half of 1."""
-    found = calibrate(
-        Parameter("n", (), np.array([4.0, 2.0])),
-        np.array([[0.0, 1.0]] * 6),
-        Parameter("n", (), np.full(6, 5.0)),
-        np.random.default_rng(0),
-        np.full((6, 2), 0.5),
-    )
+    learned, true = Parameter("n", (), np.array([4.0, 2.0])), Parameter("n", (), np.full(6, 5.0))
+    posteriors, guesses = np.array([[0.0, 1.0]] * 6), np.full((6, 2), 0.5)
+    found = calibrate(learned, posteriors, true, np.random.default_rng(0), guesses)
     assert found.error.value == pytest.approx(3 / (2 - 0.5))
 
 
@@ -126,6 +123,16 @@ def test_parameters_are_numbers_in_the_order_of_the_prior() -> None:
         ("placement_error", (), [0.0, 3.0], (0, 5)),
     ]
     assert Parameter("same", (), np.ones(3)).targets.tolist() == [[1.0]] * 3
+
+
+def test_set_that_resembles_an_experiment_has_the_most_weight() -> None:
+    rng = np.random.default_rng(3)
+    statistics, observed = rng.normal(size=(40, 2, 5)).astype(np.float32), rng.normal(size=5)
+    statistics[7] = observed
+    found = infer([Parameter("number", (), rng.normal(size=40))], statistics, observed, 5, trees=20)
+    assert found.weights.argmax() == 7
+    assert found.weights.sum() == pytest.approx(1.0)
+    assert found.held_out == 40
 
 
 def test_experiment_unlike_all_simulated_ones_is_told() -> None:

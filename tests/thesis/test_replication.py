@@ -116,12 +116,9 @@ def test_jobs_contain_the_whole_design() -> None:
     ]
     assert sum(job.function is replication.baselines and job.arguments[3] == TEACHER for job in made) == 40
     assert len({job.key for job in made}) == len(made)
-
-
-def test_compiled_jobs_are_groups_of_replications() -> None:
     pytest.importorskip("numba")
-    made = jobs(3, JobCounts(250), V0_1, COMPILED)
-    assert [job.arguments[1:3] for job in made] == [(0, 100), (100, 100), (200, 50)]
+    groups = jobs(3, JobCounts(250), V0_1, COMPILED)
+    assert [job.arguments[1:3] for job in groups] == [(0, 100), (100, 100), (200, 50)]
 
 
 @pytest.mark.parametrize(("replications", "expected"), [(1, 1), (2, 2), (24, 5), (1000, 200)])

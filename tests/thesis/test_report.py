@@ -145,16 +145,15 @@ def test_noise_condition_that_cannot_be_trained_is_told(
     assert [text.get_text() for text in legend.get_texts()] == ["mean and 95 % interval"], "nothing to compare with"
 
 
-# Rows of many foods along and across the corridor, under several set-ups.
-SET_UPS = ["v0.1", "v0.1;food_aside=30;start_aside=-25", "v0.1;food_to_home=185;start_to_wall=115"]
-
-
 def scattered(decisions: str) -> list[RecallRow]:
+    """Recalls of many foods along and across the corridor."""
     places = [(x, y) for x in range(-110, -12, 2) for y in range(-20, 21, 2)]
     return [recall(decisions=decisions, food_x=(float(x),), food_y=(float(y),)) for x, y in places] * 12
 
 
-@pytest.mark.parametrize("decisions", SET_UPS)
+@pytest.mark.parametrize(
+    "decisions", ["v0.1", "v0.1;food_aside=30;start_aside=-25", "v0.1;food_to_home=185;start_to_wall=115"]
+)
 def test_marks_do_not_cover_numbers_of_figure_5_4(decisions: str) -> None:
     figure = lay_out(figures.fig_5_4(scattered(decisions)))
     axes = figure.axes[0]
