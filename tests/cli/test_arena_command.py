@@ -69,6 +69,9 @@ def test_arena_is_drawn(name: str, capsys: pytest.CaptureFixture[str]) -> None:
 def test_arena_that_is_not_allowed_is_drawn_and_refused(
     old: str, new: str, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    Path("narrow.toml").write_text(DOORS)
+    assert main(["arena", "show", "narrow.toml"]) == 0
+    assert "longest way" in capsys.readouterr().out
     assert old in DOORS
     Path("narrow.toml").write_text(DOORS.replace(old, new))
     assert main(["arena", "show", "narrow.toml"]) == 1

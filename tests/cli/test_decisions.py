@@ -27,6 +27,7 @@ def test_table_has_every_decision_with_default_range_section_and_reason(capsys: 
         assert reason == f"    {field.reason}"
         for choice in field.choices:
             assert choice in line
+    assert sum(len(line) > 80 for line in lines[1::2]) < 10, "most lines fit a terminal"
     (next_to_food,) = [line.split() for line in lines if line.startswith("next_to_food")]
     assert next_to_food == ["next_to_food", default("next_to_food"), "pixels", "4.2.1", "10", "to", "30"]
 

@@ -40,8 +40,7 @@ def reproduce(out: Path, decisions: Decisions) -> Path:
 @pytest.mark.usefixtures("one_job")
 def test_reproduction_refuses_a_folder_with_rows_of_other_decisions(tmp_path: Path) -> None:
     reproduce(tmp_path, OTHER)
-    before = [tmp_path / f"{name}.csv" for name in ("recalls", "trainings", "orient")]
-    for path in before:
+    for path in [tmp_path / f"{name}.csv" for name in ("recalls", "trainings", "orient")]:
         content = path.read_bytes()
         message = f"{path} has rows of other decisions: food_to_home is 200, not 180; next_to_food is 22, not 20; "
         with pytest.raises(ValueError, match=re.escape(message)) as error:
