@@ -1,1 +1,0 @@
-"""Angles, polygons and walls against brute force."""

@@ -1,4 +1,4 @@
-"""Random polygons, places and segments."""
+"""Random polygons and places."""
 
 import math
 from typing import NamedTuple
@@ -8,13 +8,12 @@ from hypothesis import strategies as st
 
 from khepera_forage.geometry.polygon import Corner
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=150)
+PROPERTY = settings(max_examples=150)
 
 Place = tuple[float, float]
 
 radii_lists = st.lists(st.floats(20, 500), min_size=3, max_size=9)
 places = st.tuples(st.floats(-600, 600), st.floats(-600, 600))
-segments = st.tuples(places, places).filter(lambda s: math.dist(*s) > 1).map(lambda s: (*s[0], *s[1]))
 
 
 def star(radii: list[float], centre: Place = (0.0, 0.0)) -> tuple[Corner, ...]:

@@ -6,22 +6,18 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
-from khepera_forage.sim.arenas.named import box, named_arena
+from khepera_forage.sim.arenas.named import box
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from tests.arenas import corners
 from tests.sim.worlds import ELL, FIELD
-from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP
+from tests.version_0_1 import CORRIDOR, RECTANGLE
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=100)
 ALL = [CORRIDOR, RECTANGLE, ELL, FIELD]
 offsets = st.floats(-3000, 3000)
-
-
-# ---------------------------------------------------------------- the thesis's arenas
 
 
 def test_arenas_have_the_sizes_of_section_3_1() -> None:
@@ -32,11 +28,7 @@ def test_arenas_have_the_sizes_of_section_3_1() -> None:
     assert THESIS_ARENAS == (CORRIDOR.name, RECTANGLE.name) == ("corridor", "rectangle")
 
 
-# ---------------------------------------------------------------- copies
-
-
 @given(st.sampled_from(ALL), offsets, offsets, st.floats(0, 700), st.floats(0, 700))
-@PROPERTY
 def test_copy_differs_in_its_place_only(arena: Arena, dx: float, dy: float, x: float, y: float) -> None:
     copy = arena.shifted(dx, dy)
     assert copy.clearance(Point(x + dx, y + dy)) == pytest.approx(arena.clearance(Point(x, y)), abs=1e-6)
@@ -51,10 +43,9 @@ def test_copy_differs_in_its_place_only(arena: Arena, dx: float, dy: float, x: f
         assert (there[0] - dx, there[1] - dy) == pytest.approx(here[:2], abs=1e-6)
 
 
-@pytest.mark.parametrize("count", [0, -1])
-def test_copies_refuse_a_count_below_1(count: int) -> None:
-    with pytest.raises(ValueError, match=f"{count} copies of an arena; allowed: at least 1"):
-        copies(CORRIDOR, count)
+def test_copies_refuse_a_count_below_1() -> None:
+    with pytest.raises(ValueError, match="0 copies of an arena; allowed: at least 1"):
+        copies(CORRIDOR, 0)
 
 
 # ---------------------------------------------------------------- impossible arenas
@@ -72,35 +63,24 @@ BLOCK = obstacle((340, 80), (400, 80), (400, 150), (340, 150))
 FIRST = box(190, 20, 220, 50)
 OVERLAP = r"obstacles \[\(190.* and \[.* overlap; allowed: beside one another"
 IMPOSSIBLE: list[tuple[dict[str, Any], str]] = [
-    *(({"home_radius": wrong}, f"home_radius is {wrong}") for wrong in (-1.0, 0.0, 4.0, math.nan, math.inf)),
+    *(({"home_radius": wrong}, f"home_radius is {wrong}") for wrong in (4.0, math.nan, math.inf)),
     ({"home_radius": 101.0}, "radius 101 mm.*at most 100"),
     ({"home": Point(700, 115)}, r"home at \(700, 115\).*outside the walls"),
-    ({"home": Point(math.nan, 115)}, "home at .*nan"),
-    ({"home": Point(580, 115)}, "radius 100 mm.*at most 70"),
     ({"foods": ()}, "foods has 0 places; allowed: 1 to 16"),
     ({"foods": (Point(200, 115),) * 17}, "foods has 17 places; allowed: 1 to 16"),
     ({"foods": corners((370, 115), (10, 115))}, r"food at \(10, 115\) mm is 10 mm from a wall"),
-    ({"foods": corners((370, 240))}, r"food at \(370, 240\).*outside"),
-    ({"foods": corners((math.inf, 115))}, "food at .*inf"),
     (BLOCK, r"food at \(370, 115\) mm is inside a wall"),
-    (BLOCK | {"foods": corners((325, 115))}, "food.* 15 mm from a wall"),
     ({"start": Pose(20, 115, 0)}, r"start at \(20, 115\) mm is 20 mm from a wall"),
-    ({"start": Pose(-20, 115, 0)}, "start.*outside"),
-    ({"start": Pose(math.nan, 115, 0)}, "start.*nan"),
     ({"start": Pose(90, 115, math.nan)}, "start.*nan"),
     (walls((0, 0), (650, 0)), "2 corners"),
-    (walls(), "0 corners"),
     (walls((0, 0), (650, 0), (650, 230), (0, math.nan)), "nan"),
     (walls((0, 0), (300, 0), (650, 0)), "no area"),
     (walls((0, 0), (100, 100), (100, 0), (0, 100)), r"cross or touch at \(50, 50\)"),
-    (walls((0, 0), (300, 0), (300, 300), (150, -50), (0, 300)), r"cross or touch at \(\S+, 0\)"),
     (walls((0, 0), (300, 0), (300, 300), (150, 0), (0, 300)), r"cross or touch at \(150, 0\)"),  # at a corner
     (walls((0, 0), (300, 0), (300, 300), (300, 100), (300, 200), (0, 300)), "cross"),  # back on itself
-    (walls((0, 0), (300, 0), (300, 0), (300, 300)), r"corner \(300, 0\) follows itself"),
     (walls((0, 0), (300, 0), (300, 300), (0, 0)), r"corner \(0, 0\) follows itself"),
     (obstacle((500, 100), (550, 100), (550, 150)), "home"),
     (obstacle((200, 20), (250, 20)), "2 corners"),
-    (obstacle((200, 20), (250, 20), (math.nan, 50)), "nan"),
     (obstacle((200, 420), (250, 420), (225, 480)), r"obstacle \[\(200, 420\).* stands outside the walls; allowed: "),
     # Through the walls, with and without a corner on the floor.
     (obstacle((200, -20), (250, -20), (225, 40)), "obstacle .* reaches through the walls; allowed: on the floor"),
@@ -121,15 +101,6 @@ def test_impossible_arena_is_refused_with_its_name(change: dict[str, Any], compl
 def test_arena_without_a_name_is_refused(name: Any) -> None:
     with pytest.raises(ValueError, match=re.escape(f"name of an arena is {name!r}; allowed: a text on one line")):
         replace(CORRIDOR, name=name)
-
-
-def test_named_arena_refuses_an_unknown_name_and_a_set_up_that_does_not_fit() -> None:
-    with pytest.raises(
-        ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor', 'rectangle', 't_"
-    ):
-        named_arena("circle", SET_UP)
-    with pytest.raises(ValueError, match=r"corridor: home .* radius 100 mm reaches outside the walls"):
-        named_arena("corridor", SET_UP._replace(home_to_wall=90.0))
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.1, 1398.9128980311582])

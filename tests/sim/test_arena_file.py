@@ -5,17 +5,13 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from khepera_forage.sim.arena import Arena, Point, Pose
-from khepera_forage.sim.arena_file import arena_text, parse_plan, read_arena, write_arena
-from khepera_forage.sim.arenas.named import FAMILY, box, family_arena
-from khepera_forage.sim.arenas.procedural import procedural_arena
-from tests.sim.worlds import ELL, FIELD
-from tests.version_0_1 import CORRIDOR, RECTANGLE
+from khepera_forage.sim.arena_file import arena_text, parse_plan, read_arena
+from khepera_forage.sim.arenas.named import box
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=100)
 DEN = """\
 name = "den"
 walls = [[0, 0], [700, 0], [700, 500], [0, 500]]
@@ -27,25 +23,6 @@ obstacles = [
     [[200, 0], [240, 0], [240, 150], [200, 150]],
 ]
 """
-
-
-def same(arena: Arena, other: Arena) -> bool:
-    """Whether two arenas are equal, with a heading that is the same number to the last bit."""
-    return arena == other and arena.start.heading.hex() == float(other.start.heading).hex()
-
-
-def read_back(arena: Arena, path: Path) -> Arena:
-    write_arena(arena, path)
-    return read_arena(path)
-
-
-@pytest.mark.parametrize(
-    "arena",
-    [CORRIDOR, RECTANGLE, ELL, FIELD, *map(family_arena, FAMILY), procedural_arena(7, "extreme")],
-    ids=lambda arena: arena.name,
-)
-def test_written_arena_reads_as_the_same(arena: Arena, tmp_path: Path) -> None:
-    assert same(read_back(arena, tmp_path / "arena.toml"), arena)
 
 
 inside = st.floats(0.1, 0.9)
@@ -73,27 +50,24 @@ def arenas(draw: st.DrawFn) -> Arena:
 
 
 @given(arenas())
-@PROPERTY
 def test_text_of_a_random_arena_reads_as_the_same(arena: Arena) -> None:
-    assert same(read_text(arena_text(arena)), arena)
+    read = read_text(arena_text(arena))
+    assert read == arena
+    assert read.start.heading.hex() == arena.start.heading.hex(), "the same number to the last bit"
 
 
 def read_text(text: str) -> Arena:
     return parse_plan(text).arena()
 
 
-@pytest.mark.parametrize("degrees", range(-180, 181, 15))
-def test_whole_degrees_stay_whole(degrees: int) -> None:
-    arena = read_text(DEN.replace("90]", f"{degrees}]"))
-    assert arena.start.heading == pytest.approx(math.radians(degrees), rel=1e-15)
-    assert f"250, {degrees}]" in arena_text(arena)
-
-
 def test_text_has_the_keys_of_an_arena_and_short_numbers() -> None:
     arena = read_text(DEN)
     assert arena.foods == (Point(350, 200), Point(350, 300.25))
-    assert arena.start == (100, 250, math.pi / 2)
-    assert arena_text(arena) == DEN
+    for degrees in range(-180, 181, 15):
+        text = DEN.replace("90]", f"{degrees}]")
+        arena = read_text(text)
+        assert arena.start == (100, 250, pytest.approx(math.radians(degrees), rel=1e-15))
+        assert arena_text(arena) == text
 
 
 @pytest.mark.parametrize(
@@ -107,11 +81,9 @@ def test_text_has_the_keys_of_an_arena_and_short_numbers() -> None:
         ("[700, 0]", "[700.5]", "walls[1] is [700.5]; allowed: [x mm, y mm]"),
         ("[700, 0]", "[700, inf]", "walls[1] is [700, Infinity]; allowed: [x mm, y mm]"),
         ("[[0, 0], [700, 0], [700, 500], [0, 500]]", "[]", "walls is []; allowed: a list that is not empty"),
-        ("[560, 250]", '"there"', "home is 'there'; allowed: [x mm, y mm]"),
         ("[100, 250, 90]", "[100, 250]", "start is [100, 250]; allowed: [x mm, y mm, heading degrees]"),
         ("[[200, 0], [240, 0]", "[200, [240, 0]", "obstacles[0][0] is 200; allowed: [x mm, y mm]"),
         ("[100, 250, 90]", "[10, 250, 90]", "den: start at (10, 250) mm is 10 mm from a wall"),
-        ("foods = [[", "foods = [", "not TOML: "),
     ],
 )  # fmt: skip
 def test_mistake_is_one_error_with_file_and_key(old: str, new: str, message: str, tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from khepera_forage.robots.khepera import (
@@ -16,11 +15,10 @@ from khepera_forage.robots.khepera import (
     JAW_OPEN,
 )
 from khepera_forage.sim.arena import Point, Pose
-from khepera_forage.sim.driving import finger_overlap, palm_overlap, push_out
-from tests.sim.worlds import Kind, apart, holding, make_world, narrow, of_both_kinds, run
+from tests.sim.worlds import Kind, apart, holding, make_world, of_both_kinds, run
+from tests.version_0_1 import CORRIDOR
 
 CENTRE = Pose(1000, 1000, 0)
-FAR = (100.0, 100.0)
 
 
 # ---------------------------------------------------------------- the arm and what is below it
@@ -133,15 +131,15 @@ def test_lifted_food_passes_above_other_food_and_is_not_set_down_on_it(kind: Kin
 
 @of_both_kinds
 def test_lifted_food_does_not_pass_through_a_wall(kind: Kind) -> None:
-    world = holding(Pose(300, 100, 0.4), arena=narrow(650), kind=kind)
+    world = holding(Pose(300, 100, 0.4), arena=CORRIDOR, kind=kind)
     for _ in range(60):
         run(world, 1, 15, 15, jaw=JAW_CLOSED)
         food = world.food_places()[0]
-        assert narrow(650).clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
+        assert CORRIDOR.clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
     run(world, 10, jaw=JAW_OPEN)
     food = world.food_places()[0]
     assert not food.lifted
-    assert narrow(650).clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
+    assert CORRIDOR.clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
 
 
 # ---------------------------------------------------------------- no sudden motion
@@ -155,8 +153,7 @@ def test_finger_pressed_against_a_wall_does_not_throw_the_robot(
 ) -> None:
     heading = math.radians(degrees)
     tip = (FINGER_TIP + 2) * math.sin(heading) + 31.5 * math.cos(heading)
-    corridor = narrow(650)
-    world = make_world(Pose(300, 230 - tip - 0.5, heading), (60, 60), arena=corridor)
+    world = make_world(Pose(300, 230 - tip - 0.5, heading), (60, 60), arena=CORRIDOR)
     pose = world.poses()[0]
     for i in range(closing + 5):
         if i < closing:
@@ -167,11 +164,3 @@ def test_finger_pressed_against_a_wall_does_not_throw_the_robot(
         assert apart(pose, after) < 16.5
         assert abs(after.heading - pose.heading) < 0.65  # 2 x 160 mm/s over 53 mm, for 0.1 s, and little more
         pose = after
-
-
-@pytest.mark.parametrize("jaw", [JAW_CLOSED, JAW_ON_FOOD, JAW_OPEN])
-def test_discs_out_of_reach_of_the_gripper_do_not_overlap(jaw: float) -> None:
-    """`push_out` sees early that a disc is far: it must find the same overlaps as its parts."""
-    for u, v, radius in np.random.default_rng(0).uniform((0, -80, 0), (130, 80, 28), (3000, 3)).tolist():
-        parts = finger_overlap(u, v, FINGER_TIP, jaw, radius), palm_overlap(u, v, radius)
-        assert max(push_out(u, v, FINGER_TIP, jaw, radius)[0], 0.0) == max(*parts, 0.0)

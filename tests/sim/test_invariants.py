@@ -27,7 +27,7 @@ TOUCH = 1.0
 
 
 @of_both_kinds
-@settings(max_examples=25, deadline=None, derandomize=True, phases=(Phase.explicit, Phase.generate))
+@settings(max_examples=25, phases=(Phase.explicit, Phase.generate))
 @given(
     arena=st.sampled_from([CORRIDOR, RECTANGLE, ELL]),
     seed=st.integers(0, 10_000),

@@ -11,13 +11,15 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.geometry.paths import NO_CORNERS, is_clear
+from khepera_forage.geometry.paths import KEPT, NO_CORNERS, ChosenWaypoint, is_clear, next_waypoint
+from khepera_forage.geometry.plane import clearance
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.arenas.named import box
 from khepera_forage.sim.waypoints import (
     CLEARANCE,
     check_paths,
     is_home_free,
+    path_length,
     path_tables_of,
     pixel_walls,
     shortest_path,
@@ -25,6 +27,7 @@ from khepera_forage.sim.waypoints import (
     way_out,
 )
 from khepera_forage.vision.scene import MM_PER_PIXEL
+from tests.arenas import BLOCKS
 from tests.version_0_1 import CORRIDOR, RECTANGLE
 
 ROOM = Arena("room", box(0, 0, 800, 800), Point(120, 120), 80.0, Pose(680, 680, math.pi), (Point(600, 300),))
@@ -41,10 +44,6 @@ L_ROOM = Arena(
 )
 HALL = Arena("hall", box(0, 0, 2000, 2000), Point(1000, 1000), 80.0, Pose(200, 200, 0.0), (Point(1800, 1800),))
 WINDING = [BLOCK, DOOR, L_ROOM]
-
-
-def length_of(path: tuple[Point, ...]) -> float:
-    return sum(math.dist(a, b) for a, b in pairwise(path))
 
 
 @pytest.mark.parametrize("arena", [CORRIDOR, RECTANGLE, ROOM])
@@ -84,18 +83,19 @@ def test_shortest_path_keeps_its_clearance_and_is_symmetric(arena: Arena, data: 
         return
     path = shortest_path(arena, *places)
     line = shapely.LineString(path)
-    assert line.length == pytest.approx(length_of(shortest_path(arena, *reversed(places))), rel=0.02)
+    assert line.length == pytest.approx(path_length(shortest_path(arena, *reversed(places))), rel=0.02)
     # Short straight ways may come nearer to a corner.
-    nearest = CLEARANCE - 10.0 if length_of(path) > 2 * CLEARANCE else 0.0
+    nearest = CLEARANCE - 10.0 if path_length(path) > 2 * CLEARANCE else 0.0
     assert line.distance(floor.boundary) >= nearest
 
 
 @pytest.mark.parametrize("arena", WINDING, ids=lambda arena: arena.name)
-def test_every_free_place_has_a_way_home(arena: Arena) -> None:
-    """Also places beside walls, where a robot may start or food may lie."""
+def test_way_home_from_every_free_place_is_the_shortest_of_all_clear_ones(arena: Arena) -> None:
+    """Also from places beside walls, where a robot may start or food may lie."""
     rng, paths, walls = np.random.default_rng(0), path_tables_of(arena), pixel_walls(arena)
+    home = arena.home.x / MM_PER_PIXEL, arena.home.y / MM_PER_PIXEL
     left, bottom, right, top = arena.bounds
-    tried = 0
+    tried = around = 0
     while tried < 2000:
         place = Point(float(rng.uniform(left, right)), float(rng.uniform(bottom, top)))
         if arena.clearance(place) < 32.5:
@@ -105,6 +105,40 @@ def test_every_free_place_has_a_way_home(arena: Arena) -> None:
         for a, b in pairwise(path):
             x1, y1, x2, y2 = (end / MM_PER_PIXEL for end in (*a, *b))
             assert is_clear(x1, y1, x2, y2, False, walls, paths)
+        if len(path) > 2:
+            around += 1
+            x, y = place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL
+            best = min(
+                math.dist((x, y), point) + rest
+                for point, rest in zip(paths.waypoints, paths.home_lengths, strict=True)
+                if is_clear(x, y, *point, False, walls, paths)
+            )
+            assert next_waypoint(x, y, *home, False, ChosenWaypoint(), walls, paths)[2] == pytest.approx(best)
+    assert around > 50
+
+
+@pytest.mark.parametrize(("driven", "kept"), [(0.9 * KEPT, True), (1.1 * KEPT, False)])
+def test_waypoint_is_kept_until_the_robot_has_driven_40_mm(driven: float, kept: bool) -> None:
+    """Where another waypoint is on the shortest path by then, and the way to the first one is still clear."""
+    rng, paths, walls, others = np.random.default_rng(4), path_tables_of(BLOCKS), pixel_walls(BLOCKS), 0
+    home = BLOCKS.home.x / MM_PER_PIXEL, BLOCKS.home.y / MM_PER_PIXEL
+
+    def choose(place: tuple[float, float], chosen: ChosenWaypoint) -> tuple[float, float]:
+        return next_waypoint(*place, *home, False, chosen, walls, paths)[:2]
+
+    for x, y, angle in rng.uniform((10, 20, -math.pi), (230, 160, math.pi), (3000, 3)).tolist():
+        here, there = (x, y), (x + driven * math.cos(angle), y + driven * math.sin(angle))
+        if any(
+            clearance(*place, walls) <= 0 or is_clear(*place, *home, False, walls, paths) for place in (here, there)
+        ):
+            continue
+        chosen = ChosenWaypoint()
+        first, best = choose(here, chosen), choose(there, ChosenWaypoint())
+        if best == first or math.dist(first, there) <= KEPT or not is_clear(*there, *first, False, walls, paths):
+            continue
+        others += 1
+        assert choose(there, chosen) == (first if kept else best)
+    assert others > 20
 
 
 def test_check_ways_names_what_cannot_be_reached_and_the_narrow_place() -> None:

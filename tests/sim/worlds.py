@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from importlib.util import find_spec
 from typing import Any
 
@@ -16,7 +15,7 @@ from khepera_forage.sim.arenas.named import box
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import FoodPlace, Layout, Timing
 from tests.arenas import corners
-from tests.version_0_1 import CORRIDOR, TIMING
+from tests.version_0_1 import TIMING
 
 NONE = Noise.none()
 Kind = Callable[..., Any]
@@ -91,8 +90,3 @@ def holding(
 
 def apart(a: Pose | FoodPlace | Point, b: Pose | FoodPlace | Point) -> float:
     return math.dist(a[:2], b[:2])
-
-
-def narrow(length: float) -> Arena:
-    """The corridor with another length."""
-    return replace(CORRIDOR, walls=box(0, 0, length, 230))

@@ -25,7 +25,7 @@ from tests.geometry.shapes import star
 from tests.sim.worlds import ELL, FIELD
 from tests.version_0_1 import CORRIDOR, RECTANGLE
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
+PROPERTY = settings(max_examples=60)
 ARENAS = [CORRIDOR, RECTANGLE, ELL, FIELD]
 """Convex, convex, not convex with an obstacle, and wide."""
 RADII = st.lists(st.floats(50, 220), min_size=3, max_size=6)

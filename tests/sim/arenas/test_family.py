@@ -9,11 +9,10 @@ import shapely
 
 from khepera_forage.robots.khepera import RADIUS
 from khepera_forage.sim.arena import Arena, copies
-from khepera_forage.sim.arenas.named import ARENAS, FAMILY, HOME_RADIUS, family_arena, named_arena, step_limit
+from khepera_forage.sim.arenas.named import FAMILY, HOME_RADIUS, family_arena, step_limit
 from khepera_forage.sim.layout_checks import check_layout, check_seen
 from khepera_forage.sim.waypoints import check_paths, longest_path, too_narrow
 from khepera_forage.sim.world import Layout
-from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP
 
 
 def usable_floor(arena: Arena, clearance: float = 85.0) -> Any:
@@ -41,14 +40,6 @@ def check_room(arena: Arena) -> None:
 everywhere = pytest.mark.parametrize("name", FAMILY)
 
 
-def test_named_arenas_are_those_of_the_thesis_and_the_family() -> None:
-    assert ("corridor", "rectangle", *FAMILY) == ARENAS
-    assert list(FAMILY) == ["t_maze", "l_room", "doors", "obstacles", "many_foods", "mixed_foods"]
-    assert named_arena("doors", SET_UP) is family_arena("doors")
-    assert [named_arena(name, SET_UP) for name in ("corridor", "rectangle")] == [CORRIDOR, RECTANGLE]
-    assert {family_arena(name).name for name in FAMILY} == set(FAMILY)
-
-
 @everywhere
 def test_arena_has_room_for_robots_and_pairs(name: str) -> None:
     arena = family_arena(name)
@@ -71,13 +62,6 @@ def test_walls_that_do_not_touch_leave_passages_of_200_mm(name: str) -> None:
 def test_longest_path_is_that_of_the_floor(name: str) -> None:
     assert longest_path(family_arena(name)) <= FAMILY[name].longest_path
     assert FAMILY[name].longest_path <= 1.05 * longest_path(family_arena(name))
-
-
-def test_start_food_and_home_of_the_maze_and_the_rooms_are_out_of_sight() -> None:
-    for name in ("t_maze", "l_room", "doors"):
-        arena = family_arena(name)
-        floor = usable_floor(arena, 0)
-        assert not floor.contains(shapely.LineString((arena.start[:2], arena.home)))
 
 
 def test_step_limit_is_that_of_the_thesis_in_short_arenas_and_grows_with_the_path() -> None:

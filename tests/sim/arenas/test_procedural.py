@@ -17,7 +17,7 @@ from khepera_forage.sim.arenas.procedural_floor import PASSAGE
 from khepera_forage.sim.waypoints import longest_path
 from tests.sim.arenas.test_family import check_room, usable_floor
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=30)
+PROPERTY = settings(max_examples=30)
 everywhere = pytest.mark.parametrize("difficulty", DIFFICULTIES)
 levels = st.integers(0, 2 * LEVELS)
 
@@ -99,9 +99,6 @@ def test_sequence_can_be_compared_copied_and_used_as_a_key() -> None:
     ("arguments", "message"),
     [
         ({"difficulty": "brutal"}, "difficulty is 'brutal'; allowed: 'easy', 'medium', 'hard', 'extreme', or a Diff"),
-        ({"difficulty": 5}, "difficulty is 5; allowed"),
-        ({"split": "dev"}, "split is 'dev'; allowed: 'train', 'test'"),
-        ({"num_levels": 0}, "num_levels is 0; allowed: a whole number of at least 1"),
         ({"num_levels": 2.5}, r"num_levels is 2\.5; allowed: a whole number of at least 1"),
         ({"start_level": -1}, "start_level is -1; allowed: a whole number of at least 0"),
         ({"start_level": LEVELS - 100}, "start_level 999900 \\+ num_levels 200 is 1000100; allowed: at most 1000000"),
@@ -134,15 +131,10 @@ def test_difficulty_without_room_for_its_food_is_an_error() -> None:
     [
         ({"length": (2000, 2500)}, r"length is \(2000, 2500\); allowed: two whole numbers in increasing order, 500 to"),
         ({"width": (700, 600)}, r"width is \(700, 600\); allowed"),
-        ({"width": (399, 600)}, r"width is \(399, 600\); allowed"),
         ({"notches": 2}, "notches is 2; allowed"),
-        ({"notches": (0, 3)}, r"notches is \(0, 3\); allowed.*0 to 2"),
         ({"partitions": (0.0, 1.0)}, r"partitions is \(0\.0, 1\.0\); allowed"),
-        ({"blocks": (-1, 0)}, r"blocks is \(-1, 0\); allowed"),
-        ({"foods": 0}, "foods is 0; allowed: 1 to 16"),
         ({"foods": 17}, "foods is 17; allowed: 1 to 16"),
         ({"most_walls": 3}, "most_walls is 3; allowed: a number of at least 4"),
-        ({"noise": -0.5}, r"noise is -0\.5; allowed: a number of at least 0"),
         ({"noise": float("nan")}, "noise is nan; allowed"),
     ],
 )  # fmt: skip
