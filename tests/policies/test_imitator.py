@@ -203,10 +203,8 @@ VECTOR = (0, 1, 0, 215, 1)
         ([], "0 experiences; allowed: 1 to"),
         ([([], [])], r"experience 0 has vectors of shape \(0,\)"),
         ([([VECTOR], [0]), ([VECTOR[:4]], [0])], r"experience 1 has vectors of shape \(1, 4\)"),
-        ([([VECTOR], [0, 1])], r"behaviours of shape \(2,\)"),
         ([([(0, 1, 0, 215, 1.5)], [0])], "experience is of type float64"),
         ([([(0, 1, 0, 215, 8192)], [0])], "robot_food_distance is 8192; allowed: 0 to 8191"),
-        ([([(0, 1, 4, 215, 1)], [0])], "food_type is 4"),
         ([([VECTOR], [10])], "behaviour is 10; allowed: 0 to 9"),
     ],
 )
@@ -247,14 +245,9 @@ X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1,
 Y = np.array([0, 2, 3, 7])
 
 
-def test_imitator_without_experience_raises() -> None:
+def test_act_refuses_no_experience_and_rows_that_are_no_state_vectors() -> None:
     with pytest.raises(NotFittedError):
         NearestNeighbourImitator().act(X[0], np.random.default_rng())
-    with pytest.raises(NotFittedError):
-        NearestNeighbourImitator().neighbours(X[0])
-
-
-def test_act_refuses_rows_that_are_no_state_vectors() -> None:
     imitator = NearestNeighbourImitator().fit(X[:, :3], Y)
     np.testing.assert_array_equal(imitator.predict(X[:, :3]), Y)
     with pytest.raises(ValueError, match="learned from rows of 3 columns; allowed: 5"):
