@@ -110,15 +110,6 @@ def test_learning_on_fitting_again_and_other_parameters_change_the_votes(
             assert imitator.neighbours(query) == expected_neighbours(experience, query, diagonal, threshold)
 
 
-def test_halves_of_pixels_are_compared_too() -> None:
-    rows = np.array([[0, 30, 0, 215, 40], [0, 33, 0, 215, 40], [1, 30, 0, 215, 40]])
-    imitator = NearestNeighbourImitator(arithmetic="exact").fit(rows, [0, 1, 3])
-    assert imitator.predict(rows + np.array([0, 0.5, 0, 0, 0])).tolist() == [0, 1, 3]
-    assert imitator.predict_proba([[0, 31.5, 0, 215, 40]]).tolist() == [[0.5, 0.5, 0]]
-    imitator.partial_fit([[0, 31.5, 0, 215, 40]], [5])
-    assert imitator.predict([[0, 31.5, 0, 215, 40]]).tolist() == [5]
-
-
 def test_distance_equals_section_4_6_1() -> None:
     near, far = StateVector(0, 100, 0, 255, 20), StateVector(1, 31, 1, 215, 89)
     assert distance(near, far, CORRIDOR) == 2 + Fraction(40, 55) + Fraction(69, 138) + Fraction(69, 138)

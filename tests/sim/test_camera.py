@@ -63,19 +63,12 @@ def test_exact_without_noise() -> None:
     assert only(camera_over(PAIR).look(), 2).area == 352.0
 
 
-@pytest.mark.parametrize(
-    ("x", "y", "heading", "edge"),
-    [
+def test_edge_flag_and_the_end_of_the_picture() -> None:
+    for x, y, heading, edge in (
         *((60.1, 1000, 0, False), (59.9, 1000, 0, True), (41, 1000, math.pi / 2, False)),
-        *((1000, 41, 0, False), (1000, 41, math.pi / 2, True), (1000, 2361, 0, True)),
-        *((3139, 1000, 0, False), (3141, 1000, 0, True)),
-    ],
-)
-def test_edge_flag_of_markers(x: float, y: float, heading: float, edge: bool) -> None:
-    assert only(camera_over(Stage(((x, y, heading, 1),))).look(), 1).edge is edge
-
-
-def test_edge_flag_of_food_and_the_end_of_the_picture() -> None:
+        *((1000, 41, 0, False), (1000, 41, math.pi / 2, True), (1000, 2361, 0, True), (3141, 1000, 0, True)),
+    ):
+        assert only(camera_over(Stage(((x, y, heading, 1),))).look(), 1).edge is edge
     places = ((18.0, 500.0), (17.0, 900.0), (-1.0, 700.0), (3201.0, 700.0), (700.0, 2401.0))
     regions = camera_over(Stage(((2000.0, 1500.0, 0.0, 1),), places)).look().regions
     assert {(r.x * 5, r.edge) for r in regions if r.holes == 0} == {(18.0, False), (17.0, True)}
@@ -138,21 +131,16 @@ def test_food_going_under_the_rim_is_not_taken_for_vanished(speed: float) -> Non
 
 def test_jitter_has_the_stated_size_and_no_bias() -> None:
     """Bounds are five standard errors, of a mean and of a standard deviation."""
-    frames, sd = 2500, LABORATORY.position_jitter
+    frames, sd, heading_sd = 2500, 0.06, 4.0
     stage = Stage(((400.0, 300.0, math.radians(90), 1),), ((400.0, 700.0),))
-    scenes = list(film(camera_over(stage, Noise.only("camera jitter")), frames))
+    scenes = list(film(camera_over(stage, replace(NONE, position_jitter=sd, heading_jitter=heading_sd)), frames))
     marker, food = ([(r.x - 80, r.y - y) for r in (only(s, h) for s in scenes)] for h, y in ((1, 60), (0, 140)))
     errors = np.hstack([marker, food])
     assert np.abs(errors.mean(axis=0)).max() < 5 * sd / math.sqrt(frames)
     assert np.abs(errors.std(axis=0) - sd).max() < 5 * sd / math.sqrt(2 * frames)
     assert np.abs(np.corrcoef(errors.T) - np.eye(4)).max() < 5 / math.sqrt(frames)
-
-    def normal_share(low: float, high: float) -> float:
-        wide = LABORATORY.heading_jitter * math.sqrt(2)
-        return (math.erf(high / wide) - math.erf(low / wide)) / 2
-
     headings = np.array([only(s, 1).orientation for s in scenes]) - 90
-    rounded_sd = math.sqrt(sum(2 * k * k * normal_share(k - 0.5, k + 0.5) for k in range(1, 9)))
+    rounded_sd = math.sqrt(heading_sd**2 + 1 / 12)
     assert abs(headings.mean()) < 5 * rounded_sd / math.sqrt(frames)
     assert abs(headings.std() - rounded_sd) < 5 * rounded_sd / math.sqrt(2 * frames)
 

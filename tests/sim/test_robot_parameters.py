@@ -15,40 +15,32 @@ from tests.version_0_1 import CORRIDOR, TIMING
 HERE = Pose(1000, 1000, 0)
 
 
-def stand(start: Pose = HERE, food: tuple[float, float] = (100, 100), arena: Any = None, **parameters: float) -> Any:
-    arenas = {} if arena is None else {"arena": arena}
-    return make_world(start, food, robot_parameters=(RobotParameters(**parameters),), **arenas)
+def stand(food: tuple[float, float] = (1040, 1030), **parameters: float) -> Any:
+    return make_world(HERE, food, robot_parameters=(RobotParameters(**parameters),))
 
 
 def test_slow_left_wheel_turns_the_robot_left() -> None:
-    straight, slow = stand(), stand(left_wheel_error=-0.2)
-    for world in (straight, slow):
+    headings = []
+    for error in (0.0, -0.2):
+        world = stand((100, 100), left_wheel_error=error)
         run(world, 10, 10, 10)
-    assert straight.poses()[0].heading == 0.0
-    assert slow.poses()[0].heading == pytest.approx(0.2 * 80 / 53, rel=1e-6)
-    assert math.dist(slow.poses()[0][:2], HERE[:2]) < math.dist(straight.poses()[0][:2], HERE[:2])
+        headings.append(world.poses()[0].heading)
+    assert headings == [0.0, pytest.approx(0.2 * 80 / 53, rel=1e-6)]
 
 
-def test_infra_red_gain_scales_the_readings() -> None:
-    full, weak, blind = (
-        stand(Pose(40, 115, math.pi / 2), (400, 115), CORRIDOR, infra_red_gain=gain).robots[0].sense().proximity
-        for gain in (1.0, 0.3, 0.0)
-    )
+def test_readings_are_scaled() -> None:
+    full, weak, blind = (stand(infra_red_gain=gain).robots[0].sense().proximity for gain in (1.0, 0.3, 0.0))
     assert max(full) > 300
-    for clear, faint in zip(full, weak, strict=True):
-        assert abs(faint - 0.3 * clear) <= 1
+    assert weak == pytest.approx([0.3 * reading for reading in full], abs=1)
     assert set(blind) == {0}
-
-
-def test_arm_reading_scale_shortens_the_reported_travel() -> None:
-    world = stand(arm_reading_scale=0.6)
+    world = stand((100, 100), arm_reading_scale=0.6)
     assert world.robots[0].sense().arm == 231
     assert run(world, 12, arm=ARM_DOWN).arm == ARM_DOWN
 
 
 @pytest.mark.parametrize(("finger_length", "grips"), [(FINGER_TIP - JAW_ROOT, True), (25.0, False)])
 def test_short_fingers_miss_food_at_the_edge_of_the_optical_barrier(finger_length: float, grips: bool) -> None:
-    world = stand(food=(HERE.x + BARRIER + 16, HERE.y), finger_length=finger_length)
+    world = stand((HERE.x + BARRIER + 16, HERE.y), finger_length=finger_length)
     assert run(world, 12, arm=ARM_DOWN).object_presence == PRESENT
     run(world, 10, arm=ARM_DOWN, jaw=JAW_CLOSED)
     run(world, 12, jaw=JAW_CLOSED)

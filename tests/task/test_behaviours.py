@@ -88,35 +88,27 @@ def test_actions_of_wheels_environments_reach_the_limits(left: float, right: flo
 # ---------------------------------------------------------------- in one situation
 
 
-@pytest.mark.parametrize("side", [1, -1])
-@pytest.mark.parametrize("around", range(0, 360, 30))
-def test_search_passes_a_free_home_on_the_side_of_the_food(around: int, side: int) -> None:
-    """Whatever the direction: a home against a wall is passed on its open side."""
-    home_x, home_y = 200.0 + 17.0 * heading_of(around)[0], 200.0 + 17.0 * heading_of(around)[1]
-    beyond = (around + side * 10) % 360
-    raw = placed(
-        OPEN_FLOOR,
-        x=200.0,
-        y=200.0,
-        orientation=around,
-        home_x=home_x,
-        home_y=home_y,
-        home_radius=16,
-        home_opening=EVERY_SIDE,
-        food_x=200.0 + 100.0 * heading_of(beyond)[0],
-        food_y=200.0 + 100.0 * heading_of(beyond)[1],
-    )
-    left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, raw)
-    assert (right - left) * side > 0
+FREE_HOME: dict[str, Any] = {"home_x": 200.0, "home_y": 200.0, "home_radius": 16, "home_opening": EVERY_SIDE}
+
+
+def from_home(distance: float, degrees: int) -> tuple[float, float]:
+    """A place in a direction from the free home."""
+    cosine, sine = heading_of(degrees)
+    return 200.0 + distance * cosine, 200.0 + distance * sine
 
 
 @pytest.mark.parametrize("around", range(0, 360, 30))
-def test_avoid_home_leaves_a_free_home_by_the_shortest_way(around: int) -> None:
-    """A robot at the rim that faces out drives straight on."""
-    x, y = 200.0 + 15.0 * heading_of(around)[0], 200.0 + 15.0 * heading_of(around)[1]
-    home: dict[str, Any] = {"home_x": 200.0, "home_y": 200.0, "home_radius": 16, "home_opening": EVERY_SIDE}
-    left, right, _, _ = motors_for(B.AVOID_HOME, placed(OPEN_FLOOR, x=x, y=y, orientation=around, **home))
-    assert left == pytest.approx(right)
+def test_free_home_is_passed_on_the_side_of_the_food_and_left_by_the_shortest_way(around: int) -> None:
+    """Whatever the direction: a home against a wall is passed, and left, on its open side."""
+    x, y = from_home(-17, around)
+    for side in (1, -1):
+        food_x, food_y = from_home(83, around + 12 * side)
+        raw = placed(OPEN_FLOOR, x=x, y=y, orientation=around, food_x=food_x, food_y=food_y, **FREE_HOME)
+        left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, raw)
+        assert (right - left) * side > 0
+    x, y = from_home(15, around)
+    left, right, _, _ = motors_for(B.AVOID_HOME, placed(OPEN_FLOOR, x=x, y=y, orientation=around, **FREE_HOME))
+    assert left == pytest.approx(right), "at the rim and facing out, straight on"
     assert left > 0
 
 
@@ -171,7 +163,6 @@ SPEEDS = [
     ("slow_speed", B.AVOID_HOME, placed(OPEN_FLOOR, orientation=180), 1, 1),
     ("slow_speed", B.RELEASE_FOOD, placed(LOWERED, jaw=126, x=91.0), 1, 1),
     ("retreat_speed", B.SEARCH_FOR_FOOD, LOWERED, -1, -1),
-    ("retreat_speed", B.MOVE_SLOWLY, food_at(5), -1, -1),
     ("retreat_speed", B.ORIENT_WITH_FOOD, food_at(5, arm=255), -1, -1),
     ("retreat_speed", B.AVOID_HOME, OPEN_FLOOR, -1, -1),
     ("retreat_speed", B.RELEASE_FOOD, placed(LOWERED, x=100.0), -1, -1),

@@ -26,7 +26,6 @@ OUTSIDE_HOME = StateVector(0, HOME_RADIUS + 1, 0, 215, 60)
     ("changes", "reward", "terminated"),
     [
         ({}, 0.0, False),
-        ({"delivered": 1}, 1.0, False),
         ({"delivered": 2}, 2.0, True),
         ({"poison_home": 1, "deliverable": 1}, -1.0, False),
         ({"delivered": 1, "poison_home": 1, "deliverable": 1}, 0.0, True),
@@ -58,7 +57,6 @@ P, X, U = FoodType.PICKABLE, FoodType.POISONOUS, FoodType.UNKNOWN
     ("changes", "types", "delivered", "done"),
     [
         ({}, [P], 1, True),
-        ({}, [P], 0, False),
         ({}, [P, U], 1, False),
         ({"robot_home_distance": HOME_RADIUS}, [P], 1, False),
         ({"arms_height": 255}, [P], 1, True),  # the arm matters with poison only
@@ -67,7 +65,6 @@ P, X, U = FoodType.PICKABLE, FoodType.POISONOUS, FoodType.UNKNOWN
         ({"arms_height": 226}, [X], 0, False),
         ({"object_presence": 1}, [X], 0, False),
         ({"arms_height": 255}, [X, P], 1, False),
-        ({}, [X, P], 0, False),
     ],
 )
 def test_part_is_done_outside_home_with_food_delivered_and_poison_left_with_the_arm_raised(

@@ -1,11 +1,10 @@
 """Random layouts and food types (5.4.1.1), and layouts on the marks of figure 5.1 (4.5.2)."""
 
 import math
-from dataclasses import replace
 from itertools import combinations
 
 import pytest
-from hypothesis import assume, given, reject, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from khepera_forage.counter_rng import key_of
@@ -13,23 +12,22 @@ from khepera_forage.envs.layouts import floor_of, random_layout, training_layout
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
+from khepera_forage.sim.arenas.procedural import procedural_arena
 from khepera_forage.sim.layout_checks import check_layout, check_robot
-from khepera_forage.sim.waypoints import check_paths
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
 from khepera_forage.task.food_tracking import FoodObject
 from khepera_forage.task.placement import Place, Start, draw_food_types, layout_is_free
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from tests.geometry.shapes import star
 from tests.sim.worlds import ELL, FIELD
 from tests.version_0_1 import CORRIDOR, RECTANGLE
 
 PROPERTY = settings(max_examples=60)
 ARENAS = [CORRIDOR, RECTANGLE, ELL, FIELD]
 """Convex, convex, not convex with an obstacle, and wide."""
-RADII = st.lists(st.floats(50, 220), min_size=3, max_size=6)
-CELLS = st.tuples(st.integers(0, 2), st.integers(0, 2))
+LEVELS = st.builds(procedural_arena, st.integers(0, 40), st.sampled_from(("medium", "hard")))
+"""With notches, rooms and obstacles."""
 KEYS = st.integers(0, 2**64 - 1)
 SHARES = st.tuples(st.floats(-0.05, 1.05), st.floats(-0.05, 1.05))
 """Of width and height of an arena."""
@@ -53,22 +51,7 @@ def check_random(arena: Arena, layout: Layout, decisions: Decisions) -> None:
 # ---------------------------------------------------------------- random layouts
 
 
-@st.composite
-def arenas_with_obstacles(draw: st.DrawFn) -> Arena:
-    """A wide floor with obstacles, around which there are ways."""
-    cells = draw(st.lists(CELLS, min_size=1, max_size=4, unique=True))
-    obstacles = tuple(
-        tuple(Point(*corner) for corner in star(draw(RADII), (400.0 + 500.0 * i, 400.0 + 500.0 * j))) for i, j in cells
-    )
-    try:
-        arena = replace(FIELD, obstacles=obstacles)
-        check_paths(arena)
-    except ValueError:  # on the home or a mark, or around one
-        reject()
-    return arena
-
-
-@given(st.sampled_from(ARENAS) | arenas_with_obstacles(), KEYS, st.integers(1, 3))
+@given(st.sampled_from(ARENAS) | LEVELS, KEYS, st.integers(1, 3))
 @settings(PROPERTY, max_examples=120)
 def test_random_layout_is_free_and_outside_home(arena: Arena, key: int, foods: int) -> None:
     assume(arena is not CORRIDOR or foods == 1)  # there is not always room for more
