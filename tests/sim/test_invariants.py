@@ -13,7 +13,8 @@ from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS, Motors
 from khepera_forage.sim.arena import Arena, Point
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.task.decisions import DEFAULT_VALUES
-from tests.sim.worlds import ELL, Kind, of_both_kinds
+from tests.arenas import BLOCKS, L_ROOM
+from tests.sim.worlds import Kind, of_both_kinds
 from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
 COMMANDS = st.tuples(
@@ -29,7 +30,7 @@ TOUCH = 1.0
 @of_both_kinds
 @settings(max_examples=25, phases=(Phase.explicit, Phase.generate))
 @given(
-    arena=st.sampled_from([CORRIDOR, RECTANGLE, ELL]),
+    arena=st.sampled_from([CORRIDOR, RECTANGLE, L_ROOM, BLOCKS]),
     seed=st.integers(0, 10_000),
     commands=st.lists(COMMANDS, min_size=10, max_size=25),
 )

@@ -14,7 +14,8 @@ from khepera_forage.robots.khepera import JAW_CLOSED
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import Layout
-from tests.sim.worlds import ELL, FIELD, NONE, Kind, holding, make_world, of_both_kinds, run
+from tests.arenas import BLOCKS
+from tests.sim.worlds import FIELD, NONE, Kind, holding, make_world, of_both_kinds, run
 from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
 START, OTHER = CORRIDOR.start, CORRIDOR.start._replace(y=415)
@@ -54,13 +55,13 @@ def test_advance_before_reset_is_refused(kind: Kind) -> None:
 
 def test_reset_refuses_what_does_not_fit() -> None:
     """More cases: `tests/envs/test_bad_input.py`."""
-    alone = PymunkWorld([ELL], (2,), NONE, timing=TIMING)
-    with pytest.raises(ValueError, match=r"robot at \(290, 400\) mm has its gripper in a wall"):
-        reset(alone, (Pose(290, 400, 0.0),))
-    with pytest.raises(ValueError, match=r"ell: robot.* 20 mm from a wall"):
-        reset(alone, (Pose(230, 120, 0),))
-    with pytest.raises(ValueError, match=r"ell: food.*inside a wall"):
-        reset(alone, (ELL.start,), (Point(180, 120),))
+    alone = PymunkWorld([BLOCKS], (2,), NONE, timing=TIMING)
+    with pytest.raises(ValueError, match=r"robot at \(440, 400\) mm has its gripper in a wall"):
+        reset(alone, (Pose(440, 400, 0.0),))
+    with pytest.raises(ValueError, match=r"blocks: robot.* 20 mm from a wall"):
+        reset(alone, (Pose(480, 400, 0),))
+    with pytest.raises(ValueError, match=r"blocks: food.*inside a wall"):
+        reset(alone, (BLOCKS.start,), (Point(550, 400),))
     both = PymunkWorld([RECTANGLE], (1, 2), NONE, timing=TIMING)
     with pytest.raises(ValueError, match=r"robot at \(154, 300\) mm overlaps robot at"):
         reset(both, (Pose(100, 300, 0), Pose(154, 300, 0)))

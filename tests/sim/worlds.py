@@ -14,7 +14,6 @@ from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.arenas.named import box
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.world import FoodPlace, Layout, Timing
-from tests.arenas import corners
 from tests.version_0_1 import TIMING
 
 NONE = Noise.none()
@@ -29,17 +28,6 @@ of_both_kinds = pytest.mark.parametrize("kind", KINDS)
 
 FIELD = Arena("field", box(0, 0, 2000, 2000), Point(1800, 1800), 100, Pose(1000, 1000, 0), (Point(100, 100),))
 """So wide that a robot hits nothing by chance."""
-
-ELL = Arena(
-    "ell",
-    corners((0, 0), (700, 0), (700, 300), (350, 300), (350, 700), (0, 700)),
-    home=Point(120, 580),
-    home_radius=100,
-    start=Pose(600, 150, math.pi),
-    foods=corners((450, 150), (170, 300)),
-    obstacles=(box(150, 90, 210, 150),),
-)
-"""A user's arena: not convex, with an obstacle."""
 
 
 def make_world(

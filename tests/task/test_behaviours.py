@@ -11,19 +11,63 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from khepera_forage.geometry.plane import heading_of
+from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.geometry.plane import bearing_of, heading_of, length, turn_to
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, MAX_SPEED, Motors
 from khepera_forage.task.arena_map import EVERY_SIDE
 from khepera_forage.task.behaviours import command, decode_motors
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions, DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
-from tests.task.raw_data import OPEN_FLOOR, placed, raw_data
 from tests.version_0_1 import V0_1, VALUES
 
 B = Behaviour
-LOWERED = OPEN_FLOOR._replace(arm=255)
 UNIT = st.floats(-1, 1)
+
+
+def placed(raw: RawData, **changes: Any) -> RawData:
+    """Raw data with some of it changed, and the distances and bearings that follow."""
+    raw = raw._replace(**changes)
+    home = raw.home_x - raw.x, raw.home_y - raw.y
+    food = (raw.food_x - raw.x, raw.food_y - raw.y) if raw.food_seen else (0.0, 0.0)
+    return raw._replace(
+        home_distance=length(*home),
+        home_path=length(*home),
+        home_bearing=turn_to(bearing_of(*home), raw.orientation),
+        food_distance=length(*food),
+        food_bearing=turn_to(bearing_of(*food), raw.orientation) if raw.food_seen else 0.0,
+        food_path=length(*food),
+        food_waypoint_x=raw.food_x if raw.food_seen else 0.0,
+        food_waypoint_y=raw.food_y if raw.food_seen else 0.0,
+    )
+
+
+ENV: Any = BehavioursEnv(arena="corridor", foods=1, noise="none", decisions=V0_1)
+ENV.reset(seed=0, options={"start": (250, 115, 0), "foods": [(400, 115)]})
+OPEN_FLOOR = placed(ENV.forager.raw, food_x=90.0)
+"""A robot with its arm up looks along the corridor, at food 40 pixels ahead and the home behind the food."""
+LOWERED = OPEN_FLOOR._replace(arm=255)
+PLACES = st.floats(0.0, 130.0) | st.just(50.0)
+RAW_DATA = st.builds(
+    placed,
+    st.just(OPEN_FLOOR),
+    proximity=st.tuples(*[st.integers(0, 1023)] * 6),
+    arm=st.integers(215, 255),
+    jaw=st.integers(0, 200),
+    object_presence=st.sampled_from((0, 255)),
+    x=PLACES,
+    y=PLACES,
+    orientation=st.integers(0, 359),
+    food_seen=st.booleans(),
+    food_x=PLACES,
+    food_y=PLACES,
+    home_x=PLACES,
+    home_y=PLACES,
+    home_radius=st.integers(1, 40),
+    home_opening=st.floats(-180.0, 180.0),
+    wall_distance=st.floats(0.0, 60.0),
+    wall_bearing=st.floats(-180.0, 180.0),
+)
 
 
 def motors_for(behaviour: Behaviour, raw: RawData, decisions: DecisionValues = DEFAULT_VALUES) -> Motors:
@@ -46,7 +90,7 @@ def food_at(distance: float, degrees: float = 0.0, **changes: Any) -> RawData:
 # ---------------------------------------------------------------- for any raw data
 
 
-@given(raw=raw_data, behaviour=st.sampled_from(list(Behaviour)))
+@given(raw=RAW_DATA, behaviour=st.sampled_from(list(Behaviour)))
 def test_every_command_is_executable(raw: RawData, behaviour: Behaviour) -> None:
     """Robots limit the speeds of the default decisions, whose curves may ask for more."""
     for decisions in (VALUES, DEFAULT_VALUES):
@@ -57,7 +101,7 @@ def test_every_command_is_executable(raw: RawData, behaviour: Behaviour) -> None
         assert decisions is DEFAULT_VALUES or max(abs(motors.left), abs(motors.right)) <= MAX_SPEED
 
 
-@given(raw_data)
+@given(RAW_DATA)
 def test_arm_and_jaw_are_where_each_behaviour_needs_them(raw: RawData) -> None:
     for behaviour in (B.SEARCH_FOR_FOOD, B.MOVE_SLOWLY, B.AVOID_HOME):
         assert motors_for(behaviour, raw)[2:] == (215, 200)

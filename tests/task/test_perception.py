@@ -7,11 +7,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.layouts import arena_map_of
-from khepera_forage.sim.arena import Point, copies
-from khepera_forage.task.perception import own_region
-from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
-from tests.version_0_1 import CORRIDOR, RECTANGLE, V0_1
+from khepera_forage.sim.arena import Point
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from tests.version_0_1 import RECTANGLE, V0_1
 
 ENV = BehavioursEnv(arena="rectangle", foods=2, noise="none", decisions=V0_1)
 FAR = (620.0, 40.0)
@@ -48,21 +46,3 @@ def test_raw_data_and_state_vector_have_what_the_thesis_lists(
     distances = observation["robot_home_distance"][0], observation["robot_food_distance"][0]
     assert distances == pytest.approx((math.dist(start, home) / MM_PER_PIXEL, nearest / MM_PER_PIXEL), abs=0.5001)
     assert (observation["object_presence"], observation["food_type"], *observation["arms_height"]) == (0, 0, 215)
-
-
-def test_own_region_has_the_markers_holes_in_the_own_arena_in_any_order() -> None:
-    arena, other = (arena_map_of(arena) for arena in copies(CORRIDOR, 2))
-    offset = other.home_y - arena.home_y
-
-    def region(label: int, x: float, y: float, holes: int) -> Region:
-        return Region(label, x, y, holes, 0, True, False, x, y, 1.0, 1.0)
-
-    mine, teachers, neighbours, food = regions = (
-        *(region(3, 40, 20, 2), region(0, 50, 20, 1)),
-        *(region(1, 40, 20 + offset, 2), region(2, 60, 20, 0)),
-    )
-    for scene in (Scene(regions), Scene(regions[::-1])):
-        assert own_region(scene, arena, 2) == mine
-        assert own_region(scene, arena, 1) == teachers
-        assert own_region(scene, other, 2) == neighbours
-    assert own_region(Scene((food,)), arena, 2) is None

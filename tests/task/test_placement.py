@@ -20,12 +20,11 @@ from khepera_forage.task.food_tracking import FoodObject
 from khepera_forage.task.placement import Place, Start, draw_food_types, layout_is_free
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from tests.sim.worlds import ELL, FIELD
+from tests.arenas import POOL
 from tests.version_0_1 import CORRIDOR, RECTANGLE
 
 PROPERTY = settings(max_examples=60)
-ARENAS = [CORRIDOR, RECTANGLE, ELL, FIELD]
-"""Convex, convex, not convex with an obstacle, and wide."""
+ARENAS = (CORRIDOR, RECTANGLE, *POOL)
 LEVELS = st.builds(procedural_arena, st.integers(0, 40), st.sampled_from(("medium", "hard")))
 """With notches, rooms and obstacles."""
 KEYS = st.integers(0, 2**64 - 1)
@@ -130,7 +129,7 @@ def test_training_errors_have_their_deviation_and_differ_between_arenas() -> Non
         assert math.sqrt(sum(v * v for v in values) / count) == pytest.approx(deviation, rel=0.1)
 
 
-@given(st.sampled_from(ARENAS[:3]), SHARES, SHARES, SHARES, st.floats(-math.pi, math.pi))
+@given(st.sampled_from(ARENAS), SHARES, SHARES, SHARES, st.floats(-math.pi, math.pi))
 @settings(PROPERTY, max_examples=300)
 def test_layout_is_free_agrees_with_the_checks_of_worlds(
     arena: Arena, start: tuple[float, float], food: tuple[float, float], other: tuple[float, float], heading: float
