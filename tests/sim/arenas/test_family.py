@@ -9,10 +9,11 @@ import shapely
 
 from khepera_forage.robots.khepera import RADIUS
 from khepera_forage.sim.arena import Arena, copies
-from khepera_forage.sim.arenas.named import FAMILY, HOME_RADIUS, family_arena, step_limit
+from khepera_forage.sim.arenas.named import FAMILY, HOME_RADIUS, family_arena, named_arena, step_limit
 from khepera_forage.sim.layout_checks import check_layout, check_seen
 from khepera_forage.sim.waypoints import check_paths, longest_path, too_narrow
 from khepera_forage.sim.world import Layout
+from tests.version_0_1 import SET_UP
 
 
 def usable_floor(arena: Arena, clearance: float = 85.0) -> Any:
@@ -38,6 +39,13 @@ def check_room(arena: Arena) -> None:
 
 
 everywhere = pytest.mark.parametrize("name", FAMILY)
+
+
+def test_unknown_name_is_refused() -> None:
+    with pytest.raises(
+        ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor', 'rectangle', 't_"
+    ):
+        named_arena("circle", SET_UP)
 
 
 @everywhere
