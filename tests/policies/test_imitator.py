@@ -108,6 +108,11 @@ def test_learning_on_and_fitting_again_change_the_votes(
             assert imitator.neighbours(query) == expected_neighbours(experience[:stop], query, CORRIDOR)
 
 
+def test_halves_of_pixels_are_compared_too() -> None:
+    imitator = NearestNeighbourImitator(arithmetic="exact").fit([[0, 30.5, 0, 215, 40], [0, 31, 0, 215, 40]], [0, 1])
+    assert imitator.predict([[0, 30.7, 0, 215, 40], [0, 30.8, 0, 215, 40]]).tolist() == [0, 1]
+
+
 def test_distance_equals_section_4_6_1() -> None:
     near, far = StateVector(0, 100, 0, 255, 20), StateVector(1, 31, 1, 215, 89)
     assert distance(near, far, CORRIDOR) == 2 + Fraction(40, 55) + Fraction(69, 138) + Fraction(69, 138)

@@ -12,7 +12,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import is_collected, is_finished
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from tests.task.test_food_tracking_scenes import known_types, labels_of_no_candidates, linked_food
+from tests.task.test_food_tracking_scenes import labels_of_no_candidates, linked_food
 from tests.version_0_1 import CORRIDOR, V0_1
 
 B = Behaviour
@@ -105,17 +105,3 @@ def test_food_is_delivered_once_it_is_set_down_at_home_and_the_robot_is_clear() 
     assert label in labels_of_no_candidates(food)
     assert not env.forager.raw.food_seen, "delivered food is no candidate"
     assert env.forager.vector.robot_food_distance == env.diagonal
-
-
-def test_poison_brought_home_is_counted_separately() -> None:
-    env = forage("Rectangle", noise="none", food_types="POISONOUS")
-    food, tracker = env.forager.food, env.forager.tracker
-    until(env, lambda env: FoodType.POISONOUS in known_types(food))
-    for behaviour, rounds in ((B.PICK_UP_FOOD, 25), (B.GO_HOME, 110), (B.RELEASE_FOOD, 60)):
-        for _ in range(rounds):
-            *_, info = env.step(int(behaviour))
-        assert any(food.lifted for food in env.world.food_places()) == (behaviour != B.RELEASE_FOOD)
-    assert sorted(one.delivered for one in food.objects) == [False, True]
-    assert (tracker.poison_home, tracker.delivered, tracker.deliverable) == (1, 0, 1)
-    assert (info["poison_home"], info["delivered"]) == (1, 0)
-    assert not any(map(is_collected, food.objects))

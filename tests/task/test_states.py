@@ -2,7 +2,6 @@
 
 import operator
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -58,21 +57,18 @@ def test_classify_gives_the_one_row_of_table_4_2(decisions: Decisions, data: st.
     assert [classify(vector, HOME_RADIUS, decisions.values())] == rows_of_table_4_2(vector, decisions)
 
 
-@pytest.mark.parametrize(
-    ("state", "behaviour"),
-    [
-        (State.SEARCH, "SEARCH_FOR_FOOD"),
-        (State.CLOSE_TO_FOOD, "MOVE_SLOWLY"),
-        (State.NEXT_TO_FOOD, "ORIENT_WITH_FOOD"),
-        (State.ORIENTED_WITH_FOOD, "EXPLORE_FOOD"),
-        (State.READY_TO_PICK_UP_FOOD, "PICK_UP_FOOD"),
-        (State.READY_TO_PUSH_FOOD, "PUSH_FOOD"),
-        (State.MUST_AVOID_FOOD, "AVOID_FOOD"),
-        (State.FOOD_IN_HAND, "GO_HOME"),
-        (State.AT_HOME_NO_FOOD, "AVOID_HOME"),
-        (State.AT_HOME_WITH_FOOD, "RELEASE_FOOD"),
-    ],
-)
-def test_behaviour_for_a_state_is_that_of_table_4_1(state: State, behaviour: str) -> None:
-    assert behaviour_for(state).name == behaviour
-    assert int(state) == int(Behaviour[behaviour])
+def test_states_and_their_behaviours_are_those_of_table_4_1() -> None:
+    table = [
+        (State.SEARCH, Behaviour.SEARCH_FOR_FOOD),
+        (State.CLOSE_TO_FOOD, Behaviour.MOVE_SLOWLY),
+        (State.NEXT_TO_FOOD, Behaviour.ORIENT_WITH_FOOD),
+        (State.ORIENTED_WITH_FOOD, Behaviour.EXPLORE_FOOD),
+        (State.READY_TO_PICK_UP_FOOD, Behaviour.PICK_UP_FOOD),
+        (State.READY_TO_PUSH_FOOD, Behaviour.PUSH_FOOD),
+        (State.MUST_AVOID_FOOD, Behaviour.AVOID_FOOD),
+        (State.FOOD_IN_HAND, Behaviour.GO_HOME),
+        (State.AT_HOME_NO_FOOD, Behaviour.AVOID_HOME),
+        (State.AT_HOME_WITH_FOOD, Behaviour.RELEASE_FOOD),
+    ]
+    assert [(State(number), behaviour_for(State(number))) for number in range(10)] == table
+    assert [int(behaviour) for _, behaviour in table] == list(range(10))
