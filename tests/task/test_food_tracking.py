@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import gymnasium as gym
+import numpy as np
 import pytest
 
 import khepera_forage  # noqa: F401 (registers the environments)
@@ -105,3 +106,14 @@ def test_food_is_delivered_once_it_is_set_down_at_home_and_the_robot_is_clear() 
     assert label in labels_of_no_candidates(food)
     assert not env.forager.raw.food_seen, "delivered food is no candidate"
     assert env.forager.vector.robot_food_distance == env.diagonal
+
+
+def test_food_is_identified_once_the_wheels_rest() -> None:
+    env = forage("CorridorWheels", noise="none")
+    env.reset(seed=0, options={"start": (200, 115, 0), "foods": [(257, 115)]})
+    for left, right in ((0.05, 0), (0, 0.05), (-0.05, 0), (0, -0.05)) * 6:
+        env.step(np.array((left, right, -1, -1)))
+    assert (env.forager.senses.arm, env.forager.senses.object_presence) == (255, 255)
+    assert env.forager.raw.food_type == FoodType.UNKNOWN
+    env.step(np.array((0, 0, -1, -1)))
+    assert env.forager.raw.food_type == FoodType.PICKABLE

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from khepera_forage.envs.layouts import arena_map_of, known_food
-from khepera_forage.robots.khepera import Motors, Senses
+from khepera_forage.robots.khepera import Senses
 from khepera_forage.sim.arena import Point
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import FoodObject, KnownFood, can_explore, is_candidate, share_identified
@@ -20,11 +20,13 @@ FIRST, SECOND = (74.0, 40.0), (74.0, 80.0)
 EMPTY = Senses((0,) * 8, 0, 0, 255, 200, 0)
 PRESENT = EMPTY._replace(object_presence=255)
 GRIPPED = PRESENT._replace(arm=215, jaw=126)
-STILL = Motors(0, 0, 255, 200)
 
 
 def region(label: int, place: tuple[float, float], found: bool = True, holes: int = 0) -> Region:
     return Region(label, *place, holes, 0, found, False, *place, 1.0, 1.0)
+
+
+LOST = region(1, FIRST, found=False)
 
 
 def linked_food(known: KnownFood, label: int) -> int | None:
@@ -59,18 +61,15 @@ class Story:
         self.senses = EMPTY
         self.round((20, 60), EMPTY, region(1, FIRST), region(2, SECOND))
 
-    def round(
-        self, robot: tuple[float, float], senses: Senses, *foods: Region, motors: Motors = STILL, orientation: int = 0
-    ) -> None:
-        own = region(0, robot, holes=2)._replace(orientation=orientation)
-        exploring = can_explore(self.senses) and motors.left == motors.right == 0
-        perceive(self.food, own, (own, *foods), senses, exploring, ARENA, self.decisions)
+    def round(self, robot: tuple[float, float], senses: Senses, *foods: Region) -> None:
+        own = region(0, robot, holes=2)
+        perceive(self.food, own, (own, *foods), senses, can_explore(self.senses), ARENA, self.decisions)
         self.senses = senses
 
     def explore_first(self) -> None:
         """Two rounds in which the first object stays in the barrier; it is hidden by the marker."""
         for _ in range(2):
-            self.round((63, 40), PRESENT, region(1, FIRST, found=False), region(2, SECOND))
+            self.round((63, 40), PRESENT, LOST, region(2, SECOND))
 
 
 def nearest_of(story: Story) -> tuple[float, float] | None:
@@ -96,7 +95,7 @@ def test_nearest_food_is_a_candidate_of_the_own_arena() -> None:
 
 def test_nearest_food_may_be_a_lost_region_or_one_that_shows_no_food_object() -> None:
     story = Story()
-    story.round((40, 50), EMPTY, region(1, FIRST, found=False), region(2, SECOND))
+    story.round((40, 50), EMPTY, LOST, region(2, SECOND))
     assert nearest_of(story) == FIRST
     story.round((40, 50), EMPTY, region(1, FIRST), region(2, SECOND), region(9, (42.0, 52.0)))
     assert linked_food(story.food, 9) is None
@@ -108,7 +107,7 @@ def test_what_turns_up_beside_the_gripper_is_not_the_food_in_it() -> None:
     story = Story()
     story.explore_first()
     shoved = (72.0, 52.0)
-    story.round((63, 40), PRESENT, region(1, FIRST, found=False), region(8, shoved))
+    story.round((63, 40), PRESENT, LOST, region(8, shoved))
     assert linked_food(story.food, 8) == 1
     assert known_types(story.food) == [FoodType.PICKABLE, FoodType.UNKNOWN]
     first, second = story.food.objects
@@ -116,7 +115,6 @@ def test_what_turns_up_beside_the_gripper_is_not_the_food_in_it() -> None:
     assert math.hypot(first.x - shoved[0], first.y - shoved[1]) < math.dist(SECOND, shoved)
 
 
-LOST = region(1, FIRST, found=False)
 RAISED = EMPTY._replace(arm=215)
 
 
@@ -176,35 +174,21 @@ def test_identified_types_are_shared_with_the_corresponding_food() -> None:
     assert [food.known for food in foods] == [FoodType.PUSHABLE, FoodType.UNKNOWN]
 
 
-@pytest.mark.parametrize(
-    ("before", "after", "motors"),
-    [
-        (PRESENT, PRESENT, STILL._replace(left=1)),
-        (PRESENT, PRESENT, STILL._replace(right=-1)),
-        (EMPTY, PRESENT, STILL),
-        (PRESENT, EMPTY, STILL),
-        (PRESENT._replace(arm=215), PRESENT, STILL),
-        (PRESENT, PRESENT._replace(arm=215), STILL),
-        (PRESENT._replace(jaw=126), PRESENT, STILL),
-        (PRESENT, PRESENT._replace(jaw=126), STILL),
-    ],
-)
-def test_food_is_identified_only_in_a_still_round_with_arm_down_and_jaw_open(
-    before: Senses, after: Senses, motors: Motors
-) -> None:
-    story = Story()
-    for senses in (before, after):
-        story.round((63, 40), senses, region(1, FIRST, found=False), region(2, SECOND), motors=motors)
-    assert known_types(story.food) == [FoodType.UNKNOWN] * 2
+@pytest.mark.parametrize("other", [EMPTY, PRESENT._replace(arm=215), PRESENT._replace(jaw=126)])
+def test_food_is_identified_only_in_a_round_with_arm_down_and_jaw_open(other: Senses) -> None:
+    for rounds in ((other, PRESENT), (PRESENT, other)):
+        story = Story()
+        for senses in rounds:
+            story.round((63, 40), senses, LOST, region(2, SECOND))
+        assert known_types(story.food) == [FoodType.UNKNOWN] * 2
 
 
 def test_carried_food_is_recognised_while_its_old_track_remains() -> None:
     """The marker still hides the place where the food lay, so its track stays there, lost."""
     story = Story(FoodType.PUSHABLE)
     story.explore_first()
-    lingering = region(1, FIRST, found=False)
-    story.round((63, 55), GRIPPED, lingering, region(2, SECOND))
-    story.round((50, 55), EMPTY, lingering, region(2, SECOND), region(3, (74, 55)))
+    story.round((63, 55), GRIPPED, LOST, region(2, SECOND))
+    story.round((50, 55), EMPTY, LOST, region(2, SECOND), region(3, (74, 55)))
     assert linked_food(story.food, 3) == 0
     assert linked_food(story.food, 2) == 1
 
@@ -224,6 +208,9 @@ def test_carried_food_is_recognised_where_it_was_set_down() -> None:
 def test_poison_that_was_lost_for_a_while_stays_poison() -> None:
     story = Story(FoodType.POISONOUS)
     story.explore_first()
+    assert nearest_of(story) == FIRST, "poison in the gripper stays the nearest food"
+    assert labels_of_no_candidates(story.food) == set()
+    assert story.tracker.type_in_gripper == FoodType.POISONOUS
     story.round((40, 40), EMPTY, region(1, FIRST), region(2, SECOND))
     assert labels_of_no_candidates(story.food) == {1}, "poison, and no longer held"
     story.round((40, 40), EMPTY, region(2, SECOND))
@@ -231,11 +218,3 @@ def test_poison_that_was_lost_for_a_while_stays_poison() -> None:
     story.round((40, 40), EMPTY, region(2, SECOND), region(5, FIRST))
     assert labels_of_no_candidates(story.food) == {5}
     assert story.tracker.deliverable == 1
-
-
-def test_poison_in_the_gripper_stays_the_nearest_food() -> None:
-    story = Story(FoodType.POISONOUS)
-    story.explore_first()
-    assert labels_of_no_candidates(story.food) == set()
-    assert story.tracker.type_in_gripper == FoodType.POISONOUS
-    assert nearest_of(story) == FIRST
