@@ -13,7 +13,7 @@ from sklearn.naive_bayes import GaussianNB
 import khepera_forage
 from khepera_forage.policies import as_policy, register_learner
 from khepera_forage.policies.learner_registry import LearnerError, installed_learners, learner_at, own_errors
-from khepera_forage.policies.learners import LEARNERS, InteractiveImitation, OfflineImitation
+from khepera_forage.policies.learners import LEARNERS, OfflineImitation
 
 X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1, 48, 1, 215, 14]] * 3)
 Y = np.array([0, 2, 3, 7] * 3)
@@ -31,7 +31,6 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     name = "learners_of_a_test"
     (tmp_path / f"{name}.py").write_text(
         "from sklearn.ensemble import RandomForestClassifier\n"
-        "from sklearn.naive_bayes import GaussianNB as bayes\n"
         "def forest(random_state=None):\n"
         "    return RandomForestClassifier(3, random_state=random_state)\n"
         "number = 7\n"
@@ -92,12 +91,6 @@ def test_error_in_a_package_whose_name_begins_like_ours_shows_where_it_is() -> N
     exec(compile("def fit(): raise IndexError('too late')", str(place), "exec"), names)
     with pytest.raises(LearnerError, match=r"mine failed\n(.|\n)*IndexError: too late"), own_errors("mine"):
         names["fit"]()
-
-
-def test_a_learner_is_found_by_its_place(package: str) -> None:
-    name, learner = learner_at(f"{package}:bayes")
-    assert (name, type(learner)) == ("bayes", OfflineImitation)
-    assert not isinstance(learner, InteractiveImitation)
 
 
 @pytest.mark.parametrize("place", ["nowhere:forest", "{0}", ":forest", "{0}:missing", "{0}:number"])

@@ -23,19 +23,18 @@ OUT_OF_THE_WAY = (100.0, 100.0)
 speeds = st.integers(-MAX_SPEED, MAX_SPEED)
 
 
+def chord_of_arc(turn: float) -> float:
+    """The chord as a share of the arc."""
+    return float(np.sinc(turn / 2 / math.pi))
+
+
 def arc(pose: Pose, left: float, right: float, rounds: int) -> Pose:
     """The pose that a differential drive reaches in that time."""
     forward = (left + right) / 2 * SPEED_UNIT * CONTROL_PERIOD * rounds
     turn = (right - left) * SPEED_UNIT / WHEEL_BASE * CONTROL_PERIOD * rounds
     x, y, heading = pose
-    if turn == 0:
-        return Pose(x + forward * math.cos(heading), y + forward * math.sin(heading), heading)
-    radius = forward / turn
-    return Pose(
-        x + radius * (math.sin(heading + turn) - math.sin(heading)),
-        y - radius * (math.cos(heading + turn) - math.cos(heading)),
-        heading + turn,
-    )
+    chord, middle = forward * chord_of_arc(turn), heading + turn / 2
+    return Pose(x + chord * math.cos(middle), y + chord * math.sin(middle), heading + turn)
 
 
 @given(speeds, speeds, st.floats(-math.pi, math.pi))
@@ -78,7 +77,7 @@ def shares(world: PymunkWorld, rounds: int, speed: int = 10) -> list[tuple[float
         run(world, 1, speed, speed)
         after = world.poses()[0]
         turn = after.heading - before.heading
-        forward = apart(after, before) / (math.sin(turn / 2) / (turn / 2) if turn else 1.0)
+        forward = apart(after, before) / chord_of_arc(turn)
         half = turn * WHEEL_BASE / 2
         found.append(((forward - half) / commanded, (forward + half) / commanded))
     return found

@@ -1,7 +1,9 @@
-"""Procedural arenas: room for robots, the same everywhere, disjoint splits."""
+"""Arenas by name and procedural arenas: room for robots, step limits, the same everywhere, disjoint splits."""
 
 import pickle
 from dataclasses import replace
+from itertools import combinations
+from typing import Any
 from zlib import crc32
 
 import numpy as np
@@ -10,21 +12,75 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from khepera_forage.robots.khepera import RADIUS
+from khepera_forage.sim.arena import Arena, copies
 from khepera_forage.sim.arena_file import arena_text
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, Difficulty, checked_difficulty
+from khepera_forage.sim.arenas.named import FAMILY, HOME_RADIUS, family_arena, named_arena, step_limit
 from khepera_forage.sim.arenas.procedural import LEVELS, ProceduralArenas, procedural_arena
 from khepera_forage.sim.arenas.procedural_floor import PASSAGE
-from khepera_forage.sim.waypoints import longest_path
-from tests.sim.arenas.test_family import check_room, usable_floor
+from khepera_forage.sim.layout_checks import check_layout, check_seen
+from khepera_forage.sim.waypoints import check_paths, longest_path, too_narrow
+from khepera_forage.sim.world import Layout
+from tests.version_0_1 import SET_UP
 
-PROPERTY = settings(max_examples=30)
-everywhere = pytest.mark.parametrize("difficulty", DIFFICULTIES)
-levels = st.integers(0, 2 * LEVELS)
+of_all_difficulties = pytest.mark.parametrize("difficulty", DIFFICULTIES)
 
 
-@everywhere
-@given(level=levels)
-@PROPERTY
+def usable_floor(arena: Arena, clearance: float = 85.0) -> Any:
+    """Where the centre of a robot with its gripper can be: a polygon, or several."""
+    obstacles = shapely.union_all([shapely.Polygon(corners) for corners in arena.obstacles])
+    return shapely.Polygon(arena.walls).difference(obstacles).buffer(-clearance)
+
+
+def check_room(arena: Arena) -> None:
+    """A robot reaches every part past the home, and a pair is in the camera's picture with room on its marks."""
+    floor = usable_floor(arena)
+    assert floor.geom_type == "Polygon"
+    check_paths(arena)
+    assert too_narrow(arena) == []
+    home = shapely.Point(arena.home).buffer(arena.home_radius + RADIUS)
+    assert floor.difference(home).geom_type == "Polygon"
+    for place in (arena.home, arena.start, *arena.foods):
+        assert floor.contains(shapely.Point(place[:2]))
+    pair = copies(arena, 2)
+    check_seen(pair)
+    for each in pair:
+        check_layout((each,), Layout((each.start,), each.foods))
+
+
+def test_unknown_name_is_refused() -> None:
+    with pytest.raises(ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor', 'rectangle', "):
+        named_arena("circle", SET_UP)
+
+
+@pytest.mark.parametrize("name", FAMILY)
+def test_arena_has_room_for_robots_and_pairs_and_passages_of_200_mm(name: str) -> None:
+    arena = family_arena(name)
+    check_room(arena)
+    assert arena.clearance(arena.home) >= HOME_RADIUS + RADIUS == arena.home_radius + RADIUS
+    assert longest_path(arena) <= FAMILY[name].longest_path <= 1.05 * longest_path(arena)
+    shapes = [shapely.LinearRing(arena.walls), *map(shapely.Polygon, arena.obstacles)]
+    gaps = [first.distance(second) for first, second in combinations(shapes, 2)]
+    assert all(gap == 0 or gap >= 200 for gap in gaps)
+    # Walls are at least 20 mm thick: an opening with this width removes none of their area but at corners.
+    for shape in shapes[1:]:
+        assert shape.buffer(-9.9).buffer(10).area > 0.95 * shape.area
+
+
+def test_step_limit_is_that_of_the_thesis_in_short_arenas_and_grows_with_the_path() -> None:
+    assert [step_limit(foods, 650) for foods in (1, 2, 5)] == [500, 700, 1300]
+    assert step_limit(1, 100) == 500
+    assert step_limit(1, 1300) == 1000
+    assert step_limit(2, 1301) == 1500
+
+
+# ---------------------------------------------------------------- procedural arenas
+
+
+@of_all_difficulties
+@settings(max_examples=30)
+@given(level=st.integers(0, 2 * LEVELS))
 def test_level_has_room_for_robots_and_pairs_and_what_its_difficulty_says(difficulty: str, level: int) -> None:
     arena, chosen = procedural_arena(level, difficulty), DIFFICULTIES[difficulty]
     check_room(arena)
@@ -48,14 +104,11 @@ def test_level_has_room_for_robots_and_pairs_and_what_its_difficulty_says(diffic
     assert (len(arena.walls) - 4) / 2 in range(chosen.notches[0], chosen.notches[1] + 1)
 
 
-@everywhere
+@of_all_difficulties
 def test_step_limit_allows_for_the_paths_of_nearly_all_levels(difficulty: str) -> None:
     paths = [longest_path(arena) for arena in ProceduralArenas(difficulty, num_levels=40)]
     assert np.quantile(paths, 0.95) <= DIFFICULTIES[difficulty].longest_path
     assert DIFFICULTIES[difficulty].longest_path <= 1.3 * max(paths)
-
-
-# ---------------------------------------------------------------- the same everywhere
 
 
 @pytest.mark.parametrize(
@@ -66,9 +119,6 @@ def test_levels_are_those_of_version_1(difficulty: str, expected: int) -> None:
     """Results name levels: a generator with other arenas needs environments of another version."""
     arenas = [procedural_arena(level, difficulty) for level in (*range(20), LEVELS, LEVELS + 1)]
     assert crc32("".join(map(arena_text, arenas)).encode()) == expected
-
-
-# ---------------------------------------------------------------- sequences
 
 
 def test_sequence_is_of_consecutive_levels_of_a_split() -> None:
