@@ -109,7 +109,8 @@ def test_learning_on_and_fitting_again_change_the_votes(
 
 
 def test_halves_of_pixels_are_compared_too() -> None:
-    imitator = NearestNeighbourImitator(arithmetic="exact").fit([[0, 30.5, 0, 215, 40], [0, 31, 0, 215, 40]], [0, 1])
+    rows = np.array([[0, 30.5, 0, 215, 40], [0, 31, 0, 215, 40]])
+    imitator = NearestNeighbourImitator(arithmetic="exact").fit(rows, [0, 1])
     assert imitator.predict([[0, 30.7, 0, 215, 40], [0, 30.8, 0, 215, 40]]).tolist() == [0, 1]
 
 

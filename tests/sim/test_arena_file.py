@@ -64,7 +64,7 @@ def test_text_has_the_keys_of_an_arena_and_short_numbers() -> None:
     for degrees in range(-180, 181, 15):
         text = DEN.replace("90]", f"{degrees}]")
         arena = read_text(text)
-        assert arena.start == (100, 250, pytest.approx(math.radians(degrees), rel=1e-15))
+        assert arena.start == pytest.approx((100, 250, math.radians(degrees)), rel=1e-15)
         assert arena_text(arena) == text
 
 

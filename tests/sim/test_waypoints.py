@@ -109,9 +109,9 @@ def test_way_home_from_every_free_place_is_the_shortest_of_all_clear_ones(arena:
             around += 1
             x, y = place.x / MM_PER_PIXEL, place.y / MM_PER_PIXEL
             best = min(
-                math.dist((x, y), point) + rest
+                math.dist((x, y), (point.x, point.y)) + rest
                 for point, rest in zip(paths.waypoints, paths.home_lengths, strict=True)
-                if is_clear(x, y, *point, False, walls, paths)
+                if is_clear(x, y, point.x, point.y, False, walls, paths)
             )
             assert next_waypoint(x, y, *home, False, ChosenWaypoint(), walls, paths)[2] == pytest.approx(best)
     assert around > 50

@@ -5,6 +5,7 @@ Decisions about worlds: `tests/envs/test_decisions.py`.
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import pytest
@@ -23,22 +24,21 @@ from tests.version_0_1 import V0_1, VALUES
 
 B = Behaviour
 UNIT = st.floats(-1, 1)
+motors_for = partial(command, decisions=DEFAULT_VALUES)
 
 
 def placed(raw: RawData, **changes: Any) -> RawData:
     """Raw data with some of it changed, and the distances and bearings that follow."""
     raw = raw._replace(**changes)
-    home = raw.home_x - raw.x, raw.home_y - raw.y
-    food = (raw.food_x - raw.x, raw.food_y - raw.y) if raw.food_seen else (0.0, 0.0)
+    home, food = (raw.home_x - raw.x, raw.home_y - raw.y), (raw.food_x - raw.x, raw.food_y - raw.y)
     return raw._replace(
         home_distance=length(*home),
         home_path=length(*home),
         home_bearing=turn_to(bearing_of(*home), raw.orientation),
-        food_distance=length(*food),
-        food_bearing=turn_to(bearing_of(*food), raw.orientation) if raw.food_seen else 0.0,
-        food_path=length(*food),
-        food_waypoint_x=raw.food_x if raw.food_seen else 0.0,
-        food_waypoint_y=raw.food_y if raw.food_seen else 0.0,
+        food_distance=length(*food) * raw.food_seen,
+        food_bearing=turn_to(bearing_of(*food), raw.orientation) * raw.food_seen,
+        food_waypoint_x=raw.food_x,
+        food_waypoint_y=raw.food_y,
     )
 
 
@@ -70,11 +70,6 @@ RAW_DATA = st.builds(
 )
 
 
-def motors_for(behaviour: Behaviour, raw: RawData, decisions: DecisionValues = DEFAULT_VALUES) -> Motors:
-    """What a behaviour commands under the default decisions, or others."""
-    return command(behaviour, raw, decisions)
-
-
 def changed_to(**changes: Any) -> DecisionValues:
     """Version 0.1 with some changes: what the others decide matters, too."""
     return Decisions.from_changes(changes, V0_1).values()
@@ -94,7 +89,7 @@ def food_at(distance: float, degrees: float = 0.0, **changes: Any) -> RawData:
 def test_every_command_is_executable(raw: RawData, behaviour: Behaviour) -> None:
     """Robots limit the speeds of the default decisions, whose curves may ask for more."""
     for decisions in (VALUES, DEFAULT_VALUES):
-        motors = motors_for(behaviour, raw, decisions)
+        motors = command(behaviour, raw, decisions)
         assert all(math.isfinite(value) for value in motors)
         assert 215 <= motors.arm <= 255
         assert motors.jaw in (0, 200)
@@ -166,7 +161,7 @@ def test_search_turns_away_from_obstacles_and_backs_off_when_blocked() -> None:
 
 def test_orient_lowers_the_arm_aims_and_creeps_until_the_barrier_is_interrupted() -> None:
     def orient(raw: RawData) -> Motors:
-        return motors_for(B.ORIENT_WITH_FOOD, raw, VALUES)
+        return command(B.ORIENT_WITH_FOOD, raw, VALUES)
 
     next_to = placed(OPEN_FLOOR, food_x=69.5)
     assert orient(next_to) == Motors(0.0, 0.0, 255, 200)
@@ -245,7 +240,6 @@ def _orient(distance: float, degrees: float, decisions: DecisionValues) -> Motor
 
 BOUNDARIES: list[tuple[str, tuple[float, ...], Rule]] = [
     ("back_off_distance", (5, 13, 20), lambda at, d: command(B.SEARCH_FOR_FOOD, food_at(at), d).left < 0),
-    ("back_off_distance", (5, 13, 20), lambda at, d: command(B.MOVE_SLOWLY, food_at(at), d).left < 0),
     ("aimed", (1, 5, 15), lambda degrees, d: _orient(19, degrees, d).left < 0),
     ("astray", (10, 20, 90), lambda degrees, d: _orient(19, degrees, d).arm),
     ("missed_distance", (5, 10, 15), lambda at, d: _orient(at, 0, d).jaw),
