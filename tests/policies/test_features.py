@@ -22,12 +22,10 @@ OBSERVATIONS: dict[str, Observation] = {
         "robot_food_distance": np.array([28], np.int32),
     },
     "integers": VECTOR._asdict(),
-    "0-d arrays": {name: np.array(value) for name, value in VECTOR._asdict().items()},
     "other mapping": MappingProxyType(VECTOR._asdict()),
     "training": np.array([*VECTOR, 10, 0], np.int32),
     "five numbers": list(VECTOR),
     "seven NumPy numbers": tuple(np.array([*VECTOR, 10, 0])),
-    "state vector": VECTOR,
 }
 
 

@@ -136,8 +136,6 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (NearestNeighbourImitator, FLOATS, r"threshold is 0\.1 with 32-bit floats; allowed: 0, or exact"),
     *((KNearestImitator, {"k": k}, f"k is {k!r}; allowed: an integer, at least 1") for k in (0, 2.0, True)),
     (KNearestImitator, {"weighting": "votes"}, "weighting is 'votes'; allowed: uniform, distance"),
-    (KNearestImitator, {"diagonal": 0}, "diagonal is 0; allowed: an integer above 0"),
-    (WeightedImitator, {"diagonal": 0}, "diagonal is 0; allowed: an integer above 0"),
     (WeightedImitator, {"weights": (1, 2)}, r"weights are \(1, 2\); allowed: 5 whole numbers, not all 0"),
     (WeightedImitator, {"weights": (0,) * 5}, r"weights are \(0, 0, 0, 0, 0\); allowed"),
     (WeightedImitator, {"weights": (1, -1, 1, 1, 1)}, "weights are .*; allowed: whole numbers, at least 0"),

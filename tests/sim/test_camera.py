@@ -48,8 +48,6 @@ def only(scene: Scene, holes: int) -> Region:
 
 PAIR = Stage(((400.0, 300.0, 0.5, 1), (900.0, 700.0, 2.0, 2)), ((400.0, 700.0), (900.0, 300.0)))
 
-# ---------------------------------------------------------------- without noise
-
 
 def test_exact_without_noise() -> None:
     scene = camera_over(Stage(((400, 300, math.radians(30), 1),), ((1001, 702),))).look()
@@ -72,9 +70,6 @@ def test_edge_flag_and_the_end_of_the_picture() -> None:
     places = ((18.0, 500.0), (17.0, 900.0), (-1.0, 700.0), (3201.0, 700.0), (700.0, 2401.0))
     regions = camera_over(Stage(((2000.0, 1500.0, 0.0, 1),), places)).look().regions
     assert {(r.x * 5, r.edge) for r in regions if r.holes == 0} == {(18.0, False), (17.0, True)}
-
-
-# ---------------------------------------------------------------- hiding
 
 
 @given(st.floats(-95, 95), st.floats(-95, 95), st.floats(-7, 7), st.sampled_from([1, 2]))
@@ -126,9 +121,6 @@ def test_food_going_under_the_rim_is_not_taken_for_vanished(speed: float) -> Non
             assert only(camera.look(), 0).label == label
 
 
-# ---------------------------------------------------------------- jitter and reversal
-
-
 def test_jitter_has_the_stated_size_and_no_bias() -> None:
     """Bounds are five standard errors, of a mean and of a standard deviation."""
     frames, sd, heading_sd = 2500, 0.06, 4.0
@@ -154,9 +146,6 @@ def test_reversals_are_as_frequent_as_stated_and_last_one_frame() -> None:
     reversed_ = turns == 180
     assert np.abs(reversed_.mean(axis=0) - rate).max() < 5 * math.sqrt(rate * (1 - rate) / frames)
     assert abs((reversed_[1:] & reversed_[:-1]).mean() - rate**2) < 5 * math.sqrt(rate**2 / frames)
-
-
-# ---------------------------------------------------------------- losses and cables
 
 
 @pytest.mark.parametrize(("anchor", "factor"), [(None, 1), ((100.0, 500.0), 4)])

@@ -64,9 +64,6 @@ def test_encoders_count_the_commanded_travel_without_slip(legs: list[tuple[int, 
     assert senses.right_pulses == pytest.approx(travelled[1] / PULSE, abs=1)
 
 
-# ---------------------------------------------------------------- noise
-
-
 def shares(world: PymunkWorld, rounds: int, speed: int = 10) -> list[tuple[float, float]]:
     """Travel of the left and the right wheel in each round, as shares of the commanded travel."""
     run(world, 2, speed, speed)

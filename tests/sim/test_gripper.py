@@ -61,9 +61,6 @@ def test_barrier_is_interrupted_by_food_between_the_fingers(ahead: float, aside:
     assert run(world, 12).object_presence == 0
 
 
-# ---------------------------------------------------------------- the arm and what is below it
-
-
 @of_both_kinds
 @pytest.mark.parametrize("below", [(57, 29), (57, -20), (70, 25), (45, 24)])
 def test_arm_stops_above_food(below: tuple[float, float], kind: Kind) -> None:
@@ -84,9 +81,6 @@ def test_arm_with_food_stops_above_other_food(beside: tuple[float, float], kind:
     world.place(0, Pose(1500 - 57 - beside[0], 1500 - beside[1], 0))
     run(world, 20, arm=ARM_DOWN, jaw=JAW_CLOSED)
     assert apart(world.food_places()[1], Point(1500, 1500)) < 0.01
-
-
-# ---------------------------------------------------------------- gripping
 
 
 @of_both_kinds
@@ -146,9 +140,6 @@ def test_opening_jaw_leaves_food_in_place(arm: int) -> None:
     assert apart(after, world.food_places()[0]) < 0.5
 
 
-# ---------------------------------------------------------------- lifted food and what is in its way
-
-
 @of_both_kinds
 def test_lifted_food_passes_above_other_food_and_is_not_set_down_on_it(kind: Kind) -> None:
     world = holding(CENTRE, (1150, 1000), kind=kind)
@@ -180,9 +171,6 @@ def test_lifted_food_does_not_pass_through_a_wall(kind: Kind) -> None:
     food = world.food_places()[0]
     assert not food.lifted
     assert CORRIDOR.clearance(Point(food.x, food.y)) >= FOOD_RADIUS - 1
-
-
-# ---------------------------------------------------------------- no sudden motion
 
 
 @pytest.mark.parametrize("degrees", range(10, 90, 20))

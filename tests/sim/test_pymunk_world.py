@@ -18,16 +18,8 @@ from tests.arenas import BLOCKS
 from tests.sim.worlds import FIELD, NONE, Kind, holding, make_world, of_both_kinds, run
 from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
-START, OTHER = CORRIDOR.start, CORRIDOR.start._replace(y=415)
-FOOD = Point(370, 115)
-IN_RECTANGLE = Layout((RECTANGLE.start,), RECTANGLE.foods)
 
-
-def pair() -> PymunkWorld:
-    return PymunkWorld(copies(CORRIDOR, 2), (1, 2), NONE, timing=TIMING)
-
-
-def reset(world: PymunkWorld, starts: tuple[Pose, ...], foods: tuple[Point, ...] = (FOOD,)) -> None:
+def reset(world: PymunkWorld, starts: tuple[Pose, ...], foods: tuple[Point, ...] = (Point(370, 115),)) -> None:
     world.reset(np.random.default_rng(0), Layout(starts, foods))
 
 
@@ -69,9 +61,9 @@ def test_reset_refuses_what_does_not_fit() -> None:
 
 
 def test_amount_of_food_may_change_at_a_reset() -> None:
-    world = pair()
+    world = make_world(FIELD.start)
     for count in (3, 0, 1):
-        reset(world, (START, OTHER), tuple(Point(250 + 60 * i, 60) for i in range(count)))
+        reset(world, (FIELD.start,), tuple(Point(250 + 60 * i, 60) for i in range(count)))
         world.advance()
         assert len(world.food_places()) == count
         assert sum(region.holes == 0 for region in world.camera.look().regions) == count
@@ -104,11 +96,12 @@ def test_place_refuses_a_taken_pose_and_another_arena() -> None:
     for pose in (Pose(1500, 1470, 0), Pose(500, 500, math.nan)):
         with pytest.raises(ValueError, match="robot at"):
             world.place(0, pose)
-    world = pair()
-    reset(world, (START, OTHER))
+    world = PymunkWorld(copies(CORRIDOR, 2), (1, 2), NONE, timing=TIMING)
+    starts = CORRIDOR.start, CORRIDOR.start._replace(y=415)
+    reset(world, starts)
     with pytest.raises(ValueError, match=r"robot.*\(200, 415\)"):
         world.place(0, Pose(200, 415, 0))
-    assert world.poses() == (START, OTHER)
+    assert world.poses() == starts
 
 
 def test_sources_of_noise_are_independent_of_one_another_and_of_the_amount_of_food() -> None:
@@ -117,7 +110,7 @@ def test_sources_of_noise_are_independent_of_one_another_and_of_the_amount_of_fo
     for slip in (0.0, 0.05):
         noise = replace(Noise.laboratory(), wheel_slip=slip, wheel_bias=slip)
         world = PymunkWorld([RECTANGLE], (2,), noise, timing=TIMING)
-        world.reset(np.random.default_rng(8), IN_RECTANGLE)
+        world.reset(np.random.default_rng(8), Layout((RECTANGLE.start,), RECTANGLE.foods))
         for _ in range(60):
             world.advance()
         seen.append((world.robots[0].sense(), world.camera.look()))

@@ -82,9 +82,6 @@ def food_at(distance: float, degrees: float = 0.0, **changes: Any) -> RawData:
     return placed(OPEN_FLOOR, food_x=x, food_y=y, **changes)
 
 
-# ---------------------------------------------------------------- for any raw data
-
-
 @given(raw=RAW_DATA, behaviour=st.sampled_from(list(Behaviour)))
 def test_every_command_is_executable(raw: RawData, behaviour: Behaviour) -> None:
     """Robots limit the speeds of the default decisions, whose curves may ask for more."""
@@ -122,9 +119,6 @@ def test_actions_of_wheels_environments_reach_the_limits(left: float, right: flo
     assert ARM_RAISED <= motors.arm <= ARM_DOWN
     assert abs(motors.arm - (235 - 20 * arm)) <= 0.5
     assert motors.jaw == (JAW_CLOSED if jaw > 0 else JAW_OPEN)
-
-
-# ---------------------------------------------------------------- in one situation
 
 
 FREE_HOME: dict[str, Any] = {"home_x": 200.0, "home_y": 200.0, "home_radius": 16, "home_opening": EVERY_SIDE}
@@ -187,7 +181,7 @@ def test_turn_on_the_spot_keeps_the_gripper_off_a_wall() -> None:
     assert left < right
 
 
-# ---------------------------------------------------------------- decisions: speeds
+# ---------------------------------------------------------------- decisions
 
 SPEEDS = [
     ("search_speed", B.SEARCH_FOR_FOOD, OPEN_FLOOR, 1, 1),
@@ -224,8 +218,6 @@ def test_circle_speed_is_the_mean_speed_of_search_without_food() -> None:
         assert command(B.SEARCH_FOR_FOOD, unseen, changed_to(circle_speed=speed))[:2] == (speed - 5, speed + 5)
 
 
-# ---------------------------------------------------------------- decisions: distances and angles
-
 Rule = Callable[[float, DecisionValues], Any]
 
 
@@ -256,9 +248,6 @@ def test_decision_moves_the_boundary_of_its_rule(name: str, values: tuple[float,
         results.add((rule(value - 0.01, decisions), rule(value + 0.01, decisions)))
     ((below, above),) = results
     assert below != above
-
-
-# ---------------------------------------------------------------- decisions: alternatives
 
 
 def test_search_without_food_may_wander() -> None:

@@ -108,9 +108,6 @@ def test_changes_are_relative_to_a_base_and_differing_gives_both_values() -> Non
     }
 
 
-# ---------------------------------------------------------------- as text, in files and on the command line
-
-
 @pytest.mark.parametrize(
     ("text", "decisions", "is_written"),
     [

@@ -1,20 +1,14 @@
-"""The account of an episode: reward, end, mistakes by state, and the score of a recall (5.3, 5.4)."""
+"""The account of an episode: reward, end, and the score of a recall (5.3, 5.4).
+
+Mistakes are counted step by step in `tests/rollouts/test_training_and_recall.py`.
+"""
 
 import pytest
 
-from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
-from khepera_forage.task.episode import (
-    DecisionCounts,
-    Episode,
-    begin_episode,
-    count_decision,
-    end_step,
-    has_done_its_part,
-    penalty,
-    score,
-)
+from khepera_forage.task.decisions import DEFAULT_VALUES
+from khepera_forage.task.episode import Episode, begin_episode, end_step, has_done_its_part, penalty, score
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker
-from khepera_forage.task.states import Behaviour, FoodType, State, StateVector
+from khepera_forage.task.states import FoodType, StateVector
 from khepera_forage.thesis import appendix_a
 
 LIMIT = 50
@@ -74,24 +68,6 @@ def test_part_is_done_outside_home_with_food_delivered_and_poison_left_with_the_
     tracker = FoodTracker(delivered=delivered, deliverable=len(types) - types.count(X))
     vector = OUTSIDE_HOME._replace(**changes)
     assert has_done_its_part(tracker, foods, vector, HOME_RADIUS, DEFAULT_VALUES) is done
-
-
-def test_decisions_are_counted_by_state_and_orienting_without_food_beyond_the_close_threshold() -> None:
-    counts, values = DecisionCounts(), Decisions(close_to_food=40).values()
-    for state, behaviour, distance in (
-        (State.SEARCH, Behaviour.SEARCH_FOR_FOOD, 100.0),
-        (State.SEARCH, Behaviour.GO_HOME, 100.0),
-        (State.NEXT_TO_FOOD, Behaviour.ORIENT_WITH_FOOD, 41.0),
-        (State.AT_HOME_WITH_FOOD, Behaviour.AVOID_HOME, 100.0),
-        (State.CLOSE_TO_FOOD, Behaviour.ORIENT_WITH_FOOD, 40.0),
-        (State.SEARCH, Behaviour.MOVE_SLOWLY, 41.0),
-    ):
-        count_decision(counts, state, behaviour, distance, values)
-    assert counts.by_state == [3, 1, 1, 0, 0, 0, 0, 0, 0, 1]
-    assert counts.wrong_by_state == [2, 1, 0, 0, 0, 0, 0, 0, 0, 1]
-    assert counts.orient_without_food == 0
-    count_decision(counts, State.SEARCH, Behaviour.ORIENT_WITH_FOOD, 41.0, values)
-    assert counts.orient_without_food == 1
 
 
 def test_score_is_equation_5_1_and_agrees_with_appendix_a() -> None:

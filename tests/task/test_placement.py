@@ -47,9 +47,6 @@ def check_random(arena: Arena, layout: Layout, decisions: Decisions) -> None:
         assert math.dist(one, other) >= decisions.food_spacing
 
 
-# ---------------------------------------------------------------- random layouts
-
-
 @given(st.sampled_from(ARENAS) | LEVELS, KEYS, st.integers(1, 3))
 @settings(PROPERTY, max_examples=120)
 def test_random_layout_is_free_and_outside_home(arena: Arena, key: int, foods: int) -> None:
@@ -98,9 +95,6 @@ def test_food_types_have_their_odds() -> None:
     types = [food.type for food in objects]
     shares = [types.count(t) / 4000 for t in (FoodType.PICKABLE, FoodType.PUSHABLE, FoodType.POISONOUS)]
     assert shares == pytest.approx([0.5, 0.3, 0.2], abs=0.03)  # four standard errors
-
-
-# ---------------------------------------------------------------- on marks, by hand
 
 
 @given(st.sampled_from(ARENAS), KEYS, st.floats(0, 20), st.floats(0, 30))
