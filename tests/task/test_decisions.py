@@ -50,33 +50,20 @@ def test_other_value_is_refused_with_everything_that_is_allowed(field: Field) ->
         assert str(error.value) == f"decision {field.name} is {value!r}; allowed: {field.allowed}"
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"next_to_food": 25.0, "close_to_food": 24.0}, "close_to_food is 24.0; allowed: at least next_to_food, 25.0"),
-        ({"home_radius": 101.0, "home_to_wall": 100.0}, "home_radius is 101.0; allowed: at most home_to_wall, 100.0"),
-        ({"home_radius": 100.0, "home_to_wall": 99.0}, "home_radius is 100.0; allowed: at most home_to_wall, 99.0"),
-    ],
-)  # fmt: skip
-def test_numbers_that_contradict_each_other_are_refused(changes: dict[str, float], message: str) -> None:
-    with pytest.raises(ValueError, match="allowed") as error:
-        Decisions(**changes)  # type: ignore[arg-type]
-    assert str(error.value) == f"decision {message}"
+def test_numbers_that_contradict_each_other_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"^decision close_to_food is 24\.0; allowed: at least next_to_food, 25\.0$"):
+        Decisions(next_to_food=25.0, close_to_food=24.0)
+    with pytest.raises(ValueError, match=r"^decision home_radius is 101\.0; allowed: at most home_to_wall, 100\.0$"):
+        Decisions(home_radius=101.0, home_to_wall=100.0)
     Decisions(next_to_food=25.0, close_to_food=25.0)
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "plain"),
-    [
-        ("next_to_food", 17, 17.0),
-        ("patience", np.int64(7), 7),
-        ("equal_distance", np.str_("farther state"), "farther state"),
-    ],
-)
-def test_value_is_stored_as_a_plain_number_or_text(name: str, value: Any, plain: Any) -> None:
-    stored = getattr(Decisions(**{name: value}), name)
-    assert stored == plain
-    assert type(stored) is FIELDS[name].kind
+def test_values_are_stored_as_plain_numbers_and_texts() -> None:
+    given: dict[str, Any] = {"next_to_food": 17, "patience": np.int64(7), "equal_distance": np.str_("farther state")}
+    decisions = Decisions(**given)
+    stored = decisions.next_to_food, decisions.patience, decisions.equal_distance
+    assert stored == (17.0, 7, "farther state")
+    assert [type(value) for value in stored] == [float, int, str]
 
 
 def test_decisions_are_immutable_hashable_and_picklable() -> None:

@@ -13,7 +13,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.food_tracking import is_collected, is_finished
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from tests.task.test_food_tracking_scenes import labels_of_no_candidates, linked_food
+from tests.task.test_food_tracking_scenes import linked_food
 from tests.version_0_1 import CORRIDOR, V0_1
 
 B = Behaviour
@@ -89,21 +89,19 @@ def test_two_food_objects_keep_their_types_under_laboratory_noise(seed: int, dec
 
 def test_food_is_delivered_once_it_is_set_down_at_home_and_the_robot_is_clear() -> None:
     env = forage("Corridor", noise="none", food_types="PICKABLE")
-    food = env.forager.food
+    food = env.forager.food.objects[0]
     until(env, lambda env: env.world.food_places()[0].lifted)
     # Into the home, and further in it, without releasing the food.
     for behaviour, rounds in ((B.GO_HOME, 60), (B.RELEASE_FOOD, 4)):
         for _ in range(rounds):
             env.step(int(behaviour))
-            assert not food.objects[0].delivered
+            assert not food.delivered
             check_deliveries(env)
     assert math.dist(env.world.food_places()[0][:2], CORRIDOR.home) < CORRIDOR.home_radius
     until(env, lambda env: not env.world.food_places()[0].lifted, limit=60)
-    assert not food.objects[0].delivered, "still in the gripper"
-    until(env, lambda env: env.forager.food.objects[0].delivered, limit=60, check=check_deliveries)
+    assert not food.delivered, "still in the gripper"
+    until(env, lambda env: food.delivered, limit=60, check=check_deliveries)
     assert env.forager.senses.object_presence == 0
-    label = next(region.label for region in env.world.camera.look().regions if region.holes == 0)
-    assert label in labels_of_no_candidates(food)
     assert not env.forager.raw.food_seen, "delivered food is no candidate"
     assert env.forager.vector.robot_food_distance == env.diagonal
 
