@@ -234,21 +234,19 @@ X = np.array([[0, 90, 0, 215, 60], [0, 50, 0, 215, 18], [1, 48, 0, 255, 14], [1,
 Y = np.array([0, 2, 3, 7])
 
 
-def test_act_refuses_no_experience_and_rows_that_are_no_state_vectors() -> None:
+def test_act_refuses_experience_of_other_kinds_and_none() -> None:
+    rng = np.random.default_rng()
     with pytest.raises(NotFittedError):
-        NearestNeighbourImitator().act(X[0], np.random.default_rng())
+        NearestNeighbourImitator().act(X[0], rng)
     imitator = NearestNeighbourImitator().fit(X[:, :3], Y)
     np.testing.assert_array_equal(imitator.predict(X[:, :3]), Y)
     with pytest.raises(ValueError, match="learned from rows of 3 columns; allowed: 5"):
-        imitator.act(X[0], np.random.default_rng())
-
-
-@pytest.mark.parametrize("labels", [["a", "b", "c", "d"], [0, 2, 3, 11]])
-def test_act_refuses_labels_that_are_no_behaviours(labels: list[Any]) -> None:
-    imitator = NearestNeighbourImitator().fit(X, labels)
-    assert imitator.predict(X).tolist() == labels
-    with pytest.raises(ValueError, match=r"labels learned are .*; allowed: behaviours, 0 to 10"):
-        imitator.act(X[0], np.random.default_rng())
+        imitator.act(X[0], rng)
+    for labels in (["a", "b", "c", "d"], [0, 2, 3, 11]):
+        imitator.fit(X, labels)
+        assert imitator.predict(X).tolist() == labels
+        with pytest.raises(ValueError, match=r"labels learned are .*; allowed: behaviours, 0 to 10"):
+            imitator.act(X[0], rng)
 
 
 def test_labels_outside_classes_are_refused() -> None:

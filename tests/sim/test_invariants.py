@@ -17,13 +17,8 @@ from tests.arenas import BLOCKS, L_ROOM
 from tests.sim.worlds import Kind, of_both_kinds
 from tests.version_0_1 import CORRIDOR, RECTANGLE, TIMING
 
-COMMANDS = st.tuples(
-    st.integers(-20, 20) | st.sampled_from((-1e9, -20, 20, 1e9)),
-    st.integers(-20, 20) | st.sampled_from((-1e9, -20, 20, 1e9)),
-    st.sampled_from((215, 255)),
-    st.sampled_from((0, 200)),
-    st.integers(1, 15),
-)
+SPEEDS = st.integers(-20, 20) | st.sampled_from((-1e9, -20, 20, 1e9))
+COMMANDS = st.tuples(SPEEDS, SPEEDS, st.sampled_from((215, 255)), st.sampled_from((0, 200)), st.integers(1, 15))
 TOUCH = 1.0
 
 
