@@ -108,6 +108,7 @@ def test_arm_and_jaw_are_where_each_behaviour_needs_them(raw: RawData) -> None:
     held = raw._replace(object_presence=255)
     assert motors_for(B.PICK_UP_FOOD, held._replace(jaw=200)) == Motors(0, 0, 255, 0), "closes first"
     assert motors_for(B.PICK_UP_FOOD, held._replace(jaw=126)) == Motors(0, 0, 215, 0)
+    assert motors_for(B.PICK_UP_FOOD, raw._replace(object_presence=0, jaw=0)) == Motors(0, 0, 215, 0)
     creeping = motors_for(B.PICK_UP_FOOD, raw._replace(object_presence=0, jaw=200))
     assert creeping == Motors(2, 2, 255, 200)
 
