@@ -117,6 +117,13 @@ def test_text_names_version_and_changes(text: str, decisions: Decisions, is_writ
         assert decisions_from_words(text.split(";")) == decisions
 
 
+def test_text_names_the_older_of_two_versions_that_are_as_near() -> None:
+    new = [(name, value) for name, (value, _) in Decisions().differing(V0_1).items()]
+    between = Decisions.from_changes(dict(new[: len(new) // 2]), V0_1)
+    assert len(between.differing(V0_1)) == len(between.changed())
+    assert decisions_text(between).startswith("v0.1;")
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
