@@ -13,7 +13,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import FOOD_RADIUS, RADIUS
 from khepera_forage.sim.arena import Arena, Point, Pose, copies
 from khepera_forage.sim.arenas.procedural import procedural_arena
-from khepera_forage.sim.layout_checks import check_layout, check_robot
+from khepera_forage.sim.layout_checks import check_layout
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
 from khepera_forage.task.food_tracking import FoodObject
@@ -38,7 +38,6 @@ def check_random(arena: Arena, layout: Layout, decisions: Decisions) -> None:
     (start,) = layout.starts
     assert -math.pi <= start.heading <= math.pi
     assert math.dist(start[:2], arena.home) >= arena.home_radius + RADIUS
-    check_robot(arena, start)
     for food in layout.foods:
         assert arena.clearance(food) >= decisions.food_to_walls
         assert math.dist(food, arena.home) >= arena.home_radius + FOOD_RADIUS
