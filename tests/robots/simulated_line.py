@@ -10,23 +10,14 @@ from khepera_forage.robots.serial.protocol import KHEPERA, LineSplitter, Reply, 
 
 Action = bytes | float
 """Bytes to send, or seconds to wait."""
-Script = Callable[[bytes, int], list[Action]]
-"""The actions for a request and its number."""
+Script = Callable[[bytes, bytes], list[Action]]
+"""The actions for a request and its reply, whose values are the number of the request, from 1."""
 
 
-class NumberedReplies:
-    """A script of replies whose values are the number of the request, from 1.
-
-    Args:
-        exceptions: By request number, from 0: the actions that replace the reply.
-    """
-
-    def __init__(self, exceptions: dict[int, Callable[[bytes], list[Action]]]) -> None:
-        self._exceptions = exceptions
-
-    def __call__(self, request: bytes, number: int) -> list[Action]:
-        reply = reply_with(request, number + 1)
-        return self._exceptions[number](reply) if number in self._exceptions else [reply]
+def first_replies(*actions: Callable[[bytes], list[Action]]) -> Script:
+    """A script of the actions for the first replies; the others are sent as they are."""
+    remaining = iter(actions)
+    return lambda request, reply: next(remaining, lambda reply: [reply])(reply)
 
 
 def reply_with(request: bytes, value: int) -> bytes:
@@ -41,8 +32,7 @@ class SimulatedLine:
     """The host's port; time passes only while the host waits for bytes, or in `sleep`.
 
     Args:
-        script: Returns, for each request and its number, bytes to send and seconds to wait; replies numbered from 1 by
-            default.
+        script: Returns bytes to send and seconds to wait; sends the replies by default.
         baud: Of both directions.
         latency: Seconds that each reply takes in addition.
 
@@ -54,7 +44,7 @@ class SimulatedLine:
     def __init__(self, script: Script | None = None, *, baud: int = 38400, latency: float = 0.0) -> None:
         self.now, self.latency = 0.0, latency
         self.requests: list[tuple[float, bytes]] = []
-        self._script = NumberedReplies({}) if script is None else script
+        self._script = first_replies() if script is None else script
         self._baud, self._splitter = baud, LineSplitter()
         self._arrived_until = self._sent_until = 0.0
         self._replies: list[tuple[float, bytes]] = []
@@ -108,7 +98,7 @@ class SimulatedLine:
     def _execute(self, request: bytes) -> None:
         self.requests.append((self._arrived_until, request))
         at = self._arrived_until + self.latency
-        for action in self._script(request, len(self.requests) - 1):
+        for action in self._script(request, reply_with(request, len(self.requests))):
             if isinstance(action, bytes):
                 for value in action:
                     at = max(at, self._sent_until) + seconds_on_wire(1, self._baud)

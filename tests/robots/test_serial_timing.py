@@ -3,7 +3,7 @@
 import math
 import re
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
 
@@ -15,7 +15,7 @@ from khepera_forage.robots.serial.line import LineTiming, LineTooSlow
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.serial.serial_robot import HOLD_AFTER, MAX_DURATION, MAX_UNATTENDED
 from tests.robots.rig import FORWARD, make_stage
-from tests.robots.simulated_line import Action, NumberedReplies, Script, SimulatedLine, reply_with
+from tests.robots.simulated_line import Action, Script, SimulatedLine, first_replies
 
 PERIOD = 0.1
 VARIATION = 84
@@ -52,10 +52,9 @@ def test_rounds_keep_the_period_and_one_latency(baud: int, latency: float, monke
     """Wheels and gripper move, and an object interrupts the barrier now and then."""
     stage = make_stage()
 
-    def script(request: bytes, number: int) -> list[Action]:
-        if request == b"T,1,G" and round_ // 7 % 2:
-            return [b"t,1,g,200\r\n"]
-        return [stage.firmware.handle(request)]
+    def script(request: bytes, reply: bytes) -> list[Action]:
+        is_interrupted = request == b"T,1,G" and round_ // 7 % 2
+        return [b"t,1,g,200\r\n" if is_interrupted else stage.firmware.handle(request)]
 
     round_ = 0
     with opened(monkeypatch, script, baud=baud, latency=latency) as (robot, line):
@@ -97,8 +96,8 @@ def test_line_that_cannot_keep_the_period_is_rejected(latency: float, monkeypatc
 @pytest.mark.parametrize("request_number", [0, 1, 3, 5])
 def test_line_with_one_stalled_reply_is_accepted(request_number: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """The identity, the stop, a measurement, and the pipelined requests: a busy machine can delay any of them."""
-    stalled = NumberedReplies({request_number: lambda reply: [0.7, reply]})
-    with opened(monkeypatch, stalled) as (robot, line):
+    in_time: list[Callable[[bytes], list[Action]]] = [lambda reply: [reply]] * request_number
+    with opened(monkeypatch, first_replies(*in_time, lambda reply: [0.7, reply])) as (robot, line):
         assert line.now < 2.0
         assert robot.timing.latency == pytest.approx(0, abs=POLLS)
         assert robot.longest_exchange < 0.25, "the time-out follows from the usual latency"
@@ -114,7 +113,7 @@ def test_longer_period_accepts_a_slow_line(period: float | None, monkeypatch: py
 
 
 def test_absent_robot_is_reported_within_two_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
-    line = SimulatedLine(lambda request, number: []).install(monkeypatch)
+    line = SimulatedLine(lambda request, reply: []).install(monkeypatch)
     with pytest.raises(RobotLost, match="no answer to 'B'"):
         SerialKhepera("simulated", watchdog=False)
     assert max(at for at, request in line.requests if request == b"B") < 2.0
@@ -124,11 +123,11 @@ def test_absent_robot_is_reported_within_two_seconds(monkeypatch: pytest.MonkeyP
 def test_robot_that_answers_one_request_at_a_time_gets_one_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
     busy_until = 0.0
 
-    def one_at_a_time(request: bytes, number: int) -> list[Action]:
+    def one_at_a_time(request: bytes, reply: bytes) -> list[Action]:
         nonlocal busy_until
-        begin = max(busy_until, line.requests[-1][0])
-        busy_until = begin + 0.015
-        return [busy_until - line.requests[-1][0], *NumberedReplies({})(request, number)]
+        arrived = line.requests[-1][0]
+        busy_until = max(busy_until, arrived) + 0.015
+        return [busy_until - arrived, reply]
 
     line = SimulatedLine(one_at_a_time).install(monkeypatch)
     with SerialKhepera("simulated", watchdog=False) as robot:
@@ -145,11 +144,7 @@ def test_robot_that_answers_one_request_at_a_time_gets_one_at_a_time(monkeypatch
 def test_wheels_are_held_while_replies_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Requests arrive, but nothing is heard: the stop is sent before the robot counts as lost."""
     mute = False
-
-    def script(request: bytes, number: int) -> list[Action]:
-        return [] if mute else NumberedReplies({})(request, number)
-
-    with opened(monkeypatch, script) as (robot, line):
+    with opened(monkeypatch, lambda request, reply: [] if mute else [reply]) as (robot, line):
         robot.drive(FORWARD)
         robot.transmit()
         mute, begin = True, line.now
@@ -174,8 +169,7 @@ def test_wheels_stop_within_the_limit_when_replies_are_garbled(
     """All replies, or those to speeds, which are sent again; if they are confirmed by chance, `receive` waits again."""
     fault = math.inf
 
-    def script(request: bytes, number: int) -> list[Action]:
-        reply = reply_with(request, number + 1)
+    def script(request: bytes, reply: bytes) -> list[Action]:
         since = line.now - fault
         chance = request == b"D,5,5" and since >= confirmed_after
         is_garbled = since >= 0 and not chance and request.startswith(garbled)
@@ -203,35 +197,15 @@ def test_wheels_stop_within_the_limit_when_replies_are_garbled(
         fault = math.inf
 
 
-def test_held_wheels_continue_with_the_next_command(monkeypatch: pytest.MonkeyPatch) -> None:
-    late = 0.0
-
-    def script(request: bytes, number: int) -> list[Action]:
-        return [late, *NumberedReplies({})(request, number)]
-
-    with opened(monkeypatch, script) as (robot, line):
-        robot.drive(FORWARD)
-        robot.transmit()
-        late = 0.8
-        robot.receive()
-        late = 0.0
-        assert line.sent_since(0.0, b"D,")[-1] == b"D,0,0"
-        assert not robot.stop_confirmed
-        line.sleep(line.now + 5.0)  # for the replies to what was repeated
-        robot.transmit()
-        assert line.sent_since(0.0, b"D,")[-1] == b"D,5,5"
-
-
 @pytest.mark.parametrize("late", [0.0, 0.05, 0.08, 0.095, 0.2, 0.6])
 def test_object_is_sensed_at_once_even_in_a_late_round(late: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """An unexpected reading is requested once more; it enters the experience of this round."""
     present = False
 
-    def script(request: bytes, number: int) -> list[Action]:
+    def script(request: bytes, reply: bytes) -> list[Action]:
         if present and request == b"T,1,G":
             return [b"t,1,g,200\r\n"]
-        delay: list[Action] = [late] if present and request == b"N" else []
-        return delay + NumberedReplies({})(request, number)
+        return [late if present and request == b"N" else 0.0, reply]
 
     with opened(monkeypatch, script) as (robot, _):
         for round_ in range(4):
@@ -242,11 +216,8 @@ def test_object_is_sensed_at_once_even_in_a_late_round(late: float, monkeypatch:
 
 @pytest.mark.parametrize("pause", [0.6, 3.0])
 def test_counters_continue_after_a_pause_at_full_speed(pause: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    def script(request: bytes, number: int) -> list[Action]:
-        if request != b"H":
-            return NumberedReplies({})(request, number)
-        count = round(2000 * line.now)
-        return [b"h,%d,%d\r\n" % (count, count)]
+    def script(request: bytes, reply: bytes) -> list[Action]:
+        return [b"h,%d,%d\r\n" % ((round(2000 * line.now),) * 2) if request == b"H" else reply]
 
     with opened(monkeypatch, script, period=None) as (robot, line):
         for _ in range(4):
@@ -255,25 +226,31 @@ def test_counters_continue_after_a_pause_at_full_speed(pause: float, monkeypatch
         assert robot.sense().left_pulses == pytest.approx(2000 * line.now, abs=200)
 
 
-def test_counters_are_right_after_the_wheels_were_held(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Replies are lost for a second: the wheels did not turn as commanded all the time, and the counters say so."""
-    lost_from = math.inf
+@pytest.mark.parametrize("late", [[0.8], None], ids=["late", "lost for a second"])
+def test_held_wheels_continue_with_the_next_command(late: list[Action] | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The wheels did not turn as commanded all the time, and the counters say so."""
+    begin = math.inf
 
-    def script(request: bytes, number: int) -> list[Action]:
-        if lost_from <= line.now < lost_from + 1.0:
-            return []
-        count = 0 if line.now < lost_from else 512
-        return [b"h,%d,%d\r\n" % (count, count)] if request == b"H" else NumberedReplies({})(request, number)
+    def script(request: bytes, reply: bytes) -> list[Action]:
+        if request == b"H":
+            reply = b"h,0,0\r\n" if line.now < begin else b"h,512,512\r\n"
+        if not begin <= line.now < begin + 1.0:
+            return [reply]
+        return [] if late is None else [*late, reply]
 
     line = SimulatedLine(script).install(monkeypatch)
     with SerialKhepera("simulated", watchdog=False) as robot:
         robot.drive(FORWARD)
         robot.transmit()
         robot.receive()
-        lost_from = line.now
+        begin = line.now
         robot.receive()
-        assert b"D,0,0" in line.sent_since(lost_from), "held"
+        assert b"D,0,0" in line.sent_since(begin)
+        assert not robot.stop_confirmed
         assert robot.sense().left_pulses == 512
+        line.sleep(line.now + 5.0)  # for the replies to what was repeated
+        robot.transmit()
+        assert line.sent_since(begin, b"D,")[-1] == b"D,5,5"
 
 
 @pytest.mark.parametrize("wrong", [b"h,5000,5000", b"h,1,900", b"h,-490,490", b"h,20500,500"])
@@ -281,9 +258,9 @@ def test_wrong_counters_are_corrected_by_the_next_ones(wrong: bytes, monkeypatch
     """A reply whose digits were changed may be well-formed: no wrong count lasts, and none counts as a restart."""
     counts = iter([490, None, *range(500, 540, 10)])
 
-    def script(request: bytes, number: int) -> list[Action]:
+    def script(request: bytes, reply: bytes) -> list[Action]:
         if request != b"H":
-            return NumberedReplies({})(request, number)
+            return [reply]
         count = next(counts)
         return [wrong + b"\r\n" if count is None else b"h,%d,%d\r\n" % (count, count)]
 
