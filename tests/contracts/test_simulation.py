@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.robots.khepera import Motors
 from tests.arenas import POOL
-from tests.contracts.suites import CameraContract, RobotContract, SimulationContract, Stage
+from tests.contracts.suites import CameraContract, RobotContract, Stage, WorldContract
 from tests.version_0_1 import RECTANGLE, V0_1
 
 
@@ -25,7 +26,7 @@ def stage(request: pytest.FixtureRequest) -> Stage:
         env.reset(seed=seed, options={"start": (200, 300, 29), "foods": [(500, 150)]})
     assert env.world.arenas[0] == (POOL[1] if moved else RECTANGLE)
     env.world.reset(np.random.default_rng(3), env.layout)
-    return Stage(env.world, env.layout)
+    return Stage(env.world, env.layout, env.world)
 
 
 class TestSimulatedKhepera(RobotContract):
@@ -36,5 +37,15 @@ class TestOverheadCamera(CameraContract):
     pass
 
 
-class TestSimulation(SimulationContract):
-    pass
+class TestSimulation(WorldContract):
+    def test_same_generator_gives_the_same_world_bit_for_bit(self, stage: Stage) -> None:
+        runs = []
+        for _ in range(2):
+            stage.world.reset(np.random.default_rng(9), stage.layout)
+            history = []
+            for i in range(30):
+                motors = Motors(10 - i % 5, 5 + i % 7, 215 if i < 15 else 255, 200 if i % 10 < 5 else 0)
+                stage.rounds(1, motors)
+                history.append((stage.robot.sense(), stage.camera.look(), stage.world.poses()))
+            runs.append(history)
+        assert runs[0] == runs[1]
