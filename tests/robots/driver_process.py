@@ -9,12 +9,13 @@ from collections.abc import Callable, Sequence
 _PATIENCE = 20.0
 """Seconds after which an expected event counts as missing: a busy machine takes long."""
 
+KHEPERA_DRIVER = "serial.serial_khepera.SerialKhepera"
 DRIVE = """
 import os, select, signal, sys, time
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.real_robot import Fleet
-from khepera_forage.robots.{module} import {driver} as Driver
-robots = [Driver(port, {options}) for port in sys.argv[1:]]
+from khepera_forage.robots.{module} import {driver}
+robots = [{driver}(port, {options}) for port in sys.argv[1:]]
 def drive():
     for robot in robots:
         robot.drive(Motors(5, 5, 215, 200))
@@ -31,13 +32,7 @@ def drive_until_told():
 
 
 def start_driver(
-    ports: Sequence[str],
-    body: str,
-    *,
-    before: str = "",
-    options: str = "",
-    module: str = "serial.serial_khepera",
-    driver: str = "SerialKhepera",
+    ports: Sequence[str], body: str, *, before: str = "", options: str = "", driver: str = KHEPERA_DRIVER
 ) -> "subprocess.Popen[str]":
     """Start a process that drives robots, and wait until they drive.
 
@@ -46,10 +41,10 @@ def start_driver(
         body: Program after the definitions above; calls `drive()` or `drive_until_told()`.
         before: Program before them.
         options: Further arguments of the driver.
-        module: Of the driver.
-        driver: Its class.
+        driver: Its module and class.
     """
-    definitions = DRIVE.format(options=options, module=module, driver=driver)
+    module, _, name = driver.rpartition(".")
+    definitions = DRIVE.format(options=options, module=module, driver=name)
     program = "\n".join((before, definitions, textwrap.dedent(body)))
     child = subprocess.Popen(
         [sys.executable, "-W", "error", "-c", program, *ports],

@@ -5,20 +5,11 @@ import select
 import socket
 import threading
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any, cast
 
 import serial
 from serial.rfc2217 import PortManager
-
-
-class _Connection:
-    def __init__(self, client: socket.socket) -> None:
-        self._client = client
-        self._writing = threading.Lock()
-
-    def write(self, data: bytes) -> None:
-        with self._writing:
-            self._client.sendall(data)
 
 
 @contextlib.contextmanager
@@ -33,9 +24,8 @@ def rfc2217_server(device: str) -> Iterator[str]:
 
         def serve() -> None:
             client, _ = listener.accept()
-            connection = _Connection(client)
             # Its type hints are narrower than its documentation, which accepts any port and any object with `write`.
-            manager = PortManager(cast(Any, port), cast(Any, connection))
+            manager = PortManager(cast(Any, port), cast(Any, SimpleNamespace(write=client.sendall)))
             ends: list[Any] = [client, port]
             with client, contextlib.suppress(ConnectionError):
                 while not stopping.is_set():
@@ -46,7 +36,7 @@ def rfc2217_server(device: str) -> Iterator[str]:
                             return
                         port.write(b"".join(manager.filter(data)))
                     if port in ready:
-                        connection.write(b"".join(manager.escape(port.read(1000))))
+                        client.sendall(b"".join(manager.escape(port.read(1000))))
 
         thread = threading.Thread(target=serve)
         thread.start()

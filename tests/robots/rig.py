@@ -13,12 +13,12 @@ from khepera_forage.robots.khepera import Motors, Senses
 from khepera_forage.robots.serial import serial_robot
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.firmware import Firmware
-from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
-from khepera_forage.sim.arena import Point, Pose
+from khepera_forage.robots.virtual.virtual_khepera import VirtualKhepera
+from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.pymunk.world import PymunkWorld
 from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import Layout
-from tests.sim.worlds import FIELD
+from tests.sim.worlds import FIELD, make_world
 from tests.version_0_1 import RECTANGLE, TIMING
 
 
@@ -58,13 +58,6 @@ class Rig:
         """Let the first robot execute a request; returns the reply without its line ending."""
         return self.firmware.handle(line.encode()).decode().removesuffix("\r\n")
 
-    def numbers(self, line: str) -> list[int]:
-        """Let the first robot execute a request; returns the values of the reply."""
-        letters = line.lower().split(",")[: 3 if line.startswith("T") else 1]
-        fields = self.request(line).split(",")
-        assert fields[: len(letters)] == letters
-        return [int(field) for field in fields[len(letters) :]]
-
     def advance(self, rounds: int = 1) -> None:
         with self.lock:
             for _ in range(rounds):
@@ -86,21 +79,13 @@ class Rig:
 
 def make_stage(food_ahead: float | None = None) -> Rig:
     """A robot in the rectangle, heading along x; food far away, or `food_ahead` mm ahead of its centre."""
-    world = PymunkWorld([RECTANGLE], (2,), Noise.none(), timing=TIMING)
-    food = Point(600.0, 560.0) if food_ahead is None else Point(200.0 + food_ahead, 300.0)
-    world.reset(np.random.default_rng(3), Layout((Pose(200.0, 300.0, 0.0),), (food,)))
-    return Rig(world)
+    food = (600.0, 560.0) if food_ahead is None else (200.0 + food_ahead, 300.0)
+    return Rig(make_world(Pose(200.0, 300.0, 0.0), food, arena=RECTANGLE))
 
 
 @contextlib.contextmanager
 def make_rig(
-    robots: int = 1,
-    *,
-    tcp: bool = False,
-    baud: int | None = None,
-    faults: Faults | None = None,
-    seed: int = 0,
-    kind: type[Firmware] = Firmware,
+    robots: int = 1, *, tcp: bool = False, baud: int | None = None, seed: int = 0, kind: type[Firmware] = Firmware
 ) -> Iterator[Rig]:
     """Robots far apart on a wide floor, each behind its virtual line."""
     poses = [Pose(400 + 400 * (i % 4), 600 + 600 * (i // 4), 0.3 * i) for i in range(robots)]
@@ -112,7 +97,7 @@ def make_rig(
         stack.enter_context(pytest.MonkeyPatch.context()).setattr(serial_robot, "FAST", math.inf)
         for number, firmware in enumerate(rig.firmwares):
             rng = np.random.default_rng((seed, number))
-            port = VirtualKhepera(firmware, tcp=0 if tcp else None, baud=baud, faults=faults, rng=rng)
+            port = VirtualKhepera(firmware, tcp=0 if tcp else None, baud=baud, rng=rng)
             rig.ports.append(stack.enter_context(port))
         yield rig
 

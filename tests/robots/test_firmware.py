@@ -64,35 +64,30 @@ _FUZZED = make_stage()
 def test_speed_holds_until_the_next_one(stage: Rig) -> None:
     stage.request("D,5,10")
     stage.advance(30)
-    assert stage.numbers("H") == [1500, 3000]
-    assert stage.numbers("E") == [5, 10]
+    assert stage.request("H") == "h,1500,3000"
+    assert stage.request("E") == "e,5,10"
     stage.request("D,0,0")
-    assert stage.numbers("E") == [5, 10], "the speeds of the last period"
+    assert stage.request("E") == "e,5,10", "the speeds of the last period"
     stage.advance(1)
-    assert stage.numbers("E") == [0, 0]
+    assert stage.request("E") == "e,0,0"
     stage.advance(5)
-    assert stage.numbers("H") == [1500, 3000]
-
-
-def test_counters_continue_from_the_set_values(stage: Rig) -> None:
+    assert stage.request("H") == "h,1500,3000"
+    stage.request("G,1000,-1000")
     stage.request("D,5,-5")
     stage.advance(4)
-    stage.request("G,1000,-1000")
-    assert stage.numbers("H") == [1000, -1000]
-    stage.advance(4)
-    assert stage.numbers("H") == [1200, -1200]
+    assert stage.request("H") == "h,1200,-1200", "counted from the set values"
 
 
 def test_gripper_closes_on_food_which_does_not_conduct() -> None:
     stage = make_stage(food_ahead=57.0)
-    assert stage.numbers("T,1,G") == [0], "the raised arm is above it"
+    assert stage.request("T,1,G") == "t,1,g,0", "the raised arm is above it"
     stage.request("T,1,E,255")
     stage.advance(12)
-    assert stage.numbers("T,1,G")[0] > 100
+    assert stage.request("T,1,G") == "t,1,g,200"
     stage.request("T,1,D,1")
     stage.advance(20)
-    assert 100 < stage.numbers("T,1,H,0")[0] < 150, "closed on 35 mm"
-    assert stage.numbers("T,1,F")[0] <= 20
+    assert stage.request("T,1,H,0") == "t,1,h,126", "closed on 35 mm"
+    assert stage.request("T,1,F") == "t,1,f,0"
 
 
 def test_attached_body_continues_the_motion(stage: Rig) -> None:
@@ -101,7 +96,7 @@ def test_attached_body_continues_the_motion(stage: Rig) -> None:
     stage.advance(20)
     stage.world.reset(np.random.default_rng(1), Layout((Pose(300.0, 200.0, 1.0),), (Point(600.0, 560.0),)))
     stage.firmware.attach(stage.robots[0])
-    assert stage.numbers("H") == [1000, 1000]
+    assert stage.request("H") == "h,1000,1000"
     stage.advance(20)
-    assert stage.numbers("H") == [2000, 2000]
-    assert stage.numbers("T,1,H,1") == [255]
+    assert stage.request("H") == "h,2000,2000"
+    assert stage.request("T,1,H,1") == "t,1,h,255"

@@ -17,9 +17,9 @@ from tests.robots.rig import FORWARD, Rig, make_rig
 
 
 @contextlib.contextmanager
-def make_fleet(count: int, *, baud: int | None = None) -> Iterator[tuple[Rig, Fleet]]:
-    with make_rig(count, baud=baud) as rig:
-        robots = [SerialKhepera(port.url, baud=baud or 115200, timeout=0.05) for port in rig.ports]
+def make_fleet(count: int) -> Iterator[tuple[Rig, Fleet]]:
+    with make_rig(count) as rig:
+        robots = [SerialKhepera(port.url, baud=115200, timeout=0.05) for port in rig.ports]
         with Fleet(robots) as fleet:
             yield rig, fleet
             for port in rig.ports:
@@ -95,19 +95,6 @@ def test_slow_robot_holds_the_others() -> None:
         assert rig.wheel_pulses(1) == (50, 50), "the command was kept"
 
 
-def test_stop_and_close_stop_all_robots() -> None:
-    with make_fleet(3) as (rig, fleet):
-        run_rounds(rig, fleet, FORWARD, 2)
-        fleet.stop()
-        assert rig.is_stopped()
-        run_rounds(rig, fleet, FORWARD, 2)
-        fleet.close()
-        assert rig.is_stopped()
-        fleet.close()
-        with pytest.raises(ConnectionError, match="is closed"):
-            fleet.transmit()
-
-
 @pytest.mark.parametrize("report", [True, False])
 def test_robot_that_does_not_confirm_is_named_when_all_stop_and_logged_once_or_not_at_all(
     report: bool, caplog: pytest.LogCaptureFixture
@@ -121,6 +108,8 @@ def test_robot_that_does_not_confirm_is_named_when_all_stop_and_logged_once_or_n
         assert rig.wheel_pulses(1) == (0, 0)
         fleet.close(report=report)
         assert [rig.ports[0].url in message for message in caplog.messages] == [True] * report
+        with pytest.raises(ConnectionError, match="is closed"):
+            fleet.transmit()
 
 
 def test_invalid_fleets_are_rejected() -> None:

@@ -8,11 +8,13 @@ import time
 
 import pytest
 
+from khepera_forage.robots.epuck.firmware import EPuckFirmware
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.robots.real_robot import RobotSuspended
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.serial.watchdog import Watchdog, start_watchdog
-from tests.robots.driver_process import answer, start_driver, tell, wait_for, wait_for_exit
+from khepera_forage.robots.virtual.firmware import Firmware
+from tests.robots.driver_process import KHEPERA_DRIVER, answer, start_driver, tell, wait_for, wait_for_exit
 from tests.robots.rfc2217_server import rfc2217_server
 from tests.robots.rig import FORWARD, Rig, make_rig, run_rounds
 
@@ -149,12 +151,13 @@ def test_only_turning_wheels_make_a_suspension_an_error() -> None:
         robot.request("H")
 
 
-@pytest.mark.parametrize("scheme", ["socket", "rfc2217"])
-def test_end_of_the_process_stops_a_robot_in_the_network(scheme: str) -> None:
+@pytest.mark.parametrize("robot", ["e-puck2", "socket", "rfc2217"])
+def test_end_of_the_process_stops_another_robot_and_one_in_the_network(robot: str) -> None:
     ignore = "import warnings\nwarnings.simplefilter('ignore')"  # pyserial's
-    with make_rig(1, tcp=True) as rig, contextlib.ExitStack() as stack:
-        url = stack.enter_context(rfc2217_server(rig.url)) if scheme == "rfc2217" else rig.url
-        child = start_driver([url], "drive_until_told()", before=ignore)
+    kind, driver = (EPuckFirmware, "epuck.driver.SerialEPuck") if robot == "e-puck2" else (Firmware, KHEPERA_DRIVER)
+    with make_rig(1, tcp=robot != "e-puck2", kind=kind) as rig, contextlib.ExitStack() as stack:
+        url = stack.enter_context(rfc2217_server(rig.url)) if robot == "rfc2217" else rig.url
+        child = start_driver([url], "drive_until_told()", before=ignore, driver=driver)
         wait_for(lambda: all_drive(rig))
         child.kill()
         wait_for(rig.is_stopped)
