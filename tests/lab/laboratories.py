@@ -15,6 +15,7 @@ from khepera_forage.vision.rendering import CameraAppearance
 from tests.version_0_1 import CORRIDOR, V0_1
 
 ARENAS = copies(CORRIDOR, 2)
+QUIET: dict[str, Any] = {"noise": Noise.none(), "appearance": CameraAppearance.none()}
 
 
 def layout_of(arenas: Sequence[Arena]) -> Layout:
@@ -57,8 +58,7 @@ class ClumsyOperator:
 
 
 def quiet_laboratory(operator: ClumsyOperator | None = None, **options: Any) -> VirtualLaboratory:
-    quiet: dict[str, Any] = {"noise": Noise.none(), "appearance": CameraAppearance.none()}
-    lab = virtual_laboratory(CORRIDOR, 2, V0_1, operator=operator, **quiet, **options)
+    lab = virtual_laboratory(CORRIDOR, 2, V0_1, operator=operator, **QUIET, **options)
     if operator is not None:
         operator.lab = lab
     return lab

@@ -54,17 +54,11 @@ def test_impossible_layouts_are_rejected_without_a_request(lab: VirtualLaborator
     before = len(lab.virtual_operator.requests)
     for layout, message in (
         (LAYOUT._replace(starts=LAYOUT.starts[::-1]), r"robot at \(90, 415\)"),
-        (LAYOUT._replace(foods=(Point(370, 5), LAYOUT.foods[1])), r"food at \(370, 5\)"),
         (LAYOUT._replace(foods=(Point(100, 115), LAYOUT.foods[1])), "overlaps robot"),
     ):
         with pytest.raises(ValueError, match=message):
             lab.reset(np.random.default_rng(0), layout)
-    for pose, message in (
-        (Pose(20, 115, 0), r"robot at \(20, 115\)"),
-        (Pose(600, 115, 0), "gripper in a wall"),
-        (Pose(370, 120, 0), "overlaps"),
-        (Pose(200, 415, 0), r"robot at \(200, 415\)"),
-    ):
+    for pose, message in ((Pose(600, 115, 0), "gripper in a wall"), (Pose(370, 120, 0), "overlaps")):
         with pytest.raises(ValueError, match=message):
             lab.place(0, pose)
     assert len(lab.virtual_operator.requests) == before

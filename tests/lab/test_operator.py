@@ -15,17 +15,16 @@ MARK = RobotMark(0, "teacher", 1, Pose(90.4, 115.0, -math.pi / 2))
     ("request_", "lines"),
     [
         (
-            OperatorRequest("start of an episode", (MARK,), (Point(370.0, 115.2),)),
+            OperatorRequest("start of an episode", (MARK,), (Point(370.0, 115.2),), ("robot Ann stands 40 mm off",)),
             [
                 "start of an episode:",
+                "  not yet right:",
+                "    robot Ann stands 40 mm off",
                 "  robot teacher (marker 1) at x 90 mm, y 115 mm, heading 270 degrees",
                 "  food at x 370 mm, y 115 mm",
             ],
         ),
-        (
-            OperatorRequest("pause and resume", (), None, ("robot learner_0 stands 40 mm off",)),
-            ["pause and resume:", "  not yet right:", "    robot learner_0 stands 40 mm off"],
-        ),
+        (OperatorRequest("reconnect", (), None), ["reconnect:"]),
         (OperatorRequest("start", (), ()), ["start:", "  no food"]),
     ],
 )

@@ -80,22 +80,10 @@ def test_every_key_is_read() -> None:
 
 def test_set_up_and_period_of_the_caller_apply_where_the_file_has_none() -> None:
     set_up = SetUp(120, 200, 90, 80, start_aside=-10, food_aside=20, home_aside=5)
-    settings = parsed(MINIMAL, set_up=set_up, period=0.2)
-    assert settings.arena == named_arena("corridor", set_up)
-    assert settings.period == 0.2
+    assert parsed(MINIMAL, set_up=set_up).arena == named_arena("corridor", set_up)
     own = parsed("period = 0.3\n" + CUSTOM_ARENA + MINIMAL.replace("300", "600"), set_up=set_up, period=0.2)
     assert own.arena == parsed(CUSTOM_ARENA + MINIMAL.replace("300", "600")).arena
     assert own.period == 0.3
-
-
-def test_robots_may_carry_tags() -> None:
-    settings = parsed(
-        '[tracker]\nmarkers = "tags"\nfood_tags = [9]\n[camera]\nsource = 0\n'
-        '[[robots]]\nport = "a"\nholes = 7\noffset = [600, 600]\n[[robots]]\nport = "b"\nholes = 4\noffset = [600, 900]'
-    )
-    assert [robot.holes for robot in settings.robots] == [7, 4]
-    assert settings.tracker.numbers == (4, 7)
-    assert settings.tracker.tag_ids == (4, 7, 9)
 
 
 def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> None:
@@ -126,22 +114,18 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
         ("offset = [0, 300]", "offset = [0, 2300]", "robots[1].offset is [0.0, 2300.0]: arenas reach"),
         ("ttyUSB1", "ttyUSB0", "robots[1].port is '/dev/ttyUSB0', as robots[0].port"),
         ('port = "/dev/ttyUSB1"', 'name = "b"', "robots[1].port is missing"),
-        ('port = "/dev/ttyUSB1"', 'port = ""', "robots[1].port is ''; allowed: a text that is not empty"),
-        ("offset =", 'name = "teacher"\noffset =', "robots[1].name is 'teacher', as robots[0].name"),
         ("offset =", "ofset =", "robots[1].ofset is unknown (did you mean offset?); allowed: baud, holes, name, "
          "offset, port, timeout, type, watchdog"),
-        ("[camera]", "[tolerance]\npositon = 9\n[camera]", "tolerance.positon is unknown (did you mean position?); "),
-        ("source = 0", "", "camera.source is missing"),
         ("source = 0", "source = -1", "camera.source is -1; allowed: the number of a device"),
-        ("source = 0", "source = 0\noldest = 99", "camera.oldest is 99; allowed: 0.05 to 10 seconds"),
         ("[camera]", "safe_speed = 21\n[camera]", "safe_speed is 21; allowed: 1, 2, 3"),
         ("[camera]", "period = 0\n[camera]", "period is 0; allowed: 0.05 to 0.5 seconds"),
-        ("[camera]", "speed = 5\n[camera]", "speed is unknown (did you mean safe_speed?); allowed: arena, "),
         ("[camera]", '[arena]\nname = "cave"\n[camera]', "arena.name is 'cave' and there are no walls; allowed"),
         ("[camera]", "[arena]\nhome = [1, 2]\n[camera]", "arena.home is unknown; allowed: name, walls"),
         ("[camera]", "[tracker]\ncontrast = 0.5\n[camera]", "tracker contrast is 0.5; allowed: above 1"),
         ("[camera]", "[tracker]\ncontrast = true\n[camera]", "tracker.contrast is True; allowed: a number"),
         ("[camera]", 'tracker = 3\n[camera]', "tracker is 3; allowed: a table of keys and values"),
+        (MINIMAL, "robots = 3", "robots is 3; allowed: one or more tables [[robots]]"),
+        (MINIMAL, "robots = [3]", "robots[0] is 3; allowed: a table"),
         ("[100, 250, 90]", "[10, 250, 90]", "arena: den: start at (10, 250) mm is 10 mm from a wall"),
     ],
 )  # fmt: skip
@@ -152,28 +136,10 @@ def test_errors_name_the_key(old: str, new: str, message: str) -> None:
         parsed(text.replace(old, new))
 
 
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        (b"[camera]\nsource = 0\nsource = 1\n", "line 3"),
-        (b"robots = 3\n", "robots is 3; allowed: one or more tables [[robots]]"),
-        (b"robots = [3]\n", "robots[0] is 3; allowed: a table"),
-    ],
-)
-def test_errors_name_the_file(content: bytes, message: str, tmp_path: Path) -> None:
-    path = tmp_path / "lab.toml"
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=re.escape(message)) as failure:
-        load_settings(path, V0_1)
-    assert str(failure.value).startswith(f"{path}: ")
-
-
 def test_calibration_path_is_relative_to_the_file(tmp_path: Path) -> None:
     path = tmp_path / "lab.toml"
     path.write_text(MINIMAL.replace("source = 0", 'source = 0\ncalibration = "c.toml"'), encoding="utf-8")
     assert load_settings(path, V0_1).camera.calibration == tmp_path / "c.toml"
-    with pytest.raises(OSError, match=r"none\.toml"):
-        load_settings(tmp_path / "none.toml", V0_1)
 
 
 def test_example_in_the_documentation_is_valid() -> None:
