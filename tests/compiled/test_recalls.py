@@ -1,5 +1,6 @@
 """Recalls in kernels: the imitators, the counts and the rows are those of Python."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numba
@@ -7,13 +8,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from khepera_forage.counter_rng import DRAW_POLICY, DRAWS, random_bits, upper
-from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv
+from khepera_forage.counter_rng import DRAW_POLICY, DRAWS, key_of, random_bits, upper
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.policies.memories import memories_of
-from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, run_recalls, run_teacher
+from khepera_forage.policies.policy import HEARD
+from khepera_forage.rollouts.compiled.recalls import TEACHER, UNIFORM, recall_rows, run_recalls, run_teacher
+from khepera_forage.rollouts.compiled.training import train_learners
+from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import Behaviour
 from tests.compiled.decisions import DECISIONS
 from tests.version_0_1 import V0_1
 
@@ -21,91 +23,47 @@ MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
 RECTANGLE: dict[str, Any] = {"foods": 2, "limit": 150, "food_types": MIXED}
 
 
-class FixedNumber:
-    """A generator whose next number is known."""
-
-    def __init__(self, chance: float) -> None:
-        self.chance = chance
-
-    def random(self) -> float:
-        return self.chance
-
-
-def _teacher_records(food_types: Any) -> tuple[Any, Any]:
-    """State vectors, shape (rounds, 8, 5), and the teacher's behaviours in the rectangle, shape (rounds, 8)."""
-    env: Any = BehavioursVectorEnv(8, "rectangle", 2, 300, food_types=food_types)
-    observation, infos = env.reset(seed=11)
-    vectors, behaviours = [], []
-    for _ in range(250):
-        vectors.append(_state_vectors(observation))
-        behaviours.append(infos["correct_behaviour"])
-        observation, _, _, _, infos = env.step(behaviours[-1])
-    return np.array(vectors), np.array(behaviours)
-
-
 @pytest.fixture(scope="module")
 def experience() -> list[tuple[Any, Any]]:
-    """Three memories of one to three forages of the teacher; one behaviour in ten is replaced."""
-    vectors, heard = _teacher_records(MIXED)
-    rng = np.random.default_rng(0)
-    heard = np.where(rng.random(heard.shape) < 0.1, rng.integers(0, 10, heard.shape), heard)
-    worlds = ([0], [1, 2], [3, 4, 5])
-    return [(vectors[:, some].reshape(-1, 5), heard[:, some].ravel()) for some in worlds]
+    """Three memories, of one to three training episodes; one behaviour in ten is replaced."""
+    trained, rng = train_learners(3, seed=11, arena="rectangle", food_types=MIXED, episodes=3), np.random.default_rng(0)
+    memories = []
+    for learner in range(3):
+        rows = np.concatenate([trained.vectors_of(learner, episode) for episode in range(learner + 1)])
+        heard = np.where(rng.random(len(rows)) < 0.1, rng.integers(0, 10, len(rows)), rows[:, HEARD])
+        memories.append((rows[:, :HEARD], heard))
+    return memories
 
 
-def _state_vectors(observation: Any) -> Any:
-    names = ("object_presence", "robot_home_distance", "food_type", "arms_height", "robot_food_distance")
-    return np.column_stack([np.asarray(observation[name]).ravel() for name in names])
+class KernelDraws:
+    """An imitator that draws the random numbers of the kernel: recall i has those of the environment's seed."""
+
+    def __init__(self, imitator: NearestNeighbourImitator, env: Any, seed: int) -> None:
+        self.act, self.imitator, self.env, self.key = imitator.act, imitator, env, key_of(seed)
+
+    def neighbours(self, observation: Any) -> Any:
+        found = self.imitator.neighbours(observation)
+        number = int(self.env.world.robots[0].record["round"])
+        chance = upper(random_bits(self.key, number * DRAWS + DRAW_POLICY))
+        rng: Any = SimpleNamespace(random=lambda: chance)
+        return SimpleNamespace(tie=found.tie, conflict=found.conflict, draw=lambda _: found.draw(rng))
 
 
 @pytest.mark.parametrize(
     "decisions", [Decisions(), Decisions(close_to_food=40), DECISIONS[2]], ids=("default", "changed", "readings")
 )
-def test_a_recall_is_that_of_the_imitator_step_by_step(experience: Any, decisions: Decisions) -> None:
-    """The environment stepped from Python, the imitator drawing with the kernel's numbers: the same counts."""
-    worlds, seed = 30, 4
-    which = np.arange(worlds) % 3
-    kernel = run_recalls("rectangle", memories_of(experience), which, seed, decisions=decisions, **RECTANGLE)
-    env: Any = BehavioursVectorEnv(worlds, "rectangle", decisions=decisions, **RECTANGLE)
-    observation, infos = env.reset(seed=seed)
-    batch = env.batch
+def test_rows_of_kernels_are_those_of_recalls_step_by_step(experience: Any, decisions: Decisions) -> None:
+    seeds, which = list(range(4, 34)), np.arange(30) % 3
+    kernel = run_recalls("rectangle", memories_of(experience), which, 4, decisions=decisions, **RECTANGLE)
+    env = recall_env("rectangle", decisions=decisions, backend="compiled", **RECTANGLE)
     arithmetic = decisions.distance_arithmetic
-    imitators = [
-        NearestNeighbourImitator(env.get_attr("diagonal")[0], arithmetic=arithmetic).fit(*part) for part in experience
-    ]
-    over = np.zeros(worlds, np.bool_)
-    rounds, wrong = np.zeros((2, worlds, 10), np.int64)
-    without_food, ties, conflicts = np.zeros((3, worlds), np.int64)
-    while not over.all():
-        robots = batch.worlds.robots[:, 0]
-        chances = [
-            upper(random_bits(key, number * DRAWS + DRAW_POLICY))
-            for key, number in zip(robots["key"].tolist(), robots["round"].tolist(), strict=True)
-        ]
-        actions = np.zeros(worlds, np.int64)
-        rows = _state_vectors(observation)
-        for i in np.flatnonzero(~over).tolist():
-            neighbours = imitators[which[i]].neighbours(rows[i])
-            rng: Any = FixedNumber(chances[i])
-            actions[i] = neighbours.draw(rng)
-            right = infos["correct_behaviour"][i]
-            rounds[i, right] += 1
-            ties[i] += neighbours.tie
-            conflicts[i] += neighbours.conflict
-            if actions[i] != right:
-                wrong[i, right] += 1
-                far = batch.foragers.vector.robot_food_distance[i] > decisions.close_to_food
-                without_food[i] += actions[i] == Behaviour.ORIENT_WITH_FOOD and far
-        observation, _, terminated, truncated, infos = env.step(actions)
-        for i in np.flatnonzero((terminated | truncated) & ~over).tolist():
-            over[i] = True
-            for name in ("score", "penalty", "steps", "correct", "delivered", "poison_home"):
-                assert infos[name][i] == getattr(kernel, name)[i], name
-    assert (rounds == kernel.rounds_by_state).all()
-    assert (wrong == kernel.wrong_by_state).all()
-    for name, counts in (("orient_without_food", without_food), ("ties", ties), ("conflicts", conflicts)):
-        assert (counts == getattr(kernel, name)).all(), name
-        assert counts.any(), name
+    imitators = [NearestNeighbourImitator(env.diagonal, arithmetic=arithmetic).fit(*part) for part in experience]
+    rows = [recall(env, KernelDraws(imitators[i], env, seed), seed) for i, seed in zip(which, seeds, strict=True)]
+    names = ("replication", "episodes", "file_id", "recall", "learner", "noise", "experience_size", "limit")
+    about = {name: getattr(rows[0], name) for name in names}
+    assert recall_rows(kernel, env.arena, {"seed": seeds}, decisions, **about) == rows
+    for name in ("orient_without_food", "ties", "conflicts"):
+        assert getattr(kernel, name).any(), name
     assert kernel.delivered.any() or decisions == DECISIONS[2], "not every reading lets an imitator forage"
 
 
