@@ -11,10 +11,8 @@ from khepera_forage.envs import paired_corridors_v1
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
-from khepera_forage.policies.policy import HEARD
 from khepera_forage.rollouts.compiled import training
 from khepera_forage.rollouts.compiled.training import train_learners
-from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import train
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour
@@ -46,6 +44,8 @@ def test_pairs_without_noise_are_those_of_one_environment_round_by_round(given: 
     given = {"noise": "none", "max_cycles": 300} | given
     many = paired_corridors_v1.vector_env(2, **given)
     one = paired_corridors_v1.parallel_env(backend="compiled", **given)
+    assert many.possible_agents == one.possible_agents
+    assert all(many.action_space(agent) == one.action_space(agent) for agent in one.possible_agents)
     apart, outcomes = 0, set()
     for seed, odds in enumerate((0.0, 0.1, 0.3)):
         rng, odd = np.random.default_rng(seed), dict[str, int]()
@@ -59,12 +59,15 @@ def test_pairs_without_noise_are_those_of_one_environment_round_by_round(given: 
                 {agent: np.full(2, action) for agent, action in actions.items()}
             )
             shown, rewards, ends, cuts, infos = one.step(actions)
+            assert complete["teacher_0"] is not complete["learner_0"], "each agent has an array of its own"
             for agent in rewards:
                 assert rows[agent][0].tolist() == shown[agent].tolist()
+                assert rows[agent][0] in one.observation_space(agent)
                 own = {name: values[0] for name, values in counts[agent].items()}
                 assert own == pytest.approx({name: infos[agent][name] for name in own}, abs=1e-9)
                 assert gained[agent][0] == pytest.approx(rewards[agent])
                 assert (complete[agent][0], cut[agent][0]) == (ends[agent], cuts[agent])
+            assert many.state().tolist() == [one.state().tolist()] * 2
         apart += infos["learner_0"]["separations"]
         outcomes.add(ends["teacher_0"])
     assert apart > 0
@@ -75,10 +78,11 @@ def test_pairs_without_noise_are_those_of_one_environment_round_by_round(given: 
 
 
 def test_attempts_of_pairs_are_those_of_train_learners_up_to_the_first_complete_one() -> None:
-    """The teacher waits for its learners, which do at once what they hear."""
+    """The teacher waits for its learners, which do at once what they hear; nothing is recorded in silence (5.2)."""
+    given: dict[str, Any] = {"noise": ROUGH, "food_types": MIXED, "decisions": V0_1, "patience": 3}
     pairs = 24
     attempts: list[list[Any]] = [[] for _ in range(pairs)]
-    envs = paired_corridors_v1.vector_env(pairs)
+    envs = paired_corridors_v1.vector_env(pairs, **given)
     observations, infos = envs.reset(seed=5)
     rows: list[list[Any]] = [[] for _ in range(pairs)]
     rewards, waiting = np.zeros(pairs), np.zeros(pairs, np.bool_)
@@ -102,28 +106,14 @@ def test_attempts_of_pairs_are_those_of_train_learners_up_to_the_first_complete_
             if complete["learner_0"][i]:
                 kept.setdefault(i, (rows[i], rewards[i]))
         waiting = complete["teacher_0"] | truncated["teacher_0"]
-    trained = train_learners(pairs, seed=5)
+    trained = train_learners(pairs, seed=5, **given)
     for i, (vectors, reward) in kept.items():
         np.testing.assert_array_equal(vectors, trained.vectors_of(i))
         assert reward == pytest.approx(float(trained.rewards_of(i).sum()), abs=1e-4)
     done = zip(*(column.tolist() for column in trained.attempts), strict=True)
     assert sorted(done) == sorted(row for own in attempts for row in own)
-    assert max(map(len, attempts)) > 1
-
-
-def test_pairs_have_the_spaces_of_parallel_env() -> None:
-    envs = paired_corridors_v1.vector_env(3, num_learners=2, arena="rectangle")
-    one = paired_corridors_v1.parallel_env(num_learners=2, arena="rectangle")
-    assert envs.possible_agents == one.possible_agents
-    envs.reset(seed=1)
-    for _ in range(50):
-        actions = {agent: envs.action_space(agent).sample() + np.zeros(3, np.int64) for agent in one.possible_agents}
-        observations, _, _, truncated, _ = envs.step(actions)
-        for agent in envs.possible_agents:
-            assert envs.action_space(agent) == one.action_space(agent)
-            assert all(row in one.observation_space(agent) for row in observations[agent])
-    assert envs.state().shape == (3, 3 * 7)
-    assert truncated["teacher_0"] is not truncated["learner_0"], "each agent has an array of its own"
+    assert {reason for own in attempts for *_, reason in own} == {"", "separated", "out of time"}
+    assert max(map(len, attempts)) > 2
 
 
 # ---------------------------------------------------------------- results of train_learners
@@ -143,25 +133,6 @@ def test_a_learner_does_not_depend_on_the_number_of_learners(monkeypatch: pytest
         of_many = getattr(many.attempts, name)[many.attempts.learner < 40]
         of_few = getattr(few.attempts, name)[few.attempts.episode < 2]
         assert (of_many == of_few).all()
-
-
-def test_attempts_are_valid_training_rows() -> None:
-    """Incomplete attempts are counted, and what they recorded is forgotten (5.2)."""
-    trained = train_learners(400, seed=1, noise=ROUGH, food_types=MIXED, episodes=2, decisions=V0_1)
-    rows = [
-        TrainingRow(0, learner + 1, attempt, trained.seed, "rough", complete, rounds, vectors, apart, reason)
-        for learner, _, attempt, complete, rounds, vectors, apart, reason in zip(
-            *(column.tolist() for column in trained.attempts), strict=True
-        )
-    ]
-    assert sum(row.complete for row in rows) == 800
-    assert {row.reason for row in rows} == {"", "separated", "out of time"}
-    assert all(row.rounds < 600 for row in rows if row.reason == "separated")
-    assert sum(row.separations for row in rows) > 100
-    assert sum(row.vectors < row.rounds for row in rows) > 100  # nothing is recorded in silence
-    assert np.diff(trained.offsets).ravel().tolist() == [row.vectors for row in rows if row.complete]
-    assert trained.offsets[-1, -1] == len(trained.experience)
-    assert (trained.experience[:, HEARD] < WAIT).all()
 
 
 def test_training_takes_as_long_as_on_pymunk() -> None:

@@ -16,7 +16,7 @@ from gymnasium.wrappers.vector import RecordEpisodeStatistics, RecordVideo
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage import Decisions
 from khepera_forage.noise import Noise
-from khepera_forage.wrappers import ActionRepeat, VectorActionRepeat
+from khepera_forage.wrappers import VectorActionRepeat
 from tests.arenas import POOL
 
 MIXED = {"pickable": 1, "pushable": 1, "poisonous": 1}
@@ -89,18 +89,6 @@ def assert_same(one: Any, other: Any) -> None:
             known = theirs.get(f"_{name}", np.ones(5, np.bool_))
             np.testing.assert_array_equal(mine[name][known], theirs[name][known], name)
             assert (mine[name].shape, mine[name].dtype.kind) == (theirs[name].shape, theirs[name].dtype.kind)
-
-
-def test_rollouts_are_the_same_for_any_number_of_worlds() -> None:
-    few, many = make(num_envs=6), make(num_envs=200)
-    shown, others = few.reset(seed=3), many.reset(seed=3)
-    ended = False
-    for _ in range(150):
-        shown, others = (env.step(one[-1]["correct_behaviour"]) for env, one in ((few, shown), (many, others)))
-        np.testing.assert_equal(shown[0], {key: values[:6] for key, values in others[0].items()})
-        np.testing.assert_equal(shown[1:4], tuple(part[:6] for part in others[1:4]))
-        ended |= shown[2].any()
-    assert ended
 
 
 def test_pictures_of_worlds_are_those_of_single_environments() -> None:
@@ -181,10 +169,3 @@ def test_vector_wrappers_are_applied_from_the_innermost_and_again_from_the_spec(
     again = gym.make_vec(in_same_step(vector_wrappers=[VectorActionRepeat]).unwrapped.spec)
     assert isinstance(again, VectorActionRepeat)
     assert again.num_envs == 4
-
-
-def test_wrong_vector_wrapper_is_named() -> None:
-    with pytest.raises(ValueError, match=r"allowed: a single environment \(VectorActionRepeat is for many\)"):
-        in_same_step(vector_wrappers=[ActionRepeat])
-    with pytest.raises(ValueError, match=r"vector_wrappers has <.*>, which returns None; allowed: functions"):
-        in_same_step(vector_wrappers=[lambda env: None])

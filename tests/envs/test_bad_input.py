@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import gymnasium as gym
 import numpy as np
@@ -17,7 +17,9 @@ from khepera_forage.envs import paired_arenas_v1, paired_corridors_v1, paired_pr
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.rollouts.compiled.training import train_learners
+from khepera_forage.wrappers import ActionRepeat
 from tests.arenas import BLOCKS, HALL
+from tests.sim.test_waypoints import CLOSED
 from tests.version_0_1 import CORRIDOR, V0_1
 
 pytest.importorskip("numba")
@@ -51,12 +53,11 @@ RECALLS = (*ENVS, "kernel")
 PAIRED = ("training", "learners", "pairs")
 ALL = (*RECALLS, *PAIRED)
 BACKENDS = "allowed: 'pymunk', 'compiled'"
-WHOLE, LEAST_1 = "a whole number", "allowed: a whole number of at least 1"
+LEAST_1 = "allowed: a whole number of at least 1"
 ARENAS = "allowed: an Arena, or one of 'corridor', 'rectangle', 't_maze'"
 FOODS = "allowed: a whole number from 1 to 16"
 WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (ALL, {"food_types": "CHEESE"}, "'CHEESE'.*allowed.*PICKABLE, PUSHABLE, POISONOUS"),
-    (ALL, {"food_types": {"PICKABLE": -1}}, "-1.*allowed: a number >= 0"),
     (ALL, {"food_types": {"PICKABLE": math.nan}}, "nan.*allowed: a number >= 0"),
     (ALL, {"food_types": {"PICKABLE": 0}}, "{'PICKABLE': 0}.*allowed.*at least one above 0"),
     (ALL, {"food_types": {"PICKABLE": "a"}}, "odds of PICKABLE are 'a'; allowed: a number"),
@@ -69,11 +70,11 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (RECALLS, {"arena": (HALL, "nowhere")}, "arena 1 of a sequence is 'nowhere'; allowed: an Arena, or one of 'corr"),
     (RECALLS, {"arena": ["corridor", 3]}, "arena 1 of a sequence is 3; allowed: an Arena, or one of 'corridor'"),
     (("pymunk",), {"arena": {**asdict(BLOCKS), "foods": []}}, "foods has 0 places"),
+    (RECALLS, {"arena": CLOSED}, "closed: there is no way between the start"),
     (("pymunk",), {"arena": {"name": "blocks"}}, r"arena is \{'name': 'blocks'\}; allowed: an Arena"),
     (("learners",), {"arena": CORRIDOR.shifted(3000.0, 0.0)}, "what the camera sees"),
     *((ALL, {"decisions": wrong}, r"allowed: a khepera_forage\.Decisions, or None") for wrong in (
         17, "next_to_food=17", {"next_to_food": 17}, asdict(V0_1) | {"next_to_foot": 17}, Noise.none(), Decisions)),
-    (RECALLS, {"foods": 0}, f"foods is 0; {FOODS}"),
     (RECALLS, {"foods": 17}, f"foods is 17; {FOODS}"),
     (RECALLS, {"foods": 1.5}, f"foods is 1.5; {FOODS}"),
     (("kernel",), {"foods": 16}, "no room for a robot and 16 food objects"),
@@ -88,6 +89,8 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
      "backend is 'pymunk'; allowed here: 'compiled' .*vectorization_mode='sync' or 'async'"),
     *((("vector",), {"num_envs": wrong}, f"num_envs is {wrong}; {LEAST_1}") for wrong in (0, -1, 1.5)),
     (("vector",), {"autoreset_mode": "SAME_STEP"}, "'SAME_STEP'; allowed: AutoresetMode, or 'NextStep', 'SameStep'"),
+    (("vector",), {"vector_wrappers": [ActionRepeat]}, r"a single environment \(VectorActionRepeat is for many\)"),
+    (("vector",), {"vector_wrappers": [print]}, "has <built-in function print>, which returns None; allowed: func"),
     (("vector",), {"max_episode_steps": 0}, f"max_episode_steps is 0; {LEAST_1}"),
     (("kernel", "learners"), {"episodes": 0}, "episodes is 0"),
     (("learners",), {"n": 0}, "n is 0"),
@@ -95,7 +98,6 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (("training", "pairs"), {"num_learners": 0}, "num_learners is 0; allowed"),
     (("training", "pairs"), {"num_learners": 99}, "num_learners is 99; allowed: at most 31, because the camera"),
     (PAIRED, {"max_cycles": 0}, "max_cycles is 0; allowed"),
-    (PAIRED, {"max_cycles": 1.5}, "max_cycles is 1.5"),
     (PAIRED, {"patience": -1}, "patience is -1; allowed"),
     (("arenas",), {"arena": ["t_maze", "doors"]}, "max_cycles is None; allowed with several arenas: a whole number"),
     (("learners",), {"options": {"foods": [(90.0, 115.0)]}, "decisions": V0_1}, "overlaps"),
@@ -116,15 +118,8 @@ def test_wrong_arguments_are_refused(makers: tuple[str, ...], kwargs: dict[str, 
             assert repr(*kwargs.values()) in str(error.value)
 
 
-class Form(NamedTuple):
-    """A form of environment: how it is made, actions to its end, how the next step is then refused, and wrong ones."""
-
-    make: Callable[[], Any]
-    actions: list[Any]
-    ended: str
-    wrong: list[Any]
-    message: str
-
+Form = tuple[Callable[[], Any], list[Any], str, list[Any], str]
+"""A form of environment: how it is made, actions to its end, how the next step is then refused, and wrong ones."""
 
 BEHAVIOURS = [10, -1, 2.5, math.nan, None, "3", True, np.array([1, 2])]
 WHEELS = [[0, 0, 0], [2, 0, 0, 0], [math.nan, 0, 0, 0], [math.inf] * 4, "drive", None]
@@ -137,27 +132,27 @@ NUMBER_9, FOUR = "{wrong!r}; allowed: a whole number from 0 to 9", r"allowed: fo
 
 def single(action: Any, wrong: list[Any], message: str, name: str = "Corridor", backend: str = "pymunk") -> Form:
     made = partial(make, name, backend=backend, limit=2)
-    return Form(made, [action] * 2, "ended after 2 steps", wrong, message)
+    return made, [action] * 2, "ended after 2 steps", wrong, message
 
 
-FORMS = {
+FORMS: dict[str, Form] = {
     "pymunk": single(3, BEHAVIOURS, NUMBER_9),
     "compiled": single(3, BEHAVIOURS, NUMBER_9, backend="compiled"),
     "wheels on pymunk": single(np.zeros(4), WHEELS, FOUR, "CorridorWheels"),
     "compiled wheels": single(np.zeros(4), WHEELS, FOUR, "CorridorWheels", "compiled"),
-    "vector": Form(partial(make_vec, num_envs=5), [np.zeros(5, np.int64)], "",
-                   [np.zeros(4, np.int64), np.full(5, 10), np.zeros(5)], "allowed: 5 whole numbers from 0 to 9"),
-    "vector of wheels": Form(partial(make_vec, "CorridorWheels"), [np.zeros((2, 4))], "", [np.full((2, 4), 1.5)],
-                             r"allowed: numbers in -1\.\.1"),
-    "training": Form(partial(paired_corridors_v1.raw_env, max_cycles=1), [10, 10, None, None], "ended after 1 rounds",
-                     [11, -1, 2.5, "search"], f"action of teacher_0 is {WHOLE_10}"),
-    "parallel": Form(partial(paired_corridors_v1.parallel_env, max_cycles=1), [SAID], "call reset",
-                     [{}, {"teacher_0": 0}, SAID | {"learner_1": 0}], ONE_EACH),
-    "parallel, one wrong": Form(partial(paired_corridors_v1.parallel_env, max_cycles=1), [SAID], "call reset",
-                                [SAID | {"learner_0": 11}, SAID | {"learner_0": None}],
-                                "action of learner_0 is (11|None); allowed: a whole number from 0 to 10"),
-    "pairs": Form(partial(paired_corridors_v1.vector_env, 2), [EACH], "",
-                  [{}, {"teacher_0": [0, 1]}, EACH | {"learner_0": [0, 11]}, EACH | {"learner_0": [0]}], "allowed: "),
+    "vector": (partial(make_vec, num_envs=5), [np.zeros(5, np.int64)], "",
+               [np.zeros(4, np.int64), np.full(5, 10), np.zeros(5)], "allowed: 5 whole numbers from 0 to 9"),
+    "vector of wheels": (partial(make_vec, "CorridorWheels"), [np.zeros((2, 4))], "", [np.full((2, 4), 1.5)],
+                         r"allowed: numbers in -1\.\.1"),
+    "training": (partial(paired_corridors_v1.raw_env, max_cycles=1), [10, 10, None, None], "ended after 1 rounds",
+                 [11, -1, 2.5, "search"], f"action of teacher_0 is {WHOLE_10}"),
+    "parallel": (partial(paired_corridors_v1.parallel_env, max_cycles=1), [SAID], "call reset",
+                 [{}, {"teacher_0": 0}, SAID | {"learner_1": 0}], ONE_EACH),
+    "parallel, one wrong": (partial(paired_corridors_v1.parallel_env, max_cycles=1), [SAID], "call reset",
+                            [SAID | {"learner_0": 11}, SAID | {"learner_0": None}],
+                            "action of learner_0 is (11|None); allowed: a whole number from 0 to 10"),
+    "pairs": (partial(paired_corridors_v1.vector_env, 2), [EACH], "",
+              [{}, {"teacher_0": [0, 1]}, EACH | {"learner_0": [0, 11]}, EACH | {"learner_0": [0]}], "allowed: "),
 }  # fmt: skip
 
 
@@ -200,10 +195,7 @@ def test_wrong_seeds_and_masks_of_many_worlds_are_refused() -> None:
     ("options", "message"),
     [
         ({"foods": [(300, 300), (310, 300)]}, r"food at \(310, 300\) mm overlaps food at \(300, 300\) mm"),
-        (
-            {"start": (300, 300, 0), "foods": [(325, 300), (500, 100)]},
-            r"food at \(325, 300\) mm overlaps robot at \(300, 300\) mm; allowed: at least 45 mm apart",
-        ),
+        ({"start": (300, 300, 0), "foods": [(325, 300), (500, 100)]}, "overlaps robot at .*: at least 45 mm apart"),
         ({"start": (10, 300, 0)}, r"start at \(10, 300\) mm is 10 mm from a wall"),
         ({"start": (0, 0, 0)}, "start at .* allowed: on the floor"),
         ({"start": (1, 2)}, "allowed: .x mm, y mm, heading degrees."),
