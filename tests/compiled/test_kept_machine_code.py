@@ -9,7 +9,6 @@ import shutil
 import subprocess
 import sys
 import time
-from itertools import pairwise
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -81,6 +80,7 @@ add(numbers, 1.5)
 print(numbers[0], "add" in Compiled.names)
 """
 COMPILED, LOADED = "3.0 True\n", "3.0 False\n"
+NOT_KEPT = "khepera_forage: machine code on disk cannot be used, .*\n"
 
 
 class Package:
@@ -97,7 +97,6 @@ class Package:
         path = os.pathsep.join([str(self.sources.parent), os.environ.get("PYTHONPATH", "")])
         self.environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
         self.environment |= {"PYTHONPATH": path, "XDG_CACHE_HOME": str(self.cache)}
-        self.announced = ""
 
     def run(self, code: str, **environment: str | None) -> tuple[str, str]:
         """What a program writes to its two streams; a variable that is None does not exist."""
@@ -121,39 +120,17 @@ def package(tmp_path: Path) -> Package:
     return Package(tmp_path)
 
 
-@pytest.fixture(scope="module")
-def kept(tmp_path_factory: pytest.TempPathFactory) -> Package:
-    """A package whose machine code is on disk, and what was said while it was compiled, after 0.02 s."""
-    package = Package(tmp_path_factory.mktemp("kept"))
-    output, package.announced = package.run("compilation._SLOW = 0.02\n" + ADD)
+def test_machine_code_is_kept_for_other_processes_until_a_rule_changes(package: Package) -> None:
+    output, announced = package.run("compilation._SLOW = 0.02\n" + ADD)
     assert output == COMPILED
-    return package
-
-
-def copy_of(kept: Package, folder: Path) -> Package:
-    """The same sources, and a copy of their machine code."""
-    package = Package(folder)
-    shutil.copytree(kept.cache, package.cache)
-    # Names of numba's folders contain their paths.
-    package.environment["PYTHONPATH"] = kept.environment["PYTHONPATH"]
-    return package
-
-
-def test_machine_code_is_kept_in_the_user_cache_folder_and_loaded_by_another_process(kept: Package) -> None:
-    assert kept.run(ADD) == (LOADED, "")
-    assert [path.suffix for path in kept.files("*.nb?")] == [".nbc", ".nbi"]
-    assert not list(kept.sources.rglob("*.nb?"))
-    assert kept.run(ADD, NUMBA_DISABLE_JIT="1") == (LOADED, ""), "also where numba is switched off"
-
-
-def test_changed_rule_is_compiled(kept: Package, tmp_path: Path) -> None:
-    rules = kept.sources / "sim" / "rules.py"
+    assert announced == "khepera_forage: compiling kernels, once for this version: about half a minute ...\n"
+    assert package.run(ADD) == (LOADED, "")
+    assert [path.suffix for path in package.files("*.nb?")] == [".nbc", ".nbi"]
+    assert not list(package.sources.rglob("*.nb?"))
+    assert package.run(ADD, NUMBA_DISABLE_JIT="1") == (LOADED, ""), "also where numba is switched off"
     # Python itself overlooks a change within a second that keeps the size of a file.
-    rules.write_text(RULES.replace("2 * amount", "4 * amount  # no longer 2"))
-    try:
-        assert copy_of(kept, tmp_path).run(ADD) == ("6.0 True\n", "")
-    finally:
-        rules.write_text(RULES)
+    (package.sources / "sim" / "rules.py").write_text(RULES.replace("2 * amount", "4 * amount  # no longer 2"))
+    assert package.run(ADD) == ("6.0 True\n", "")
 
 
 def test_folder_of_numba_comes_first_and_loses_machine_code_of_other_sources_that_was_long_unused(
@@ -175,64 +152,55 @@ def test_folder_of_numba_comes_first_and_loses_machine_code_of_other_sources_tha
 
 USE = """
 from khepera_forage.sim.kernel import LEFT, RIGHT, left, right
-for name in "{calls}".split():
-    function, points = (left, LEFT) if name == "left" else (right, RIGHT)
-    print(function(points), name in Compiled.names)
+for function, points in {calls}:
+    print(function(points), function.__name__ in Compiled.names)
 """
-PROCESSES = ("left", "right", "left right")
-"""The functions that each process calls. The last one loads both, which no process has compiled together."""
 
 
 def test_functions_of_two_processes_are_not_mixed_up(package: Package) -> None:
     """Without `forceinline`, `right` would call what `first` became for `left`, and return 200."""
-    outputs = [package.run(USE.format(calls=calls))[0] for calls in PROCESSES]
-    assert outputs[-1] == "2.0 False\n2.0 False\n"
+    for calls in ("[(left, LEFT)]", "[(right, RIGHT)]"):
+        package.run(USE.format(calls=calls))
+    both = package.run(USE.format(calls="[(left, LEFT), (right, RIGHT)]"))  # which no process has compiled together
+    assert both == ("2.0 False\n2.0 False\n", "")
 
 
-def test_damaged_files_are_replaced(kept: Package, tmp_path: Path) -> None:
-    package = copy_of(kept, tmp_path)
+def test_damaged_files_are_replaced(package: Package) -> None:
+    package.run(ADD)
     for suffix, part in (("nbi", 0.0), ("nbc", 0.5)):
         (file,) = package.files(f"*.{suffix}")
         whole = file.read_bytes()
         file.write_bytes(whole[: int(part * len(whole))])
         output, error = package.run(ADD)
         assert output == COMPILED
-        assert re.fullmatch("khepera_forage: machine code on disk cannot be used, .*\n", error)
+        assert re.fullmatch(NOT_KEPT, error)
         assert package.files(f"*.{suffix}")[0].stat().st_size == pytest.approx(len(whole), rel=0.1)
 
 
-FULL_DISK = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))\n"
-NOTHING_TO_SAY_IT_TO = "sys.stderr = None; compilation._SLOW = 0.02\n"
-NO_PLACE = [
-    (NOTHING_TO_SAY_IT_TO, {"NUMBA_CACHE_DIR": "/dev/null/x"}),
-    ("import os.path; os.path.expanduser = str\n", {"XDG_CACHE_HOME": None, "HOME": None}),
-    (FULL_DISK, {}),
-]
-
-
-@pytest.mark.parametrize(("before", "environment"), NO_PLACE)
+@pytest.mark.parametrize(
+    ("before", "environment", "said"),
+    [
+        ("sys.stderr = None; compilation._SLOW = 0.02\n", {"NUMBA_CACHE_DIR": "/dev/null/x"}, ""),
+        ("import os.path; os.path.expanduser = str\n", {"XDG_CACHE_HOME": None, "HOME": None}, NOT_KEPT),
+        ("import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))\n", {}, NOT_KEPT),
+    ],
+    ids=["nothing to say it to", "no home folder", "full disk"],
+)
 def test_without_a_place_for_files_code_is_compiled_in_memory(
-    package: Package, before: str, environment: dict[str, str | None]
+    package: Package, before: str, environment: dict[str, str | None], said: str
 ) -> None:
     output, error = package.run(before + ADD, **environment)
     assert output == COMPILED
-    said = "" if before == NOTHING_TO_SAY_IT_TO else "khepera_forage: machine code on disk cannot be used, .*\n"
     assert re.fullmatch(said, error)
     assert not list(package.sources.parent.parent.rglob("*.nb?"))
 
 
-def test_current_folder_may_be_deleted(package: Package) -> None:
+def test_threads_may_compile_at_the_same_time_also_in_a_deleted_folder(package: Package) -> None:
     code = """
 import os, tempfile
+from concurrent.futures import ThreadPoolExecutor
 os.chdir(tempfile.mkdtemp())
 os.rmdir(os.getcwd())
-"""
-    assert package.run(code + ADD) == (COMPILED, "")
-
-
-def test_threads_may_compile_at_the_same_time(package: Package) -> None:
-    code = """
-from concurrent.futures import ThreadPoolExecutor
 from khepera_forage.sim.kernel import add, left, LEFT
 numbers = np.zeros(3)
 with ThreadPoolExecutor(6) as pool:
@@ -242,10 +210,6 @@ with ThreadPoolExecutor(6) as pool:
 print(numbers, Compiled.names.count("add"), Compiled.names.count("left"))
 """
     assert package.run(code) == ("[2.0, 2.0, 2.0]\n[2. 2. 2.] 1 1\n", "")
-
-
-def test_long_compilation_is_announced(kept: Package) -> None:
-    assert kept.announced == "khepera_forage: compiling kernels, once for this version: about half a minute ...\n"
 
 
 @pytest.mark.parametrize(("count", "threads", "parts"), [(1000, 1, 1), (1000, 2, 2), (127, 2, 1), (0, 2, 1)])
@@ -258,18 +222,13 @@ def test_ranges_are_equal_cover_everything_and_raise_their_errors(
     def check() -> None:
         ranges: list[tuple[int, int]] = []
         share_out(lambda first, last: ranges.append((first, last)), count)
-        ranges.sort()
-        assert len(ranges) == parts
-        assert (ranges[0][0], ranges[-1][1]) == (0, count)
-        assert all(one[1] == other[0] for one, other in pairwise(ranges))
-        assert len({last - first for first, last in ranges}) == 1
+        assert sorted(ranges) == [(count * part // parts, count * (part + 1) // parts) for part in range(parts)]
         for bad, _ in ranges:
             with pytest.raises(ZeroDivisionError):
                 share_out(lambda first, last, bad=bad: 1 // (first - bad), count)
 
     check()
-    context = get_context("fork")
-    process = context.Process(target=check)
+    process = get_context("fork").Process(target=check)
     process.start()
     process.join()
     assert process.exitcode == 0
