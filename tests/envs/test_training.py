@@ -13,7 +13,8 @@ from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Listener, Teacher
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, MAX_SPEED, Motors, applicable
+from khepera_forage.robots.khepera import applicable
+from khepera_forage.rollouts.raw_episodes import encoded_motors
 from khepera_forage.rollouts.training import IncompleteTrainingError, train
 from khepera_forage.sim.arena import Pose
 from khepera_forage.task.decisions import Decisions
@@ -22,29 +23,36 @@ from tests.arenas import HALL
 from tests.version_0_1 import V0_1
 
 QUIET = Noise.none()
+on_both_backends = pytest.mark.parametrize("backend", ["pymunk", "compiled"])
 
 
 def play(env: TrainingEnv, rounds: int = 10_000) -> list[list[int]]:
     """Run teacher and learners; returns what every robot did, round by round."""
-    teacher, listener = Teacher.of(env), Listener()
+    policies: dict[str, Any] = {TEACHER: Teacher.of(env)}
     history = []
     for _ in range(rounds):
         if env.terminations[TEACHER] or env.truncations[TEACHER]:
             break
         actions = []
         for agent in env.possible_agents:
-            policy = teacher if agent == TEACHER else listener
-            actions.append(int(policy.act(env.observe(agent))))
+            actions.append(int(policies.get(agent, Listener()).act(env.observe(agent))))
             env.step(actions[-1])
         history.append(actions)
     return history
 
 
 @pytest.mark.parametrize(
-    ("food_type", "learners"), [("PICKABLE", 1), ("PICKABLE", 3), ("PUSHABLE", 1), ("POISONOUS", 1)]
+    ("food_type", "learners", "robot"),
+    [
+        *(("PICKABLE", 1, "khepera"), ("PICKABLE", 3, "khepera"), ("PUSHABLE", 1, "khepera"), ("PUSHABLE", 2, "toio")),
+        *(("POISONOUS", 1, "khepera"), ("POISONOUS", 2, "e-puck2")),
+    ],
 )
-def test_learners_do_what_they_hear_until_the_episode_is_complete(food_type: str, learners: int) -> None:
-    env = TrainingEnv(num_learners=learners, food_types=food_type, decisions=V0_1)
+@on_both_backends
+def test_learners_do_what_they_hear_until_the_episode_is_complete(
+    food_type: str, learners: int, robot: str, backend: str
+) -> None:
+    env = TrainingEnv(num_learners=learners, food_types=food_type, robot=robot, backend=backend, decisions=V0_1)
     shown = {"PICKABLE": Behaviour.GO_HOME, "PUSHABLE": Behaviour.PUSH_FOOD, "POISONOUS": Behaviour.AVOID_FOOD}
     complete = 0
     for seed in range(5):
@@ -145,19 +153,16 @@ def test_following_corrects_a_learner_whose_wheels_differ() -> None:
 # ---------------------------------------------------------------- on given marks
 
 
-def test_robots_and_food_stand_on_the_given_marks() -> None:
-    env = TrainingEnv(num_learners=2, noise=QUIET)
-    env.reset(seed=1, options={"start": (110, 90, 45), "foods": [(300, 140)]})
+def test_robots_and_food_stand_on_the_given_marks_apart_from_the_placement_error() -> None:
+    env, marks = TrainingEnv(num_learners=2, noise=QUIET), {"start": (110, 90, 45), "foods": [(300, 140)]}
+    env.reset(seed=1, options=marks)
     for arena, pose, food in zip(env.arenas, env.world.poses(), env.world.food_places(), strict=True):
         home = env.arenas[0].home
         dx, dy = arena.home.x - home.x, arena.home.y - home.y
         assert pose == pytest.approx((110 + dx, 90 + dy, np.pi / 4))
         assert food[:2] == pytest.approx((300 + dx, 140 + dy))
-
-
-def test_placement_error_applies_to_given_marks() -> None:
     env = TrainingEnv()
-    env.reset(seed=1, options={"start": (110, 90, 45)})
+    env.reset(seed=1, options=marks)
     first, second = (np.array(pose[:2]) for pose in env.world.poses())
     assert 0 < np.linalg.norm(first - (110, 90)) < 5 * Noise.laboratory().placement_error
     assert np.abs(second - first - (0, 300)).max() > 1e-3
@@ -213,14 +218,7 @@ def test_attempts_begin_alike_on_both_backends_with_corresponding_food() -> None
     assert len(types) > 1
 
 
-def action_of(motors: Motors) -> Any:
-    """The action that commands these motors."""
-    left, right, arm, jaw = applicable(motors)
-    raised = 1 - 2 * (arm - ARM_RAISED) / (ARM_DOWN - ARM_RAISED)
-    return np.array((left / MAX_SPEED, right / MAX_SPEED, raised, 1.0 if jaw == 0 else -1.0))
-
-
-@pytest.mark.parametrize("backend", ["pymunk", "compiled"])
+@on_both_backends
 def test_wheels_that_do_what_the_behaviours_command_train_as_the_behaviours_do(backend: str) -> None:
     """Round by round, bit for bit; learners hear the behaviour that the teacher's motors mean."""
     behaviours = paired_corridors_v1.raw_env(backend=backend)
@@ -231,7 +229,7 @@ def test_wheels_that_do_what_the_behaviours_command_train_as_the_behaviours_do(b
         said = 10 if behaviours.observe("teacher_0")[6] else behaviours.infos["teacher_0"]["correct_behaviour"]
         for i, agent in enumerate(behaviours.agents):
             assert wheels.observe(agent)[-2:].tolist() == behaviours.observe(agent)[5:].tolist()
-            action = action_of(wheels.foragers[i].motors_for(said))
+            action = np.array(encoded_motors(applicable(wheels.foragers[i].motors_for(said))))
             behaviours.step(said)
             wheels.step(action)
         assert wheels.world.poses() == behaviours.world.poses()

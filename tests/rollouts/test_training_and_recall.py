@@ -6,20 +6,20 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import IO, Any
+from unittest.mock import MagicMock
 
 import gymnasium as gym
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from khepera_forage.envs import paired_corridors_v1
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.experience import Experience, ExperienceError, text_format
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator
-from khepera_forage.robots.khepera import JAW_OPEN, MAX_SPEED
+from khepera_forage.rollouts.raw_episodes import teacher_alone
 from khepera_forage.rollouts.recall import WheelsRecall, recall, recall_wheels, recall_wheels_env
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import arrays, train
@@ -31,8 +31,9 @@ def test_training_writes_the_experience_that_it_returns(tmp_path: Path) -> None:
     path = tmp_path / "g1.csv"
     env = TrainingEnv()
     experience, _ = train(env, np.random.SeedSequence(3), path=path)
-    assert Experience.load(path) == experience
-    assert train(env, np.random.SeedSequence(3))[0] == experience
+    with ThreadPoolExecutor() as pool:  # in another thread, too
+        again, _ = pool.submit(train, env, np.random.SeedSequence(3), path=tmp_path / "again.csv").result()
+    assert Experience.load(path) == Experience.load(tmp_path / "again.csv") == experience == again
     with pytest.raises(FileExistsError, match=r"g1\.csv"):
         train(env, np.random.SeedSequence(3), path=path)
 
@@ -65,7 +66,7 @@ def test_row_of_a_recall_is_what_happened_in_the_episode() -> None:
         rows.append(recall(env, imitator, seed, number=number, **about))
         (observation, info), rng = env.reset(seed=seed), np.random.default_rng((seed, 1))
         (start,), foods, home = env.layout.starts, env.layout.foods, env.arena.home
-        rounds, wrong, astray, ties, conflicts, over = [0] * 10, [0] * 10, 0, 0, 0, False
+        rounds, wrong, astray, ties, conflicts, rewards, over = [0] * 10, [0] * 10, 0, 0, 0, 0.0, False
         while not over:
             tied = sum(votes for _, votes in imitator.neighbours(observation).votes)
             ties, conflicts = ties + (tied > 1), conflicts + (len(imitator.confidence_levels(observation)) > 1)
@@ -74,12 +75,14 @@ def test_row_of_a_recall_is_what_happened_in_the_episode() -> None:
             wrong[info["state"]] += action != right
             far = observation["robot_food_distance"][0] > Decisions().close_to_food
             astray += action == Behaviour.ORIENT_WITH_FOOD != right and far
-            observation, _, terminated, truncated, info = env.step(action)
-            over = terminated or truncated
+            observation, reward, terminated, truncated, info = env.step(action)
+            robot, rewards, over = env.view().robots[0], rewards + reward, terminated or truncated
+            assert (robot.executed, robot.correct) == (action, right)
         at_home = [math.dist(place[:2], home) < env.arena.home_radius for place in env.world.food_places()]
         objects = env.forager.food.objects
         delivered = tuple(at and food.type == FoodType.PICKABLE for at, food in zip(at_home, objects, strict=True))
         wanted = sum(food.known != FoodType.POISONOUS for food in objects)
+        assert rewards == pytest.approx(2 * sum(delivered) - sum(at_home) - sum(rounds) / 600)
         penalty = 0 if sum(delivered) == wanted else 5 if any(delivered) else 20
         assert asdict(rows[-1]) == about | {
             "arena": "rectangle",
@@ -150,26 +153,14 @@ def test_rows_of_a_training_are_what_happened_in_its_attempts() -> None:
 # ---------------------------------------------------------------- motors as actions
 
 
-class TeachersMotors:
-    """Commands the motors of the teacher's behaviours, which it reads from the environment."""
-
-    def __init__(self, env: WheelsEnv) -> None:
-        self.env = env
-
-    def act(self, observation: dict[str, Any], rng: np.random.Generator | None = None) -> NDArray[Any]:
-        forager = self.env.forager
-        motors = forager.motors_for(forager.correct_behaviour)
-        jaw = -1.0 if motors.jaw > JAW_OPEN / 2 else 1.0
-        return np.array((motors.left / MAX_SPEED, motors.right / MAX_SPEED, (235 - motors.arm) / 20, jaw))
-
-
 @pytest.mark.parametrize(("arena", "foods"), [("corridor", 1), ("rectangle", 2)])
 def test_recall_with_the_teachers_motors_delivers_all_food(arena: str, foods: int) -> None:
-    env = recall_wheels_env(arena)
-    calls: list[int] = []
-    row = recall_wheels(env, TeachersMotors(env), 1, callback=lambda: calls.append(1))
-    assert row == WheelsRecall(100.0, row.steps, foods, foods, 0, row.steps)
-    assert len(calls) == row.steps + 1 < env.limit
+    env, callback = recall_wheels_env(arena), MagicMock()
+    _, alone = teacher_alone(env, 1)
+    policy, steps = SimpleNamespace(act=MagicMock(side_effect=alone.actions)), len(alone.actions)
+    row = recall_wheels(env, policy, 1, callback=callback)
+    assert row == WheelsRecall(100.0, steps, foods, foods, 0, steps)
+    assert callback.call_count == steps + 1 < env.limit
 
 
 # ---------------------------------------------------------------- interrupts
@@ -192,9 +183,3 @@ def test_interrupt_while_the_file_is_opened_closes_and_deletes_it(
     assert [file.closed for file in opened] == [True]
     assert list(tmp_path.iterdir()) == []
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-
-
-def test_training_in_another_thread_writes_its_file(tmp_path: Path) -> None:
-    with ThreadPoolExecutor() as pool:
-        experience, _ = pool.submit(train, TrainingEnv(), 3, path=tmp_path / "g1.csv").result()
-    assert Experience.load(tmp_path / "g1.csv") == experience

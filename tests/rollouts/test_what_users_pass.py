@@ -2,7 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
 from typing import Any
+from unittest.mock import MagicMock
 
 import gymnasium as gym
 import numpy as np
@@ -11,19 +14,17 @@ import pytest
 
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.envs import paired_corridors_v1, paired_corridors_wheels_v1
-from khepera_forage.envs.arguments import set_up_of
+from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.noise import Noise
-from khepera_forage.policies import KNearestImitator, ModelPolicy, NearestNeighbourImitator, Neighbours, Teacher
+from khepera_forage.policies import KNearestImitator, ModelPolicy, NearestNeighbourImitator, Teacher, state_vector_of
 from khepera_forage.policies.classifiers import tree
 from khepera_forage.rollouts.dagger import dagger
 from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels, recall_wheels_env
 from khepera_forage.rollouts.training import train
-from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.task.decisions import Decisions
 
 NAME = "khepera_forage/Corridor-v1"
-SET_UP = set_up_of(Decisions())
 
 
 @pytest.mark.parametrize("backend", ["pymunk", "compiled"])
@@ -36,7 +37,10 @@ def test_recall_takes_what_make_returns(backend: str) -> None:
 
 @pytest.mark.parametrize(
     "given",
-    [{"decisions": Decisions(next_to_food=22)}, {"arena": replace(named_arena("corridor", SET_UP), home_radius=60.0)}],
+    [
+        {"decisions": Decisions(next_to_food=22)},
+        {"arena": replace(checked_arena("corridor", Decisions()), home_radius=60.0)},
+    ],
 )
 def test_teacher_learns_what_it_needs_of_the_environment(given: Any) -> None:
     env: Any = gym.make(NAME, noise="none", **given).unwrapped
@@ -49,28 +53,17 @@ def test_teacher_learns_what_it_needs_of_the_environment(given: Any) -> None:
     assert train(paired, 1, teacher=Teacher())[0] == train(paired, 1)[0]
 
 
-def test_imitators_learn_the_diagonal_of_the_arena() -> None:
-    used = set()
-
-    class Spy(NearestNeighbourImitator):
-        def neighbours(self, observation: Any) -> Neighbours:
-            used.add(self.diagonal)
-            return super().neighbours(observation)
-
-    class SpyOfAnother(KNearestImitator):
-        def predict_proba(self, X: Any) -> Any:
-            used.add(self.diagonal)
-            return super().predict_proba(X)
-
-    vectors, behaviours = train(TrainingEnv(), 1)[0].arrays()
-    for kind in (Spy, SpyOfAnother):
-        used.clear()
-        for diagonal in (None, 138):
-            imitator: Any = kind(diagonal=diagonal).fit(vectors, behaviours)
-            recall(recall_env("rectangle", limit=10), imitator, seed=0)
-        assert used == {177, 138}
-    given = NearestNeighbourImitator().fit(vectors, behaviours)
-    assert given.predict_proba(vectors).tolist() == given.set_params(diagonal=138).predict_proba(vectors).tolist()
+@pytest.mark.parametrize("kind", [NearestNeighbourImitator, partial(KNearestImitator, 1)])
+def test_imitators_learn_the_diagonal_of_the_arena(kind: Any) -> None:
+    """Which of two vectors is nearer depends on it: one differs by 11 positions of the arm, one by 30 pixels."""
+    env = recall_env("rectangle", limit=1)
+    vector = state_vector_of(env.reset(seed=0)[0])
+    food = vector.robot_food_distance - 30
+    vectors = [vector._replace(arms_height=226), vector._replace(robot_food_distance=food)]
+    imitators = [kind(diagonal=one).fit(vectors, [0, 7]) for one in (None, 177, 138)]
+    assert [recall(env, imitator, seed=0).correct for imitator in imitators] == [0, 0, 1]
+    levels = [kind(diagonal=one).fit(vectors, [0, 7]).predict([vector]) for one in (None, 138)]
+    assert levels == [[0], [0]], "without an environment, that of the corridor"
 
 
 def test_train_takes_a_number_as_seed_and_a_wrapped_environment() -> None:
@@ -84,22 +77,14 @@ def test_train_takes_a_number_as_seed_and_a_wrapped_environment() -> None:
 
 
 @pytest.mark.parametrize("backend", ["pymunk", "compiled"])
-def test_noise_has_names(backend: str) -> None:
-    shown = []
-    for noise in ("none", Noise.none(), "laboratory", None, Noise.laboratory()):
-        env = gym.make(NAME, backend=backend, noise=noise)
-        env.reset(seed=2)
-        for _ in range(5):
-            _, _, _, _, info = env.step(0)
-        shown.append((info["pose"].tolist(), info["steps"]))
-    assert shown[0] == shown[1] != shown[2] == shown[3] == shown[4]
-
-
-@pytest.mark.parametrize(("noise", "name"), [("none", "none"), (None, "laboratory"), (Noise(wheel_slip=0.1), "other")])
-def test_rows_name_the_noise_of_the_environment(noise: Noise | str | None, name: str) -> None:
-    _, attempts = train(TrainingEnv(noise=noise), 1)
+@pytest.mark.parametrize(
+    ("noise", "name"),
+    [("none", "none"), ("laboratory", "laboratory"), (None, "laboratory"), (Noise(wheel_slip=0.1), "other")],
+)
+def test_rows_name_the_noise_of_the_environment(noise: Noise | str | None, name: str, backend: str) -> None:
+    _, attempts = train(TrainingEnv(noise=noise, backend=backend), 1)
     assert {row.noise for row in attempts} == {name}
-    alone = recall_env("corridor", noise, limit=1)
+    alone = recall_env("corridor", noise, limit=1, backend=backend)
     assert recall(alone, Teacher(), 1).noise == name
     assert recall(alone, Teacher(), 1, noise="of my own").noise == "of my own"
 
@@ -120,39 +105,20 @@ class Fixed:
         return self.action, None
 
 
-class Interrupted(Fixed):
-    """Whose user presses Ctrl-C in the fourth round."""
-
-    rounds = 0
-
-    def act(self, observation: Any, rng: Any = None) -> Any:
-        self.rounds += 1
-        if self.rounds == 4:
-            raise KeyboardInterrupt
-        return self.action
-
-
-class OnlyObserves(Fixed):
-    """Decides by the observation alone."""
-
-    def act(self, observation: Any) -> Any:  # type: ignore[override]
-        return self.action
-
-
 def test_recall_takes_an_agent_without_rng_and_a_seed_of_numpy() -> None:
-    env = recall_env("corridor", limit=5)
-    assert recall(env, OnlyObserves(np.array([3])), seed=TWO) == recall(env, Fixed(3), seed=2)
+    env, observes = recall_env("corridor", limit=5), SimpleNamespace(act=lambda observation: np.array([3]))
+    assert recall(env, observes, seed=TWO) == recall(env, Fixed(3), seed=2)
     wheels = recall_wheels_env("corridor", limit=5)
     assert recall_wheels(wheels, Fixed(np.zeros(4)), TWO) == recall_wheels(wheels, Fixed(np.zeros(4)), 2)
 
 
 def test_robot_stops_after_an_interrupt_of_its_policy() -> None:
-    for run, env, action in (
-        (recall, recall_env("corridor", noise="none"), 0),
-        (recall_wheels, recall_wheels_env("corridor", noise="none"), np.ones(4)),
-    ):
+    runs: list[tuple[Any, Any, Any]] = [(recall, recall_env, 0), (recall_wheels, recall_wheels_env, np.ones(4))]
+    for run, make, action in runs:
+        env = make("corridor", noise="none")
+        policy = SimpleNamespace(act=MagicMock(side_effect=[action] * 3 + [KeyboardInterrupt]))
         with pytest.raises(KeyboardInterrupt):
-            run(env, Interrupted(action), 1)
+            run(env, policy, 1)
         before = env.world.robots[0].sense()
         env.world.advance()
         assert env.world.robots[0].sense()[1:3] == before[1:3]
