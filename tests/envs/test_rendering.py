@@ -196,13 +196,6 @@ def test_gif_has_the_frames(screen: Screen, tmp_path: Path) -> None:
             assert (error.max(axis=2) > 60).mean() < 0.001
 
 
-def test_other_endings_and_folders_are_named(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"film is 'film.mov'; allowed: a name that ends in .gif, .mp4, .avi"):
-        save_film([FRAME], "film.mov", 10.0)
-    with pytest.raises(OSError, match="nowhere"):
-        save_film([FRAME], tmp_path / "nowhere" / "film.mp4", 10.0)
-
-
 FRAME = np.zeros((4, 4, 3), np.uint8)
 
 
@@ -218,7 +211,7 @@ FRAME = np.zeros((4, 4, 3), np.uint8)
         ([None], "NoneType"),
     ],
 )
-def test_invalid_frames_are_refused_and_the_old_file_is_kept(
+def test_invalid_frames_endings_and_folders_are_named_and_the_old_file_is_kept(
     tmp_path: Path, frames: list[NDArray[np.uint8]], words: str
 ) -> None:
     (tmp_path / "animation.gif").write_text("old")
@@ -226,5 +219,9 @@ def test_invalid_frames_are_refused_and_the_old_file_is_kept(
         save_film(frames, tmp_path / "animation.gif", fps=10)
     with pytest.raises(ValueError, match="fps"):
         save_film([FRAME], tmp_path / "animation.gif", fps=0)
+    with pytest.raises(ValueError, match=r"film is 'film.mov'; allowed: a name that ends in .gif, .mp4, .avi"):
+        save_film([FRAME], "film.mov", 10.0)
+    with pytest.raises(OSError, match="nowhere"):
+        save_film([FRAME], tmp_path / "nowhere" / "film.mp4", 10.0)
     assert (tmp_path / "animation.gif").read_text() == "old"
     assert len(list(tmp_path.iterdir())) == 1
