@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from khepera_forage.noise import Noise
 from khepera_forage.policies import Listener, Teacher
 from khepera_forage.robots.khepera import applicable
 from khepera_forage.rollouts.raw_episodes import encoded_motors
-from khepera_forage.rollouts.training import IncompleteTrainingError, train
+from khepera_forage.rollouts.training import IncompleteTrainingError, attempt, train
 from khepera_forage.sim.arena import Pose
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour
@@ -135,6 +136,20 @@ def test_pause_and_resume_puts_the_learner_beside_the_teacher() -> None:
     assert env.terminations[TEACHER], "training continues and is completed"
     with pytest.raises(ValueError, match=r"teacher_0.*learner_0"):
         env.resume_beside(TEACHER)
+
+
+@pytest.mark.parametrize("resume", [False, True])
+def test_resume_goes_on_where_a_separation_would_end_the_attempt(resume: bool) -> None:
+    decisions = Decisions(no_food_distance="diagonal of the arena")  # a learner behind the teacher can leave the home
+    env, rounds = TrainingEnv(noise=QUIET, patience=4, decisions=decisions), count(1)
+
+    def separate() -> None:
+        if next(rounds) == 5:
+            put_learner(env, 200.0)
+
+    done = attempt(env, 0, lambda *_: None, resume, separate)
+    assert (done.complete, done.resumed, done.separations) == (resume, int(resume), 1)
+    assert done.reason == ("" if resume else "separated")
 
 
 def test_following_corrects_a_learner_whose_wheels_differ() -> None:
