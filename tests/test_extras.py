@@ -13,6 +13,7 @@ from khepera_forage.cli.main import main
 from khepera_forage.extras import EXTRAS, MissingExtraError, require
 from tests.wheel.building import IMPORTS, PIP, ROOT, built_wheel
 
+WITHOUT_OPENCV = ("calibration", "overlay", "tracker", "tracker_settings", "video")
 MODULES = [module for modules in EXTRAS.values() for module in modules]
 
 
@@ -109,3 +110,4 @@ def test_every_module_of_the_wheel_imports_or_says_what_to_install(wheel: Path, 
     assert 0 < len(refused) < 60
     for line in refused:
         assert "pip install 'khepera-forage[" in line or any(name in line for name in ("pygame", "cv2", "toio")), line
+        assert not line.startswith(tuple(f"khepera_forage.vision.{name} " for name in WITHOUT_OPENCV)), line

@@ -2,19 +2,15 @@
 
 import itertools
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
+from khepera_forage.vision.rendering import FrameRenderer
 from khepera_forage.vision.scene import Truth
 from khepera_forage.vision.shapes import MARKER_FRAME, MARKER_HOLES
-from tests.vision.scene_renderer import COLUMN, LABORATORY, NONE, PAIR, ROW, Frame, render_frame, render_frames
-
-Floats = NDArray[np.float64]
+from tests.vision.scene_renderer import LABORATORY, NONE, PAIR, Frame, render_frame, render_frames
 
 
 def grey_at(frame: Frame, x: float, y: float) -> int:
@@ -32,14 +28,6 @@ def test_parts_of_a_robot_are_at_their_places() -> None:
     assert all(level < 95 for level in finger), "the fingers stick out"
     assert grey_at(frame, 1071, 1000) == NONE.floor, "between the fingers is floor"
     assert grey_at(frame, 1100, 1000) == NONE.floor
-
-
-def test_food_under_a_marker_is_hidden() -> None:
-    marker = ((1000.0, 1000.0, 0.7, 2),)
-    bare = render_frame(Truth(marker, ()))
-    assert np.array_equal(bare, render_frame(Truth(marker, ((1010.0, 995.0),))))
-    # Food in the gripper is partly ahead of the marker.
-    assert (bare != render_frame(Truth(marker, ((1000 + 56 * 0.77, 1000 + 56 * 0.64),)))).any()
 
 
 def test_objects_at_the_border_are_cut_off() -> None:
@@ -103,51 +91,27 @@ def test_light_falls_off_to_the_corners_and_drifts() -> None:
     assert max(abs(b - a) for a, b in itertools.pairwise(levels)) < 1.0, "slowly"
 
 
-TO_THE_LEFT = Truth(((500.0, 1000.0, 0.3, 2),), ())
-ANCHOR = (2000.0, 1000.0)
+def test_cable_runs_from_anchor_to_robot_over_all_but_its_own_marker() -> None:
+    truth = Truth(((500.0, 1000.0, 0.0, 1), (1200.0, 1000.0, math.pi / 2, 2)), ((900.0, 1000.0),))
+    straight = replace(NONE, cable_width=5.0, cable_sag=0.0, cable_sway=0.0)
+    frame, bare = (render_frame(truth, appearance, anchor=(2000.0, 1000.0)) for appearance in (straight, NONE))
+    assert np.array_equal(bare, render_frame(truth, NONE))
+    # It covers about half of each pixel, from the anchor over the other robot and the food to the marker's frame.
+    assert (frame[279, 114:399] != bare[279, 114:399]).all()
+    assert min(frame[279, 180], frame[279, 235]) < 200 < bare[279, [180, 235]].min(), "white"
+    assert np.array_equal(frame[:, :112], bare[:, :112]), "its own marker is clear"
+    assert np.array_equal(frame[:, 402:], bare[:, 402:]), "beyond the anchor"
 
 
-def with_cables(appearance: CameraAppearance, frames: int = 1) -> Iterator[tuple[Frame, list[Floats]]]:
-    """Frames, and the cables in each, in pixels."""
-    renderer = FrameRenderer(lambda: TO_THE_LEFT, appearance, ANCHOR)
-    assert renderer.cables == []
+def test_cables_sag_and_sway_slowly() -> None:
+    renderer = FrameRenderer(lambda: PAIR, replace(NONE, cable_width=4.0), (2000.0, 1000.0))
     renderer.reset(np.random.default_rng(0))
-    for _ in range(frames):
-        yield renderer.frame(), renderer.cables
-
-
-def test_cable_runs_from_anchor_to_robot_but_not_over_its_marker() -> None:
-    ((frame, (curve,)),) = with_cables(replace(NONE, cable_width=4.0))
-    assert curve[0] == pytest.approx((400, 200)), "at the anchor"
-    assert curve[-1] == pytest.approx((100, 200)), "under the marker"
-    for x, y in curve[:-3]:
-        assert frame[479 - int(y), int(x)] < NONE.floor - 5
-    bare = render_frame(TO_THE_LEFT, NONE)
-    x, y = COLUMN - 100, 480 - ROW - 200
-    ahead, aside = x * math.cos(0.3) + y * math.sin(0.3), y * math.cos(0.3) - x * math.sin(0.3)
-    own = (np.abs(ahead) < 12) & (np.abs(aside) < 8)
-    assert np.array_equal(frame[own], bare[own]), "its own marker is clear"
-    changed = np.argwhere(frame != bare)
-    assert np.hypot(*(changed - (280, 100)).T).min() < 16, "up to the marker's rim"
-    ((frame, cables),) = with_cables(NONE)
-    assert cables == []
-    assert np.array_equal(frame, bare)
-
-
-def test_cables_sway_slowly() -> None:
-    frames = with_cables(replace(NONE, cable_width=4.0), 100)
-    heights = [float(curve[len(curve) // 2, 1]) for _, (curve,) in frames]
+    heights = []
+    for _ in range(100):
+        renderer.frame()
+        curve = renderer.cables[0]
+        heights.append(float(curve[len(curve) // 2, 1]))
+    assert (curve[0].tolist(), curve[-1].tolist()) == ([400, 200], [80, 60])
     assert max(heights) - min(heights) > 3
     assert max(abs(b - a) for a, b in itertools.pairwise(heights)) < 1.5
-    assert abs(np.mean(heights) - 200) > 5, "sag to one side"
-
-
-def test_cable_covers_other_markers_and_food() -> None:
-    appearance = replace(NONE, cable_width=5.0, cable_sag=0.0, cable_sway=0.0)
-    truth = Truth(((500.0, 1000.0, 0.0, 1), (1200.0, 1000.0, math.pi / 2, 2)), ((900.0, 1000.0),))
-    frame = render_frame(truth, appearance, anchor=(2000.0, 1000.0))
-    # The cable covers about half of a pixel.
-    assert frame[280:282, 180].min() < 200, "over the food"
-    assert frame[278:282, 235].min() < 200, "over the other robot's marker"
-    across = [grey_at(frame, 1200, y) for y in range(970, 1035, 5)]
-    assert min(across) < 200 < max(across)
+    assert abs(np.mean(heights) - 130) > 5

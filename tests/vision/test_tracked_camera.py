@@ -1,6 +1,5 @@
 """The tracked camera, and a scene drawn over its frame."""
 
-import subprocess
 import sys
 from dataclasses import replace
 
@@ -11,6 +10,7 @@ from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.overlay import caption, draw_scene
 from khepera_forage.vision.scene import Camera, Region, Scene
 from khepera_forage.vision.tracker import TrackedCamera, Tracker
+from khepera_forage.vision.video import VideoSource
 from tests.vision.scene_renderer import LABORATORY, Frame, SceneRenderer
 
 MARKERS = ((500.0, 500.0, 1.0, 1), (1500.0, 900.0, 2.0, 2))
@@ -32,28 +32,21 @@ class RenderedSource:
         self.closed += 1
 
 
-def test_look_takes_no_frame_and_expose_takes_one() -> None:
+def test_look_takes_no_frame_expose_takes_one_and_reset_forgets_the_tracks() -> None:
     source = RenderedSource()
     camera = TrackedCamera(source, Tracker())
     as_camera: Camera = camera
     assert as_camera.look() == Scene(())
     camera.reset()
-    assert source.calls == 1
     scene = camera.look()
     assert camera.look() is scene
+    assert source.calls == 1
     assert sorted(r.holes for r in scene.regions) == [0, 0, 1, 2]
-    camera.expose()
-    assert source.calls == 2
-    assert [r.label for r in camera.look().regions] == [r.label for r in scene.regions]
-
-
-def test_reset_forgets_the_tracks() -> None:
-    source = RenderedSource()
-    camera = TrackedCamera(source, Tracker())
-    camera.reset()
     source.foods = ((2500.0, 2000.0),)  # type: ignore[assignment] # another number of foods
-    for _ in range(2):
+    for calls in (2, 3):
         camera.expose()
+        assert source.calls == calls
+    assert sorted(r.label for r in camera.look().regions if r.holes) == [r.label for r in scene.regions if r.holes]
     assert max(r.label for r in camera.look().regions) == 4
     camera.reset()
     assert sorted(r.label for r in camera.look().regions) == [0, 1, 2]
@@ -82,15 +75,11 @@ def test_overlay_draws_regions_at_their_places() -> None:
     assert picture.shape == (480, 640, 3)
     assert picture.dtype == np.uint8
     changed = (picture != frame[:, :, None]).any(axis=2)
-    for x, y in FOODS:
+    spots = [(*food, 1, 6, 15) for food in FOODS] + [(x, y, 0, 16, 50) for x, y, *_ in MARKERS]
+    for x, y, colour, reach, least in spots:
         column, row = int(x / 5), int(480 - y / 5)
-        spot = picture[row - 6 : row + 7, column - 6 : column + 7].astype(int)
-        assert (spot[:, :, 1] > spot[:, :, 0] + 50).sum() > 15
-        changed[row - 20 : row + 20, column - 20 : column + 60] = False
-    for x, y, *_ in MARKERS:
-        column, row = int(x / 5), int(480 - y / 5)
-        spot = picture[row - 16 : row + 17, column - 16 : column + 17].astype(int)
-        assert (spot[:, :, 0] > spot[:, :, 1] + 50).sum() > 50
+        spot = picture[row - reach : row + reach + 1, column - reach : column + reach + 1].astype(int)
+        assert (spot[:, :, colour] > spot[:, :, 1 - colour] + 50).sum() > least
         changed[row - 40 : row + 40, column - 40 : column + 70] = False
     assert not changed.any()
     lost = Scene(tuple(r._replace(found=False) for r in scene.regions))
@@ -123,20 +112,8 @@ def test_overlay_refuses_other_frames() -> None:
         draw_scene(np.zeros((2, 2, 2, 2), np.uint8), Scene(()))
 
 
-def test_missing_opencv_is_reported_with_what_to_install() -> None:
-    program = (
-        "import sys; sys.modules['cv2'] = None\n"
-        "import khepera_forage\n"
-        "from khepera_forage.vision import calibration, overlay, video\n"
-        "from khepera_forage.vision.tracker import Tracker, TrackerSettings\n"
-        "TrackerSettings(); calibration.Calibration.identity()\n"
-        "for make in (Tracker, lambda: video.VideoSource(0), lambda: overlay.draw_scene(None, None)):\n"
-        "    try:\n"
-        "        make()\n"
-        "    except ImportError as error:\n"
-        "        print(error)\n"
-    )
-    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    lines = run.stdout.splitlines()
-    assert len(lines) == 3
-    assert all("pip install 'khepera-forage[camera]'" in line for line in lines)
+def test_missing_opencv_is_reported_with_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    for use in (Tracker, lambda: VideoSource(0), lambda: draw_scene(np.zeros((9, 9), np.uint8), Scene(()))):
+        with pytest.raises(ImportError, match=r"pip install 'khepera-forage\[camera\]'"):
+            use()

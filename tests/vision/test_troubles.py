@@ -31,13 +31,9 @@ Trouble = Callable[..., Frame]
 
 def brightened(picture: Frame, x: float, y: float, amplitude: float, size: float) -> Frame:
     """The picture with the reflection of a lamp: a Gaussian of some pixels around a place in mm."""
-    bright, reach = picture.copy(), 6 * size
-    left, right = (int(min(max(x / 5 + side * reach, 0), 640)) for side in (-1, 1))
-    top, bottom = (int(min(max(480 - y / 5 + side * reach, 0), 480)) for side in (-1, 1))
-    near = slice(top, bottom), slice(left, right)
-    squares = (COLUMN[near] - x / 5) ** 2 + (480 - ROW[near] - y / 5) ** 2
-    bright[near] = (picture[near] + amplitude * np.exp(-squares / (2 * size**2))).clip(0, 255)
-    return bright
+    across, down = COLUMN[0] - x / 5, ROW[:, 0] - 480 + y / 5
+    spot = np.outer(np.exp(-((down / size) ** 2) / 2), np.exp(-((across / size) ** 2) / 2))
+    return (picture + amplitude * spot).clip(0, 255).astype(np.uint8)
 
 
 def glare(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
@@ -49,41 +45,30 @@ def glare(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     return brightened(picture, x, y, rng.uniform(120, 250), size)
 
 
-def _beyond(marker: Marker, angle: float, distance: float) -> NDArray[np.float64]:
-    """For each pixel, by how many pixels it lies beyond a line at a distance (mm) from a marker's middle."""
-    beyond: NDArray[np.float64] = (
-        (COLUMN - marker[0] / 5) * math.cos(angle) + (480 - ROW - marker[1] / 5) * math.sin(angle) - distance / 5
-    )
-    return beyond
-
-
-def _distance_for(share: float, turn: float) -> float:
-    """Distance in mm from the middle of a line that cuts a share off a marker, at an angle to its axis."""
+def part(marker: Marker, rng: np.random.Generator, least: float, most: float) -> NDArray[np.float64]:
+    """For each pixel, its share beyond a line that cuts a share between `least` and `most` off a marker."""
+    turn = rng.uniform(-math.pi, math.pi)
     x, y = np.mgrid[-60:61:2, -40:41:2]
-    return float(np.quantile(x * math.cos(turn) + y * math.sin(turn), 1 - share))
+    distance = np.quantile(x * math.cos(turn) + y * math.sin(turn), 1 - rng.uniform(least, most))
+    across, up = COLUMN - marker[0] / 5, 480 - ROW - marker[1] / 5
+    angle = marker[2] + turn
+    beyond: NDArray[np.float64] = across * math.cos(angle) + up * math.sin(angle) - distance / 5
+    return (beyond + 0.5).clip(0, 1)
 
 
 def cover(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     """A cover of the floor's colour over 20 to 30 % of a marker."""
-    turn = rng.uniform(-math.pi, math.pi)
-    beyond = _beyond(marker, marker[2] + turn, _distance_for(rng.uniform(0.2, 0.3), turn))
-    near = np.hypot(COLUMN - marker[0] / 5, 480 - ROW - marker[1] / 5) < 25
-    share = (beyond + 0.5).clip(0, 1) * near
-    covered: Frame = (picture * (1 - share) + 105 * share).astype(np.uint8)
-    return covered
+    share = part(marker, rng, 0.2, 0.3)
+    return (picture * (1 - share) + 105 * share).astype(np.uint8)
 
 
 def shadow(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     """The hard edge of a shadow over a marker."""
-    turn, factor = rng.uniform(-math.pi, math.pi), rng.uniform(0.3, 0.8)
-    beyond = _beyond(marker, marker[2] + turn, _distance_for(rng.uniform(0.1, 0.9), turn))
-    dim: Frame = (picture * (1 - (1 - factor) * (beyond + 0.5).clip(0, 1))).astype(np.uint8)
-    return dim
+    return (picture * (1 - rng.uniform(0.2, 0.7) * part(marker, rng, 0.1, 0.9))).astype(np.uint8)
 
 
 def two_cables(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     """Two cables of 4 to 12 mm over one marker."""
-    picture = picture.copy()
     for _ in range(2):
         turn = rng.uniform(0, math.pi)
         along = np.array((math.cos(turn), math.sin(turn)))
@@ -96,18 +81,12 @@ def two_cables(picture: Frame, marker: Marker, rng: np.random.Generator) -> Fram
 
 def hand(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     """A hand near or over the marker: an arm of skin and five fingers."""
-    picture = picture.copy()
-    turn = rng.uniform(-math.pi, math.pi)
     x, y = marker[0] / 5 + rng.uniform(-40, 40), 480 - marker[1] / 5 + rng.uniform(-40, 40)
-    skin = int(rng.integers(95, 170))
-    middle = (int(x + 18 * math.cos(turn)), int(y + 18 * math.sin(turn)))
-    far = (int(x + 200 * math.cos(turn)), int(y + 200 * math.sin(turn)))
-    cv2.line(picture, middle, far, skin, 14, cv2.LINE_AA)
-    cv2.circle(picture, middle, 10, skin, cv2.FILLED, cv2.LINE_AA)
-    for finger in range(5):
-        angle = turn + math.pi + (finger - 2) * 0.35
-        end = (int(middle[0] + 24 * math.cos(angle)), int(middle[1] + 24 * math.sin(angle)))
-        cv2.line(picture, middle, end, skin, 4, cv2.LINE_AA)
+    turn, skin = rng.uniform(-math.pi, math.pi), int(rng.integers(95, 170))
+    fingers = [(turn + math.pi + 0.35 * finger, 24, 4) for finger in range(-2, 3)]
+    for angle, length, width in ((turn, 200, 18), *fingers):
+        end = int(x + length * math.cos(angle)), int(y + length * math.sin(angle))
+        cv2.line(picture, (int(x), int(y)), end, skin, width, cv2.LINE_AA)
     return picture
 
 
@@ -117,10 +96,10 @@ def hand(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
         (None, LABORATORY, 24),
         (glare, LABORATORY, 0),
         (glare, replace(LABORATORY, white=255.0, floor=150.0), 0),
-        (cover, LABORATORY, 4),
-        (shadow, LABORATORY, 2),
-        (two_cables, LABORATORY, 17),
-        (hand, LABORATORY, 12),
+        (cover, LABORATORY, 5),
+        (shadow, LABORATORY, 6),
+        (two_cables, LABORATORY, 20),
+        (hand, LABORATORY, 15),
         (None, replace(LABORATORY, black=130.0, white=215.0), 24),
     ],
 )
@@ -224,25 +203,22 @@ def test_reflection_on_the_floor_is_not_food(size: float) -> None:
     assert phantoms <= 1
 
 
-@pytest.mark.parametrize("size", [4.8, 5.0, 5.2])
-def test_saturated_reflection_in_the_first_frame_is_no_robot(size: float) -> None:
-    """No marker has shown yet how bright white is."""
-    renderer = SceneRenderer(seed=5)
-    floor = renderer.frame(())
-    for _ in range(40):
-        x, y, amplitude = renderer.rng.uniform((300, 300, 340), (2900, 2100, 380)).tolist()
-        found = Tracker().detect(brightened(floor, x, y, amplitude, size))
-        assert [d for d in found if d.holes] == [], (x, y, amplitude)
-
-
-@pytest.mark.parametrize("size", [4.5, 6.0])
-def test_reflection_on_the_floor_is_no_robot(size: float) -> None:
+@pytest.mark.parametrize(
+    ("markers", "size", "least", "most"),
+    [
+        *(((), size, 340.0, 380.0) for size in (4.8, 5.0, 5.2)),
+        *((((600.0, 800.0, 1.0, 2),), size, 200.0, 500.0) for size in (4.5, 6.0)),
+    ],
+)
+def test_reflection_on_the_floor_is_no_robot(
+    markers: tuple[Marker, ...], size: float, least: float, most: float
+) -> None:
+    """Also where no marker has shown yet how bright white is."""
     renderer, tracker = SceneRenderer(seed=5), Tracker()
-    marker = (600.0, 800.0, 1.0, 2)
     for _ in range(40):
-        x, y, amplitude = renderer.rng.uniform((1000, 400, 200), (2800, 2000, 500)).tolist()
-        found = tracker.detect(brightened(renderer.frame((marker,)), x, y, amplitude, size))
-        assert [d.holes for d in found if d.holes] == [2], (x, y, amplitude)
+        x, y, amplitude = renderer.rng.uniform((1000, 400, least), (2800, 2000, most)).tolist()
+        found = tracker.detect(brightened(renderer.frame(markers), x, y, amplitude, size))
+        assert [d.holes for d in found if d.holes] == [holes for *_, holes in markers], (x, y, amplitude)
 
 
 @pytest.mark.parametrize("size", [2.0, 3.0, 4.0, 8.0, 14.0])
@@ -258,20 +234,37 @@ def test_food_under_a_reflection_is_found_or_a_warning_names_the_cause(size: flo
 
 
 WALLS = ((500.0, 500.0, 2700.0, 500.0), (500.0, 500.0, 500.0, 1900.0), (500.0, 1900.0, 2700.0, 1900.0))
+Walls = tuple[tuple[float, float, float, float], ...]
+
+
+def wall(turn: float) -> Walls:
+    cos, sin = math.cos(turn), math.sin(turn)
+    return ((1600 - 900 * cos, 1200 - 900 * sin, 1600 + 900 * cos, 1200 + 900 * sin),)
 
 
 @pytest.mark.parametrize("grey", [190.0, 225.0])
-@pytest.mark.parametrize("width", [10.0, 20.0, 60.0])
-def test_food_that_touches_one_of_three_bright_walls_is_found(width: float, grey: float) -> None:
-    renderer = SceneRenderer(replace(LABORATORY, wall=grey, wall_width=width), walls=WALLS, seed=5)
-    tracker = Tracker()
+@pytest.mark.parametrize(
+    ("walls", "width", "least"),
+    [
+        *((WALLS, width, 8) for width in (10.0, 20.0, 60.0)),
+        *((wall(turn), width, 7) for width, turn in ((10.0, 0.0), (20.0, 0.4), (50.0, 2.5), (120.0, 0.0))),
+    ],
+)
+def test_food_that_touches_a_bright_wall_is_found(walls: Walls, width: float, least: int, grey: float) -> None:
+    renderer = SceneRenderer(replace(LABORATORY, wall=grey, wall_width=width), walls=walls, seed=5)
+    tracker, found = Tracker(), 0
+    start, end = np.array(walls[0][:2]), np.array(walls[0][2:])
+    along = (end - start) / np.hypot(*(end - start))
     for _ in range(8):
-        x, above = renderer.rng.uniform((700, 0), (2600, 6)).tolist()
-        place = (x, 500 + width / 2 + 17.5 + above)
-        (food,) = tracker.detect(renderer.frame((), (place,)))
-        assert position_error(food, *place) < 1
-        assert tracker.detect(renderer.frame((), ())) == []
-        assert tracker.warnings == {}
+        where, gap = renderer.rng.uniform((-800, 0), (800, 8)).tolist()
+        aside = width / 2 + 17.5 + gap
+        x, y = (start + end) / 2 + where * along + aside * np.array((-along[1], along[0]))
+        detected = tracker.detect(renderer.frame((), ((x, y),)))
+        assert all(position_error(food, x, y) < 0.5 for food in detected)
+        found += len(detected)
+    assert found >= least
+    assert tracker.detect(renderer.frame((), ())) == []
+    assert bool(tracker.warnings) is (width > 80)
 
 
 @pytest.mark.parametrize("grey", [190.0, 225.0])
@@ -286,20 +279,3 @@ def test_food_in_the_corner_of_wide_bright_walls_is_found_or_a_warning_names_the
         found = tracker.detect(renderer.frame((), (tuple(place),)))
         if not any(position_error(food, *place) < 1 for food in found):
             assert tracker.warnings["bright area"].startswith("the area around (")
-
-
-@pytest.mark.parametrize("grey", [190.0, 225.0])
-@pytest.mark.parametrize(("width", "turn"), [(10.0, 0.0), (20.0, 0.4), (50.0, 2.5), (120.0, 0.0)])
-def test_food_that_touches_a_bright_wall_is_found(width: float, turn: float, grey: float) -> None:
-    cos, sin = math.cos(turn), math.sin(turn)
-    wall = (1600 - 900 * cos, 1200 - 900 * sin, 1600 + 900 * cos, 1200 + 900 * sin)
-    renderer = SceneRenderer(replace(LABORATORY, wall=grey, wall_width=width), walls=(wall,), seed=5)
-    tracker, found = Tracker(), 0
-    for _ in range(8):
-        along, gap = renderer.rng.uniform((-800, 1), (800, 8)).tolist()
-        aside = width / 2 + 17.5 + gap
-        place = (1600 + along * cos - aside * sin, 1200 + along * sin + aside * cos)
-        detected = tracker.detect(renderer.frame((), (place,)))
-        assert all(position_error(food, *place) < 0.5 for food in detected)
-        found += len(detected)
-    assert found >= 7

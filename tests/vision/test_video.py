@@ -57,7 +57,7 @@ def test_video_file_plays_at_its_own_speed(tmp_path: Path) -> None:
         assert 4 <= later - first <= 4 * (20 * passed + 2)
 
 
-def test_end_of_a_video_is_reported(tmp_path: Path) -> None:
+def test_end_of_a_video_is_reported_and_use_after_close_is_refused(tmp_path: Path) -> None:
     with VideoSource(video(tmp_path / "short.avi", [80, 90, 100], 30)) as source:
         error = lost_after(source, 10.0)
         assert "short.avi: the video has ended" in str(error)
@@ -65,11 +65,6 @@ def test_end_of_a_video_is_reported(tmp_path: Path) -> None:
         assert error.age > 0
         with pytest.raises(CameraLost, match="video has ended"):
             source.newest()
-
-
-def test_close_twice_is_allowed_and_use_after_close_is_refused(tmp_path: Path) -> None:
-    source = VideoSource(video(tmp_path / "video.avi", [100] * 50, 25))
-    source.close()
     source.close()
     with pytest.raises(ValueError, match="closed"):
         source.newest()
@@ -94,13 +89,6 @@ def test_frames_are_scaled_to_a_size_that_is_given_and_otherwise_delivered_as_th
         assert abs(int(middle[int(0.16 * across)]) - 100) <= 4
 
 
-def test_frames_of_another_aspect_ratio_are_refused(tmp_path: Path) -> None:
-    path = video(tmp_path / "wide.avi", [100] * 5, 10, 848, 480)
-    with pytest.raises(ValueError, match=r"wide\.avi has frames of 848 x 480; allowed: 640 x 480"):
-        VideoSource(path, settings=VideoSettings(size=(640, 480)))
-    assert threads() == []
-
-
 def test_file_that_is_not_paced_gives_every_frame(tmp_path: Path) -> None:
     greys = list(range(40, 240, 10))
     with VideoSource(video(tmp_path / "video.avi", greys, 5), paced=False) as source:
@@ -113,13 +101,6 @@ def test_file_that_is_not_paced_gives_every_frame(tmp_path: Path) -> None:
     assert threads() == []
 
 
-def test_file_without_frames_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "empty.avi"
-    cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 5, (640, 480)).release()
-    with pytest.raises(CameraLost, match=r"empty\.avi: (it has no frames|cannot be opened)"):
-        VideoSource(path)
-
-
 @pytest.mark.parametrize("settings", [{"size": (0, 480)}, {"size": (640,)}, {"rate": 0.0}])
 def test_impossible_settings_are_refused(settings: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=r"camera (size|rate) is .*; allowed"):
@@ -129,10 +110,16 @@ def test_impossible_settings_are_refused(settings: dict[str, Any]) -> None:
 def test_invalid_sources_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match=r"nowhere\.avi"):
         VideoSource(tmp_path / "nowhere.avi")
-    text = tmp_path / "text.avi"
+    text, empty, wide = (tmp_path / f"{name}.avi" for name in ("text", "empty", "wide"))
     text.write_text("not a video")
     with pytest.raises(CameraLost, match="cannot be opened; no frame ever came"):
         VideoSource(text)
+    cv2.VideoWriter(str(empty), cv2.VideoWriter.fourcc(*"MJPG"), 5, (640, 480)).release()
+    with pytest.raises(CameraLost, match=r"empty\.avi: (it has no frames|cannot be opened)"):
+        VideoSource(empty)
+    video(wide, [100] * 5, 10, 848, 480)
+    with pytest.raises(ValueError, match=r"wide\.avi has frames of 848 x 480; allowed: 640 x 480"):
+        VideoSource(wide, settings=VideoSettings(size=(640, 480)))
     with pytest.raises(CameraLost, match="camera 99: cannot be opened"):
         VideoSource("99")
     with pytest.raises(ValueError, match="timeout is 0"):
