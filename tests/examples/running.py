@@ -26,11 +26,11 @@ def run_example(name: str, folder: Path, *arguments: str) -> str:
     return finished.stdout
 
 
-def refused(name: str, folder: Path, *arguments: str, status: int = 2) -> str:
+def refused(name: str, folder: Path, *arguments: str) -> str:
     """The one line with which an example ends that cannot begin; in this process, which has imported most modules."""
     with mock.patch("sys.path", [str(EXAMPLES), *sys.path]), chdir(folder):
         ended, _, errors = run_file(EXAMPLES / f"{name}.py", *arguments)
-    assert ended == status
+    assert ended == 2
     assert errors.count("\n") == 1
     return errors
 

@@ -7,13 +7,13 @@ import pytest
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow
 from tests.benchmarks.running import is_picture
-from tests.examples.running import module_of, run_example
+from tests.examples.running import refused, run_example
 
 pytest.importorskip("matplotlib")
 FOODS = (("corridor", 1), ("rectangle", 2))
 
 
-def test_imitator_brings_food_home_in_both_arenas(tmp_path: Path) -> None:
+def test_imitator_brings_food_home_in_both_arenas_and_a_wrong_number_is_refused(tmp_path: Path) -> None:
     printed = run_example("imitation", tmp_path, "--replications", "1", "--recalls", "3", "--out", "out")
     rows = read_rows(tmp_path / "out" / "recalls.csv", RecallRow)
     assert [(row.arena, row.episodes) for row in rows[::3]] == [
@@ -26,10 +26,5 @@ def test_imitator_brings_food_home_in_both_arenas(tmp_path: Path) -> None:
     assert is_picture(tmp_path / "out" / "food.png")
     shares = [f"{100 * sum(row.delivered for row in trained if row.arena == a) / n / 3:.1f}" for a, n in FOODS]
     assert f"10 training episodes: corridor {shares[0]:>5}, rectangle {shares[1]:>5}" in printed
-
-
-def test_wrong_number_is_refused_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit, match=r"^2$"):
-        module_of("imitation").main(["--recalls", "0"])
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "--recalls: '0'; allowed: a whole number of at least 1" in line
+    message = "--recalls: '0'; allowed: a whole number of at least 1"
+    assert message in refused("imitation", tmp_path, "--recalls", "0")

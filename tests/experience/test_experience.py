@@ -3,9 +3,6 @@
 import contextlib
 import os
 import pickle
-import signal
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -89,7 +86,7 @@ def test_loading_several_files_joins_them(tmp_path: Path) -> None:
     assert repr(g123) == (f"<Experience: 6 vectors, arena='corridor', seed=None, episodes=3, decisions={text!r}>")
 
 
-def test_joining_two_arenas_is_an_error(tmp_path: Path) -> None:
+def test_joining_what_does_not_fit_is_an_error(tmp_path: Path) -> None:
     corridor, rectangle = Experience([SEARCH], [0]), Experience([SEARCH], [0], arena="rectangle")
     corridor.save(tmp_path / "c.csv")
     rectangle.save(tmp_path / "r.csv")
@@ -106,6 +103,8 @@ def test_joining_two_arenas_is_an_error(tmp_path: Path) -> None:
     assert corridor != rectangle
     with pytest.raises(TypeError, match="unsupported operand"):
         corridor + 1  # type: ignore[operator]
+    with pytest.raises(ExperienceError, match="2 vectors with 1 behaviours; allowed: equal numbers"):
+        Experience([SEARCH, HOME], [0])
 
 
 BAD_ROWS: list[tuple[Any, Any, str]] = [
@@ -168,10 +167,11 @@ def test_writer_replaces_a_file_only_with_overwrite(tmp_path: Path) -> None:
         writer.append(SEARCH, 0)
 
 
-def test_exception_leaves_the_file_incomplete(tmp_path: Path) -> None:
+def test_recording_that_an_exception_or_a_kill_ends_keeps_its_rows(tmp_path: Path) -> None:
     path = tmp_path / "g1.csv"
     with contextlib.suppress(KeyboardInterrupt), ExperienceWriter(path, "corridor", seed=3) as writer:
         writer.append(SEARCH, 0)
+        assert path.read_bytes().endswith(b"\n0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD\n"), "on disk when append returns"
         raise KeyboardInterrupt
     with pytest.raises(ExperienceError, match="1 complete rows, no incomplete line; --recover or recover=True"):
         Experience.load(path)
@@ -179,62 +179,28 @@ def test_exception_leaves_the_file_incomplete(tmp_path: Path) -> None:
         assert Experience.load(path, recover=True) == Experience([SEARCH], [0], seed=3)
 
 
-RECORDER = """
-import sys
-from khepera_forage.experience import ExperienceWriter
-writer = ExperienceWriter(sys.argv[1], "corridor", seed=1)
-for number in range(10**9):
-    writer.append((0, number % 1000, 0, 215, 28), number % 10)
-    print(number + 1, flush=True)
-"""
-
-
-def test_killed_recording_loses_at_most_its_last_line(tmp_path: Path) -> None:
-    path, lines = tmp_path / "g1.csv", 20
-    with subprocess.Popen([sys.executable, "-c", RECORDER, str(path)], stdout=subprocess.PIPE, text=True) as recorder:
-        assert recorder.stdout is not None
-        for _ in range(lines):
-            recorder.stdout.readline()
-        recorder.send_signal(signal.SIGKILL)
-        printed = [lines, *map(int, recorder.stdout.read().split("\n")[:-1])]
-    with pytest.raises(ExperienceError, match="recover=True"):
-        Experience.load(path)
-    with pytest.warns(ExperienceWarning, match="ends before its closing line"):
-        kept = Experience.load(path, recover=True)
-    # Every row whose append had returned is there; the row after it may be there too.
-    assert printed[-1] <= len(kept) <= printed[-1] + 1
-    assert list(kept) == [((0, n % 1000, 0, 215, 28), n % 10) for n in range(len(kept))]
-
-
-def test_loading_a_missing_file_is_an_error(tmp_path: Path) -> None:
+def test_loading_nothing_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match="no path to load"):
         Experience.load()
     with pytest.raises(FileNotFoundError, match=r"g1\.csv"):
         Experience.load(tmp_path / "g1.csv")
-
-
-def test_unequal_numbers_of_vectors_and_behaviours_are_an_error() -> None:
-    with pytest.raises(ExperienceError, match="2 vectors with 1 behaviours; allowed: equal numbers"):
-        Experience([SEARCH, HOME], [0])
+    with pytest.raises(ExperienceError, match="no experience to join; allowed: at least one"):
+        Experience.join([])
 
 
 OTHER = Decisions(next_to_food=17, separation=21)
 
 
-def test_files_of_different_decisions_are_joined_only_if_allowed(tmp_path: Path) -> None:
-    default, other = tmp_path / "default.csv", tmp_path / "other.csv"
-    Experience([SEARCH], [0], seed=1).save(default)
-    Experience([SEARCH] * 2, [0] * 2, seed=1, decisions=OTHER).save(other)
+def test_experience_of_different_decisions_is_joined_only_if_allowed_and_fits_no_environment(tmp_path: Path) -> None:
+    default, other, path = (tmp_path / f"{name}.csv" for name in ("default", "other", "mixed"))
+    parts = Experience([SEARCH], [0]), Experience([SEARCH] * 2, [0] * 2, decisions=OTHER)
+    parts[0].save(default)
+    parts[1].save(other)
     with pytest.raises(ExperienceError, match=r"other\.csv: recorded under other decisions: next_to_food is 17, not "):
         Experience.load(default, other)
-    joined = Experience.load(default, other, allow_other_decisions=True)
-    assert (len(joined), joined.decisions) == (3, None)
-
-
-def test_mixed_experience_stays_mixed_and_fits_no_environment(tmp_path: Path) -> None:
-    parts = Experience([SEARCH], [0]), Experience([SEARCH], [0], decisions=OTHER)
     mixed = Experience.join(parts, allow_other_decisions=True)
-    path = tmp_path / "mixed.csv"
+    assert (len(mixed), mixed.decisions) == (3, None)
+    assert Experience.load(default, other, allow_other_decisions=True) == mixed
     mixed.save(path)
     assert "# decisions: mixed\n" in path.read_text()
     assert Experience.load(path) == mixed
