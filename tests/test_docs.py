@@ -1,4 +1,4 @@
-"""The examples of the documentation run, its tables are up to date, and its links lead to files."""
+"""The examples of documentation and README run, their tables are up to date, and their links lead to files."""
 
 import argparse
 import re
@@ -22,7 +22,9 @@ from khepera_forage.policies.learners import LEARNERS
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
 
-DOCS = Path(__file__).parent.parent / "docs"
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = {path.relative_to(DOCS).as_posix(): path.read_text(encoding="utf-8") for path in sorted(DOCS.rglob("*.md"))}
 LEARNER_PAGE = PAGES["plug_in_a_learner.md"]
 INDEX = "index.md"
@@ -164,7 +166,7 @@ def test_environment_page_states_foods_and_limits(page: str) -> None:
 def test_extras_of_getting_started_page_are_all() -> None:
     rows = re.findall(r"^\| (`.*?`) \| .* \|$", PAGES["getting_started.md"], flags=re.MULTILINE)
     listed = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
-    declared = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert listed == declared["optional-dependencies"].keys() - {"dev"}
 
 
@@ -178,7 +180,7 @@ def test_learner_page_lists_all_learners() -> None:
     assert listed == set(LEARNERS)
 
 
-SCRIPTS = "|".join(path.stem for path in (DOCS.parent / "benchmarks").glob("*.py"))
+SCRIPTS = "|".join(path.stem for path in (ROOT / "benchmarks").glob("*.py"))
 """Pages also name scripts of earlier versions."""
 COMMANDS = [
     (page, command)
@@ -201,7 +203,7 @@ def test_command_of_page_and_its_options_exist(page: str, command: str, monkeypa
     program, *arguments = shlex.split(command, comments=True)
     run: Callable[[], object] = partial(main, arguments)
     if program == "python":
-        script = DOCS.parent / arguments[0]
+        script = ROOT / arguments[0]
         monkeypatch.syspath_prepend(script.parent)
         monkeypatch.setattr("sys.argv", [str(script), *arguments[1:]])
         run = partial(runpy.run_path, str(script), run_name="__main__")
@@ -209,9 +211,10 @@ def test_command_of_page_and_its_options_exist(page: str, command: str, monkeypa
         run()
 
 
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize("page", [*PAGES, "../README.md"])
 def test_links_lead_to_files_and_headings(page: str) -> None:
-    links = [link for link in re.findall(r"\]\(([^)]+)\)", PAGES[page]) if not link.startswith("http")]
+    text = (DOCS / page).read_text(encoding="utf-8")
+    links = [link for link in re.findall(r"\]\(([^)]+)\)", text) if not link.startswith("http")]
     for path, _, heading in (link.partition("#") for link in links):
         target = ((DOCS / page).parent / path).resolve() if path else DOCS / page
         assert target.exists(), path
@@ -225,15 +228,41 @@ def test_page_begins_with_what_its_reader_can_do(page: str) -> None:
     assert "\n\nAfter reading this page you can " in PAGES[page][:200], page
 
 
-def test_folders_of_the_package_are_in_the_architecture_page() -> None:
-    package = Path(khepera_forage.__file__).parent
-    folders = {path.parent.name for path in package.glob("*/__init__.py")}
+def test_architecture_page_has_all_folders_and_benchmarks() -> None:
+    folders = {path.parent.name for path in Path(khepera_forage.__file__).parent.glob("*/__init__.py")}
     table = PAGES["architecture.md"].partition("| folder |")[2].partition("\n\n")[0]
     assert folders | {"benchmarks"} == set(re.findall(r"^\| \[?`(\w+)`", table, flags=re.MULTILINE))
+    (row,) = re.findall(r"^\| `benchmarks`.*$", table, flags=re.MULTILINE)
+    assert set(re.findall(r"`(\w+\.py)`", row)) == {path.name for path in (ROOT / "benchmarks").glob("*.py")}
 
 
-def test_benchmarks_are_in_the_architecture_page() -> None:
-    row = re.search(r"^\| `benchmarks`.*$", PAGES["architecture.md"], flags=re.MULTILINE)
-    assert row is not None
-    scripts = {path.name for path in (DOCS.parent / "benchmarks").glob("*.py")}
-    assert set(re.findall(r"`(\w+\.py)`", row[0])) == scripts - {"arguments.py"}
+# ---------------------------------------------------------------- README
+
+
+def test_example_of_readme_delivers_the_food(capsys: pytest.CaptureFixture[str]) -> None:
+    example = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)[0]
+    assert len(example.splitlines()) <= 10
+    exec(compile(example, "README.md", "exec"), {})
+    assert re.fullmatch(r"score \d+\.\d % in \d+ steps, food 1 of 1\n", capsys.readouterr().out)
+
+
+def test_readme_is_short_and_begins_with_picture_installation_use_and_two_commands() -> None:
+    assert len(README.splitlines()) <= 150
+    parts = ("![", "pip install 'khepera-forage[all]'", "```python", "make reproduce", "## Results")
+    places = [README.index(part) for part in parts]
+    assert places == sorted(places)
+
+
+def test_results_of_readme_are_those_of_the_reproduction_page() -> None:
+    rows = re.findall(r"^\| (?:corridor|rectangle) \| \d+ \|.*$", README, flags=re.MULTILINE)
+    assert len(rows) == 7
+    for row in rows:
+        arena, episodes, *measured = row.strip("| ").split(" | ")
+        assert re.search(rf"^\| {arena} \| {episodes} \| .*$", PAGES["reproduction.md"], flags=re.MULTILINE)
+        assert all(f"| {value} |" in PAGES["reproduction.md"] for value in measured), row
+
+
+def test_readme_links_to_every_section_of_the_site() -> None:
+    pages = set(re.findall(r"^(\w+)$", PAGES[INDEX], flags=re.MULTILINE))
+    only_on_the_site = {"api", "changelog", "contributing"}
+    assert pages - only_on_the_site <= set(re.findall(r"\]\(docs/(\w+)\.md\)", README))

@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from khepera_forage.cli.main import main
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.experience import Experience, ExperienceWriter
 from khepera_forage.files import replacing
@@ -16,28 +15,16 @@ from khepera_forage.lab.settings_file import sample
 from khepera_forage.rollouts.row_files import RowWriter, read_rows, write_rows
 from khepera_forage.sim.arena_file import read_arena, write_arena
 from khepera_forage.sim.arenas.procedural import procedural_arena
-from khepera_forage.task.states import Behaviour, StateVector
+from khepera_forage.task.states import StateVector
 from khepera_forage.vision.calibration import Calibration
 from tests.limited_disk import largest_file
 
-FULL = Path("/dev/full")
 VECTOR = StateVector(0, 60, 0, 215, 40)
-needs_full = pytest.mark.skipif(not FULL.exists(), reason="needs /dev/full, a disk that is always full")
 
 
 @dataclass(frozen=True)
 class Row:
     number: int
-
-
-@needs_full
-def test_command_names_the_file_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main(["recall", "--episodes", "1", "--out", str(FULL)]) == 2
-    error = capsys.readouterr().err
-    assert error == "khepera-forage recall: [Errno 28] No space left on device: '/dev/full'\n"
 
 
 class Vectors(ExperienceWriter):
@@ -101,29 +88,25 @@ def test_rows_can_be_written_to_a_pipe(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
-def test_files_of_other_tools_are_read(encoding: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("write", "read"),
+    [
+        (partial(write_arena, procedural_arena(0)), read_arena),
+        (Experience([VECTOR], [0]).save, Experience.load),
+        (Calibration.identity().save, Calibration.load),
+        (lambda path: write_rows(path, Row, [Row(1), Row(2)]), partial(read_rows, row_type=Row)),
+        (lambda path: path.write_text(sample(), "utf-8"), load_settings),
+    ],
+)
+def test_files_of_other_tools_are_read(write: Any, read: Any, encoding: str, tmp_path: Path) -> None:
     """As Windows' editors and `>` write them: with a byte order mark, and two characters at the end of a line."""
-
-    def rewritten(path: Path) -> Path:
-        text = path.read_text("utf-8")
-        with open(path, "w", encoding=encoding, newline="\r\n") as file:
-            file.write(text)
-        return path
-
-    arena = procedural_arena(0)
-    write_arena(arena, tmp_path / "arena.toml")
-    assert read_arena(rewritten(tmp_path / "arena.toml")) == arena
-    (tmp_path / "lab.toml").write_text(sample(), encoding="utf-8")
-    before = load_settings(tmp_path / "lab.toml")
-    assert load_settings(rewritten(tmp_path / "lab.toml")) == before
-    Calibration.identity().save(tmp_path / "calibration.toml")
-    assert Calibration.load(rewritten(tmp_path / "calibration.toml")) == Calibration.identity()
-    with ExperienceWriter(tmp_path / "g1.csv", "corridor", overwrite=True) as writer:
-        writer.append(VECTOR, Behaviour.SEARCH_FOR_FOOD)
-    experience = Experience.load(tmp_path / "g1.csv")
-    assert list(Experience.load(rewritten(tmp_path / "g1.csv")).vectors) == list(experience.vectors)
-    write_rows(tmp_path / "rows.csv", Row, [Row(1), Row(2)])
-    assert read_rows(rewritten(tmp_path / "rows.csv"), Row) == [Row(1), Row(2)]
+    path = tmp_path / "file.toml"
+    write(path)
+    before = read(path)
+    text = path.read_text("utf-8")
+    with open(path, "w", encoding=encoding, newline="\r\n") as file:
+        file.write(text)
+    assert read(path) == before
 
 
 @pytest.mark.parametrize("target", ["film.gif", "new.gif"])

@@ -52,52 +52,51 @@ def test_module_of_the_api_page_can_be_imported(name: str) -> None:
     assert getattr(locate(name), "__doc__", None)
 
 
-@pytest.mark.parametrize(
-    ("markdown", "lines"),
-    [
-        ("Takes `rng`, and `a\nb`; not ``c``.", ["Takes ``rng``, and ``a", "b``; not ``c``."]),
-        ("## Action space\nTen.", [".. rubric:: Action space", "Ten."]),
-        (
-            "| key | meaning |\n|---|---|\n| `arm` | 255 down |\n\nThen.",
-            [
-                ".. list-table::",
-                "   :header-rows: 1",
-                "   * - key",
-                "     - meaning",
-                "   * - ``arm``",
-                "     - 255 down",
-                "Then.",
-            ],
-        ),
-        ("So:\n```python\nf(`x`)\n```\nThen.", ["So:", ".. code-block:: python", "   f(`x`)", "Then."]),
-    ],
-)
-def test_markdown_of_docstrings_becomes_rst(markdown: str, lines: list[str]) -> None:
-    assert [line for line in to_rst(markdown).split("\n") if line] == lines
+MARKDOWN = """Takes `rng`, and `a
+b`; not ``c``.
+## Action space
+| key | meaning |
+|---|---|
+| `arm` | 255 down |
+
+So:
+```python
+f(`x`)
+```
+Then."""
+RST = """Takes ``rng``, and ``a
+b``; not ``c``.
+.. rubric:: Action space
+.. list-table::
+   :header-rows: 1
+   * - key
+     - meaning
+   * - ``arm``
+     - 255 down
+So:
+.. code-block:: python
+   f(`x`)
+Then."""
 
 
-@pytest.mark.parametrize(
-    ("path", "page"),
-    [
-        ("khepera_forage/noise.py", "source/khepera_forage/noise.py"),
-        ("khepera_forage/task", "api/khepera_forage.task"),
-        ("docs/published/thesis.zip", None),
-        ("..", None),
-    ],
-)
-def test_page_of_file(path: str, page: str | None) -> None:
-    assert page_of((ROOT / path).resolve()) == page
+def test_markdown_of_docstrings_becomes_rst() -> None:
+    assert [line for line in to_rst(MARKDOWN).split("\n") if line] == RST.split("\n")
+
+
+def test_python_files_and_packages_have_pages() -> None:
+    pages = {
+        "khepera_forage/noise.py": "source/khepera_forage/noise.py",
+        "khepera_forage/task": "api/khepera_forage.task",
+        "docs/published/thesis.zip": None,
+        "..": None,
+    }
+    assert {path: page_of((ROOT / path).resolve()) for path in pages} == pages
 
 
 @pytest.mark.parametrize("path", PARTS, ids=lambda path: path.stem)
 def test_generated_part_of_page_is_up_to_date(path: Path) -> None:
     text = path.read_text("utf-8")
     assert filled_in(text) == text, "run PYTHONPATH=docs python -m site_extension"
-
-
-def test_unknown_generated_part_is_an_error() -> None:
-    with pytest.raises(KeyError, match="weather"):
-        filled_in("<!-- generated: weather -->\n<!-- end -->")
 
 
 def test_page_of_commands_has_the_help_of_all(capsys: pytest.CaptureFixture[str]) -> None:

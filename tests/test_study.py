@@ -73,7 +73,7 @@ def test_processes_are_counted_as_joblib_does() -> None:
         parse("walking", "", jobs=None, given=["--jobs", "1"])
 
 
-def test_finished_units_are_not_done_again_and_rows_come_in_the_order_of_the_units(
+def test_finished_units_are_not_done_again_unless_fresh_and_rows_come_in_the_order_of_the_units(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     walk(tmp_path, "c")
@@ -81,10 +81,6 @@ def test_finished_units_are_not_done_again_and_rows_come_in_the_order_of_the_uni
     assert f"1 of 3 units are done already, in {tmp_path}" in capsys.readouterr().out
     walk(tmp_path, "ab")
     assert (tmp_path / "falls.csv").read_text() == "unit,replication,height\na,0,0.5\nb,0,0.5\n", "rows of this run"
-
-
-def test_fresh_deletes_rows_of_earlier_runs(tmp_path: Path) -> None:
-    walk(tmp_path, "xy")
     walk(tmp_path, "a", "--fresh", "--seed", "2")
     assert (tmp_path / "steps.csv").read_text() == "unit,number\na,0\na,1\n"
 
