@@ -113,6 +113,19 @@ def test_episode_without_decisions_has_those_of_its_environment(monkeypatch: pyt
         assert part.decisions == decisions
 
 
+def of_another_recorder(dataset_id: str, env: str, observations: Any, actions: Any) -> Any:
+    """A dataset with one episode, as another program records it."""
+    count = len(actions)
+    buffer = minari.data_collector.EpisodeBuffer(
+        observations=observations,
+        actions=actions,
+        rewards=[0.0] * count,
+        terminations=[False] * count,
+        truncations=[False] * (count - 1) + [True],
+    )
+    return minari.create_dataset_from_buffers(dataset_id=dataset_id, buffer=[buffer], env=env, eval_env=env, **ABOUT)
+
+
 def test_dataset_from_another_recorder_trains_the_imitator() -> None:
     """The dataset holds an episode of the teacher in the rectangle, recorded step by step."""
     env = gym.make("khepera_forage:khepera_forage/Rectangle-v1")
@@ -121,22 +134,14 @@ def test_dataset_from_another_recorder_trains_the_imitator() -> None:
     for _ in range(40):
         done.append(int(Teacher.of(env).act(shown[-1])))
         shown.append(env.step(done[-1])[0])
-    buffer = minari.data_collector.EpisodeBuffer(
-        observations={key: [one[key] for one in shown] for key in observation},
-        actions=done,
-        rewards=[0.0] * 40,
-        terminations=[False] * 40,
-        truncations=[False] * 39 + [True],
-    )
-    minari.create_dataset_from_buffers(
-        dataset_id="elsewhere-v0", buffer=[buffer], env=env, eval_env="khepera_forage/Rectangle-v1", **ABOUT
-    )
+    env.close()
+    observations = {key: [one[key] for one in shown] for key in observation}
+    of_another_recorder("elsewhere-v0", "khepera_forage/Rectangle-v1", observations, done)
     (part,) = from_minari("elsewhere-v0")
     assert part.arena == "rectangle"
     assert list(part) == [(state_vector_of(one), heard) for one, heard in zip(shown, done, strict=False)]
     imitator = NearestNeighbourImitator(diagonal=177).fit(*part.arrays())
     assert imitator.act(shown[0], np.random.default_rng(0)) == done[0]
-    env.close()
 
 
 def in_arena(name: str, vector: tuple[int, ...] = SOME.vectors[0], **about: Any) -> Experience:
@@ -168,9 +173,6 @@ NO_ARENA = "; allowed: one arena, of corridor, rectangle, t_maze"
 def test_experience_that_has_no_environment_is_an_error(parts: list[Experience], message: str) -> None:
     with pytest.raises(ExperienceError, match=re.escape(message)):
         to_minari(parts, "khepera/bad-v0")
-
-
-def test_rewards_of_another_number_are_an_error() -> None:
     with pytest.raises(ExperienceError, match="experience 0: 1 rewards with 2 actions; allowed: equal numbers"):
         to_minari([SOME], "khepera/bad-v0", rewards=[[0.5]])
 
@@ -213,16 +215,7 @@ def test_episode_without_an_arena_has_that_of_its_environment(arena: object, mon
 
 
 def test_dataset_without_state_vectors_is_an_error() -> None:
-    buffer = minari.data_collector.EpisodeBuffer(
-        observations=np.zeros((3, 4), np.float32),
-        actions=np.zeros(2, np.int64),
-        rewards=[0.0] * 2,
-        terminations=[False] * 2,
-        truncations=[False, True],
-    )
-    dataset = minari.create_dataset_from_buffers(
-        dataset_id="no-v0", buffer=[buffer], env="CartPole-v1", eval_env="CartPole-v1", **ABOUT
-    )
+    dataset = of_another_recorder("no-v0", "CartPole-v1", np.zeros((3, 4), np.float32), np.zeros(2, np.int64))
     with pytest.raises(ExperienceError, match="episode 0: the dataset has no arena; pass arena="):
         from_minari(dataset)
     with pytest.raises(ExperienceError, match="episode 0 has no state vectors"):
