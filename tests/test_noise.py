@@ -34,11 +34,6 @@ def test_only_keeps_one_source(source: str) -> None:
         assert getattr(noise, name) == getattr(expected, name)
 
 
-def test_unknown_source_is_refused_with_its_name() -> None:
-    with pytest.raises(ValueError, match=r"'wind'.*wheels"):
-        Noise.only("wheels", "wind")
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_value_that_has_no_meaning_is_refused(name: str) -> None:
     wrong = [-1, -0.001, math.nan, math.inf]

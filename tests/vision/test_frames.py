@@ -60,14 +60,6 @@ def test_invalid_appearance_is_refused(change: dict[str, float], message: str) -
         replace(LABORATORY, **change)
 
 
-def test_same_seed_gives_the_same_frames() -> None:
-    anchor = (650.0, 500.0)
-    first, again, other = (render_frames(PAIR, LABORATORY, 4, seed, anchor) for seed in (1, 1, 2))
-    assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True))
-    assert not any(np.array_equal(a, b) for a, b in zip(first, other, strict=True))
-    assert not np.array_equal(first[0], first[1])
-
-
 def test_noise_is_independent_and_has_its_size() -> None:
     frames = np.array(render_frames(Truth((), ()), replace(NONE, grain=4.0), 30), float)
     assert frames.std() == pytest.approx(4.0, rel=0.03)
