@@ -54,24 +54,6 @@ def test_saved_experience_loads_equal(experience: Experience) -> None:
         assert Experience.load(str(path)) == experience
 
 
-def test_file_is_readable_text(tmp_path: Path) -> None:
-    Experience([SEARCH, HOME], [0, 7], seed=7, decisions=Decisions.v0_1()).save(tmp_path / "g1.csv")
-    lines = (tmp_path / "g1.csv").read_text().splitlines()
-    assert lines[0] == "# khepera_forage experience, version 1"
-    assert lines[1].startswith("# package: ")
-    assert lines[2:] == [
-        "# arena: corridor",
-        "# seed: 7",
-        "# episodes: 1",
-        "# decisions: v0.1",
-        "# units: distances in pixels of 5 mm; arms_height 255 (down) to 215 (raised)",
-        "object_presence,robot_home_distance,food_type,arms_height,robot_food_distance,behaviour",
-        "0,52,UNKNOWN,215,28,SEARCH_FOR_FOOD",
-        "1,48,PICKABLE,215,14,GO_HOME",
-        "# complete: 2 vectors",
-    ]
-
-
 def test_loading_several_files_joins_them(tmp_path: Path) -> None:
     parts = [Experience([SEARCH] * n, [0] * n, seed=seed) for n, seed in [(1, 4), (2, 4), (3, 5)]]
     paths = [tmp_path / f"g{n}.csv" for n in (1, 2, 3)]

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from khepera_forage import __version__
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning
 from khepera_forage.task.decisions import Decisions
 
@@ -37,8 +38,10 @@ def decided(text: str) -> str:
     return WHOLE.replace("# units", f"# decisions: {text}\n# units")
 
 
-def test_complete_file_is_read(tmp_path: Path) -> None:
+def test_complete_file_is_written_and_read(tmp_path: Path) -> None:
     """A file without decisions, or with some that name no version, is one of version 0.1."""
+    EXPERIENCE.save(tmp_path / "saved.csv")
+    assert (tmp_path / "saved.csv").read_text() == decided("v0.1").replace("0.1.0", __version__)
     assert Experience.load(write(tmp_path, WHOLE)) == EXPERIENCE
     assert Experience.load(write(tmp_path, WHOLE), recover=True) == EXPERIENCE
     assert Decisions.v0_1() != Decisions()
