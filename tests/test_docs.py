@@ -125,17 +125,25 @@ def test_blocks_of_other_pages_run(show: Show) -> None:
     assert printed == "5 rounds\n"
 
 
+@pytest.mark.parametrize(
+    ("page", "count"), [("arenas.md", len(FAMILY)), ("environments/behaviours.md", 2), ("environments/wheels.md", 2)]
+)
+def test_page_states_foods_and_limits_of_environments(page: str, count: int) -> None:
+    rows = re.findall(r"^\| `(khepera_forage/.+?)` \| .+? \| (\d) \| (\d+) steps \|$", PAGES[page], flags=re.MULTILINE)
+    assert len(rows) == count
+    for name, foods, limit in rows:
+        own: Any = gym.make(name).unwrapped
+        assert (own.foods, own.limit) == (int(foods), int(limit))
+
+
 def test_arenas_page_has_the_family_and_the_difficulties() -> None:
     rows = re.findall(
-        r"^\| `(khepera_forage/.+?)` \| `(\w+)`: .+? \| (\d+) x (\d+) \| (\d) \| (\d+) steps \|$",
-        PAGES["arenas.md"],
-        flags=re.MULTILINE,
+        r"^\| `(khepera_forage/.+?)` \| `(\w+)`: .+? \| (\d+) x (\d+) \|", PAGES["arenas.md"], flags=re.MULTILINE
     )
     assert [name for _, name, *_ in rows] == list(FAMILY)
-    for env_id, name, *numbers in rows:
-        own: Any = gym.make(env_id).unwrapped
-        assert own.arena.name == name
-        assert [*own.arena.bounds[2:], own.foods, own.limit] == [*map(int, numbers)]
+    for env_id, name, *size in rows:
+        arena = gym.make(env_id).unwrapped.arena  # type: ignore[attr-defined]
+        assert (arena.name, *arena.bounds[2:]) == (name, *map(int, size))
     for name, difficulty in DIFFICULTIES.items():
         (row,) = re.findall(rf"^\| {name} \| (\d.+) \|$", PAGES["arenas.md"], flags=re.MULTILINE)
         size, *counts, types, noise, limit = row.split(" | ")
@@ -152,15 +160,6 @@ def test_arenas_page_has_the_family_and_the_difficulties() -> None:
 def test_sources_of_noise_page_are_all() -> None:
     listed = re.findall(r"^\| `([^`]+)` \| ([^|]*) \|$", PAGES["noise.md"], flags=re.MULTILINE)
     assert {name: tuple(re.findall(r"`(\w+)`", given)) for name, given in listed} == SOURCES
-
-
-@pytest.mark.parametrize("page", ["environments/behaviours.md", "environments/wheels.md"])
-def test_environment_page_states_foods_and_limits(page: str) -> None:
-    rows = re.findall(r"^\| `(.+?)` \| .+? \| (\d) \| (\d+) steps \|$", PAGES[page], flags=re.MULTILINE)
-    assert len(rows) == 2
-    for name, foods, limit in rows:
-        own: Any = gym.make(name).unwrapped
-        assert (own.foods, own.limit) == (int(foods), int(limit))
 
 
 def test_extras_of_getting_started_page_are_all() -> None:

@@ -92,13 +92,10 @@ def write_film(path: Path, frames: Iterable[Frame], fps: float = 10.0) -> Path:
     return path
 
 
-def render_frames(
-    truth: Truth, appearance: CameraAppearance = NONE, frames: int = 1, seed: int = 0, anchor: Place | None = None
-) -> list[Frame]:
-    renderer = FrameRenderer(lambda: truth, appearance, anchor)
-    renderer.reset(np.random.default_rng(seed))
-    return [renderer.frame() for _ in range(frames)]
+def render_frames(truth: Truth, appearance: CameraAppearance = NONE, frames: int = 1) -> list[Frame]:
+    renderer = SceneRenderer(appearance)
+    return [renderer.frame(truth.markers, truth.foods) for _ in range(frames)]
 
 
 def render_frame(truth: Truth, appearance: CameraAppearance = NONE, anchor: Place | None = None) -> Frame:
-    return render_frames(truth, appearance, anchor=anchor)[0]
+    return SceneRenderer(appearance, anchor).frame(truth.markers, truth.foods)

@@ -52,9 +52,6 @@ def test_parallax_of_a_low_camera_is_corrected() -> None:
     assert position_error(only_region(corrected, 1), 500, 400) < 0.2
     assert position_error(only_region(corrected, 0), 2800, 2000) < 0.2
     assert position_error(only_region(Tracker().update(frame), 1), 500, 400) > 6
-
-
-def test_marker_above_the_camera_is_refused() -> None:
     with pytest.raises(ValueError, match=r"height is 70\.0 mm; allowed: below the camera"):
         Tracker(calibration=Calibration.identity((0.0, 0.0, 60.0)))
 
