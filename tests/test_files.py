@@ -75,6 +75,8 @@ def test_file_whose_header_does_not_fit_does_not_prevent_the_next_recording(tmp_
         ExperienceWriter(path, "corridor")
     assert not path.exists()
     ExperienceWriter(path, "corridor").close()
+    with largest_file(3), pytest.raises(OSError, match=r"'.*rows.csv'"):
+        RowWriter(tmp_path / "rows.csv", Row)
 
 
 def test_rows_can_be_written_to_a_pipe(tmp_path: Path) -> None:

@@ -20,8 +20,9 @@ def grey_at(frame: Frame, x: float, y: float) -> int:
 
 def test_parts_of_a_robot_are_at_their_places() -> None:
     frame = render_frame(Truth(((1000.0, 1000.0, 0.0, 1),), ()))
-    hole = MARKER_HOLES[1][0]
-    assert grey_at(frame, 1000 + hole[0], 1000 + hole[1]) == NONE.black
+    hole = (1000 + MARKER_HOLES[1][0][0], 1000 + MARKER_HOLES[1][0][1])
+    assert grey_at(frame, *hole) == NONE.black
+    assert np.array_equal(frame, render_frame(Truth(((1000.0, 1000.0, 0.0, 1),), (hole,)))), "food below it is hidden"
     assert grey_at(frame, 950, 1000) == NONE.white
     assert grey_at(frame, 1000, 1000 + 40 + MARKER_FRAME / 2) < 60, "the frame"
     finger = [grey_at(frame, 1071, 1000 + side * 29.5) for side in (-1, 1)]

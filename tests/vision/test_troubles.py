@@ -64,7 +64,7 @@ def cover(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
 
 def shadow(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     """The hard edge of a shadow over a marker."""
-    return (picture * (1 - rng.uniform(0.2, 0.7) * part(marker, rng, 0.1, 0.9))).astype(np.uint8)
+    return (picture * (1 - rng.uniform(0.2, 0.8) * part(marker, rng, 0.1, 0.9))).astype(np.uint8)
 
 
 def two_cables(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
