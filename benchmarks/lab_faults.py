@@ -14,7 +14,7 @@ import time
 import warnings
 from collections.abc import Generator, Sequence
 from contextlib import closing, redirect_stdout, suppress
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass
 from io import StringIO
 from itertools import zip_longest
 from pathlib import Path
@@ -36,12 +36,13 @@ from laboratory.failing_devices import (
     write_lab_file,
 )
 from laboratory.observed_training import ObservedAttempt, ObservedTraining, Vector, moving
+from scipy.optimize import linear_sum_assignment
 
 from khepera_forage.cli import train
 from khepera_forage.cli.train import ATTEMPTS
 from khepera_forage.estimates import Table, Value, extremes, pick, table_of
 from khepera_forage.experience import Experience, ExperienceError, ExperienceWarning
-from khepera_forage.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
+from khepera_forage.figures import OURS, THESIS, WIDTH, legend, levels, new_figure
 from khepera_forage.lab.operator import OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.option_values import OneLineParser
@@ -63,6 +64,8 @@ _SETTLED = 8
 """Rounds without a loss after which a fault that has passed counts as recovered."""
 _LASTS = (60.0, 60.0)
 """Seconds after which a fault that nothing has noticed is repaired."""
+_ANOTHER = 1e6
+"""Different vectors of a file that belongs to another attempt."""
 
 
 class SeriesSize(NamedTuple):
@@ -110,27 +113,23 @@ class FaultRow:
 
 @dataclass
 class TrainingResult:
-    """One whole training: faults, losses without a fault, attempts, rounds, and stored vectors.
+    """One whole training: what became of the vectors that the learner perceived.
 
     Attributes:
-        missing: Vectors that the learner perceived, and that are not on disk, unless the attempt was discarded (5.2).
-        altered: Vectors in the file of an attempt that the learner did not perceive like this.
-        wrong: Stored vectors that differ from what is true; `outdated`: perceived on an old scene of the camera.
+        vectors: Stored ones.
+        missing: Those that are not on disk, unless their attempt was discarded (5.2).
+        altered: Stored ones that the learner did not perceive like this.
+        wrong: Stored ones that differ from what is true; `outdated`: perceived on an old scene of the camera.
         complete: Whether there is a file for each planned episode, with its closing line, and with the row and the
             vectors of its complete attempt.
     """
 
-    faults: int
-    unexpected: int
-    attempts: int
-    rounds: int
     vectors: int = 0
     missing: int = 0
     altered: int = 0
     wrong: int = 0
     outdated: int = 0
     complete: bool = False
-    seconds: float = 0.0
 
 
 class WheelWatch:
@@ -171,26 +170,26 @@ class Injector:
         rows: All faults so far; the last one may be present.
         notices: What the user has read since the beginning of the last fault.
         done: Whether all kinds have happened.
+        lab: The laboratory, another one when the command was started again; `camera` and `wheels` are its own.
+        folder: Of the training's files; `attempts` are the training's.
     """
+
+    lab: VirtualLaboratory
+    camera: VirtualCamera
+    wheels: WheelWatch
+    folder: Path
+    attempts: list[ObservedAttempt]
 
     def __init__(self, kinds: Sequence[Kind], rng: np.random.Generator, pause: int) -> None:
         self.rows: list[FaultRow] = []
         self.notices: list[str] = []
-        self.folder, self.attempts, self.unexpected = Path(), list[ObservedAttempt](), 0
         self.done = False
         self._rng, self._pause = rng, pause
         self._repair: Repair | None = None
         self._timer: threading.Timer | None = None
         self._repairing = threading.Lock()
-        self._lab: VirtualLaboratory
-        self._camera: VirtualCamera
-        self._wheels: WheelWatch
-        self._play = self._all(kinds)
-        next(self._play)
-
-    def attach(self, lab: VirtualLaboratory, camera: VirtualCamera, wheels: WheelWatch) -> None:
-        """Use another laboratory from now on: the command was started again."""
-        self._lab, self._camera, self._wheels = lab, camera, wheels
+        self._events = self._all(kinds)
+        next(self._events)
 
     def operator(self, request: OperatorRequest) -> None:
         """Carry out a request; repair the fault if something is lost, or cannot be placed."""
@@ -198,20 +197,20 @@ class Injector:
             self.note(ATTEMPT_LOST)
         if request.reason.startswith("reconnect") or request.errors:
             self.repair()
-        self._lab.virtual_operator(request)
+        self.lab.virtual_operator(request)
 
     def end_round(self, training: ObservedTraining) -> None:
         """Observe a round."""
         lost = bool(self.attempts[-1].lost)
         if not lost:
-            self._wheels.round_end = time.monotonic()
+            self.wheels.round_end = time.monotonic()
         self.note(ATTEMPT_LOST if lost else _ROUND)
 
     def note(self, event: str) -> None:
         """Go on after a round, after the end of an attempt or of the command, or after the training is complete."""
         if event == _COMPLETE:
             self.repair()
-        self._play.send(event)
+        self._events.send(event)
 
     def repair(self) -> None:
         """Repair the fault, if it has begun and has not passed."""
@@ -229,18 +228,17 @@ class Injector:
             while wait > 0 or not self.attempts[-1].perceived:
                 event = yield
                 wait -= event == _ROUND
-                self.unexpected += event in (ATTEMPT_LOST, STOPPED)
             row, device, began, quiet = FaultRow(kind.part, kind.name), self._begin(kind), time.monotonic(), 0
             self.rows.append(row)
             self.done = number == len(kinds)
             while not row.outcome:
                 event = yield
-                row.seconds, row.unattended = time.monotonic() - began, self._wheels.longest
+                row.seconds, row.unattended = time.monotonic() - began, self.wheels.longest
                 quiet += event == _ROUND and self._repair is None
                 if event in (ATTEMPT_LOST, STOPPED):
-                    row.outcome, robots = event, moving(self._lab)
-                    row.moving = len(robots - self._wheels.left_out)
-                    row.out_of_reach = len(robots & self._wheels.left_out)
+                    row.outcome, robots = event, moving(self.lab)
+                    row.moving = len(robots - self.wheels.left_out)
+                    row.out_of_reach = len(robots & self.wheels.left_out)
                 elif event == _COMPLETE or quiet >= _SETTLED:
                     row.outcome = RECOVERED
             while event not in (_ROUND, _COMPLETE):
@@ -250,19 +248,19 @@ class Injector:
             row.named = sum(device in text and any(cause in text for cause in causes) for text in self.notices)
             if self.notices:
                 row.text = self.notices[0].replace(f"{self.folder.parent}/", "").replace("\n", " ")
-            self._wheels.left_out = frozenset()
+            self.wheels.left_out = frozenset()
         while True:
-            self.unexpected += (yield) in (ATTEMPT_LOST, STOPPED)
+            yield
 
     def _begin(self, kind: Kind) -> str:
         """Begin a fault; returns the name of the device or file that a message about it must contain."""
-        lab, folder, robot = self._lab, self.folder, int(self._rng.integers(len(self._lab.robots)))
+        lab, folder, robot = self.lab, self.folder, int(self._rng.integers(len(self.lab.robots)))
         self.notices.clear()
-        self._wheels.restart()
-        self._wheels.left_out = frozenset({robot} if kind.unreachable else ())
+        self.wheels.restart()
+        self.wheels.left_out = frozenset({robot} if kind.unreachable else ())
         file = max(folder.glob("g*.csv"), key=lambda path: path.stat().st_mtime)
         port = lab.robots[robot].port
-        self._repair = begin_soon(kind, Target(lab, self._camera, folder, file, robot, self._rng))
+        self._repair = begin_soon(kind, Target(lab, self.camera, folder, file, robot, self._rng))
         self._timer = threading.Timer(float(self._rng.uniform(*(kind.duration or _LASTS))), self.repair)
         self._timer.start()
         if kind.part == CAMERA:
@@ -300,9 +298,8 @@ def series(number: int, size: SeriesSize, seed: int) -> list[FaultRow | Training
 
 def _training(folder: Path, episodes: int, injector: Injector, rng: np.random.Generator) -> TrainingResult:
     """A training with the functions of `khepera-forage train --lab lab.toml`, continued after every error."""
-    began, faults_before = time.perf_counter(), len(injector.rows)
     out, lab_file, attempts = folder / "experience", write_lab_file(folder), list[ObservedAttempt]()
-    injector.folder, injector.attempts, injector.unexpected = out, attempts, 0
+    injector.folder, injector.attempts = out, attempts
     parser = OneLineParser()
     for add in train.train_command.options:
         add(parser)
@@ -315,7 +312,7 @@ def _training(folder: Path, episodes: int, injector: Injector, rng: np.random.Ge
             laboratory(lab_file, injector.operator, int(rng.integers(2**31))) as (lab, camera),
             closing(WheelWatch(lab)) as wheels,
         ):
-            injector.attach(lab, camera, wheels)
+            injector.lab, injector.camera, injector.wheels = lab, camera, wheels
             env = ObservedTraining(lab, attempts, injector.end_round)
             env.max_cycles = MAX_ROUNDS
             try:
@@ -328,17 +325,12 @@ def _training(folder: Path, episodes: int, injector: Injector, rng: np.random.Ge
                 injector.repair()
         files, rows = train.files_to_record(parser.parse_args([*options, "--continue"]))
     injector.note(_COMPLETE)
-    result = TrainingResult(
-        *(len(injector.rows) - faults_before, injector.unexpected),
-        *(len(attempts), sum(attempt.rounds for attempt in attempts)),
-    )
-    _compare_files(result, attempts, out, episodes)
-    result.seconds = time.perf_counter() - began
-    return result
+    return _compared_files(attempts, out, episodes)
 
 
-def _compare_files(result: TrainingResult, attempts: Sequence[ObservedAttempt], out: Path, episodes: int) -> None:
+def _compared_files(attempts: Sequence[ObservedAttempt], out: Path, episodes: int) -> TrainingResult:
     """Compare the files of a training with what the learner perceived."""
+    result = TrainingResult()
     for attempt, vectors in zip(attempts, stored_vectors(out, attempts), strict=True):
         count, perceived = len(vectors), len(attempt.perceived)
         result.vectors += count
@@ -352,6 +344,7 @@ def _compare_files(result: TrainingResult, attempts: Sequence[ObservedAttempt], 
     files = [Experience.load(out / f"g{number}.csv") for number in range(1, episodes + 1)]
     result.complete = all(complete.get(file.seed) == list(file) for file in files)
     result.complete &= [(own.file, own.vectors) for own in rows] == [*enumerate(map(len, files), 1)]
+    return result
 
 
 def stored_vectors(folder: Path, attempts: Sequence[ObservedAttempt]) -> list[list[Vector]]:
@@ -362,23 +355,21 @@ def stored_vectors(folder: Path, attempts: Sequence[ObservedAttempt]) -> list[li
         with warnings.catch_warnings(), suppress(ExperienceError):
             warnings.simplefilter("ignore", ExperienceWarning)
             files[path.name] = Experience.load(path, recover=True)
-    pairs = sorted(
+
+    def cost(attempt: ObservedAttempt, name: str) -> float:
+        if files[name].seed != attempt.seed:
+            return _ANOTHER
         # The file of a lost attempt has another name, unless attempts.csv was full as well.
-        (
-            sum(a != b for a, b in zip_longest(file, attempt.perceived)),
-            (".lost-" in name) != bool(attempt.lost),
-            number,
-            name,
-        )
-        for number, attempt in enumerate(attempts)
-        for name, file in files.items()
-        if file.seed == attempt.seed
-    )
-    found: dict[int, list[Vector]] = {}
-    for *_, number, name in pairs:
-        if number not in found and name in files:
-            found[number] = list(files.pop(name))
-    return [found.get(number, []) for number in range(len(attempts))]
+        differs = (".lost-" in name) != bool(attempt.lost)
+        different = [a != b for a, b in zip_longest(files[name], attempt.perceived)]
+        return sum(different) + 0.5 * differs
+
+    costs = np.array([[cost(attempt, name) for name in files] for attempt in attempts])
+    found: list[list[Vector]] = [[] for _ in attempts]
+    for number, file in zip(*linear_sum_assignment(costs), strict=True):
+        if costs[number, file] < _ANOTHER:
+            found[number] = list(list(files.values())[file])
+    return found
 
 
 def _by_kind(rows: Sequence[FaultRow]) -> list[tuple[Kind, list[FaultRow]]]:
@@ -395,8 +386,6 @@ def fault_table(rows: Sequence[FaultRow]) -> Table:
     )
     lines: list[dict[str, Value]] = []
     for kind, own in _by_kind(rows):
-        none = sum(row.notices == 0 for row in own)
-        one = sum(row.notices == row.named == 1 for row in own)
         texts = [row.text.partition("; its ")[0] for row in own if row.text]
         lines.append(
             {
@@ -408,9 +397,8 @@ def fault_table(rows: Sequence[FaultRow]) -> Table:
                 "wheels unattended (s)": extremes([row.unattended for row in own]),
                 "moving": sum(row.moving for row in own),
                 "out of reach": sum(row.out_of_reach for row in own),
-                "no message": none,
-                "one message": one,
-                "others": len(own) - none - one,
+                "no message": len(pick(own, notices=0)),
+                "one message": len(pick(own, notices=1, named=1)),
                 "continued": len(pick(own, continued=True)),
                 "message": texts[0] if texts else "",
             }
@@ -422,27 +410,20 @@ def fault_table(rows: Sequence[FaultRow]) -> Table:
 def training_table(rows: Sequence[TrainingResult], episodes: int) -> Table:
     """Sums over all trainings."""
     note = f"Whole trainings, each for {episodes} complete episode(s), and the vectors that they stored."
-    names = [field.name for field in fields(TrainingResult)]
-    sums = {name: sum(getattr(row, name) for row in rows) for name in names}
-    return table_of("trainings", "Trainings", note, [{"trainings": len(rows), **sums}], {"seconds": 0})
+    sums = {name: sum(getattr(row, name) for row in rows) for name in asdict(TrainingResult())}
+    return table_of("trainings", "Trainings", note, [{"trainings": len(rows), **sums}])
 
 
 def picture(rows: Sequence[FaultRow]) -> "Figure":
     """Seconds until a fault was noticed, and of wheels without control, by kind."""
-    kinds = _by_kind(rows)[::-1]
-    figure = new_figure(WIDTH, 0.8 + 0.22 * len(kinds))
+    shown = {
+        kind.name: [extremes([row.seconds for row in own]), extremes([row.unattended for row in own])]
+        for kind, own in _by_kind(rows)
+    }
+    figure = new_figure(WIDTH, 0.8 + 0.22 * len(shown))
     axes = figure.subplots()
-    for shift, name, label, colour in (
-        (0.2, "seconds", "from the fault until it is noticed, or over", OURS),
-        (-0.2, "unattended", "wheels turning since the last round", THESIS),
-    ):
-        values, low, high = np.array([extremes([getattr(row, name) for row in own]) for _, own in kinds]).T
-        spread = [values - low, high - values]
-        places = np.arange(len(kinds)) + shift
-        axes.barh(places, values, 0.38, color=colour, xerr=spread, ecolor=GREY, capsize=2, label=label)
-    axes.set_yticks(range(len(kinds)), [kind.name for kind, _ in kinds])
-    axes.set(xlabel="seconds: median, lowest and highest")
-    axes.set_xlim(left=0)
+    names = ("from the fault until it is noticed, or over", "wheels turning since the last round")
+    levels(axes, shown, "seconds: median, lowest and highest", names, (OURS, THESIS))
     legend(figure, axes, columns=2)
     return figure
 

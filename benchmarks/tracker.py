@@ -3,33 +3,27 @@
     python benchmarks/tracker.py --help
 
 Speed on one core; curves of what is found as cables, blur, exposure, contrast and noise become worse, up to failure;
-errors of calibrations by number of points and lens; errors of centre and heading over random scenes, in several
-appearances; trainings in simulation that all cameras observe: rates and lengths of losses, jitter, reversals, swapped
-labels; and drives through glare, shadows, hands and other troubles at three resolutions.
+trainings in simulation that all cameras observe: jitter, reversals, losses, swapped labels; and drives through glare,
+shadows, hands and other troubles at three resolutions.
 """
 
 import argparse
 import math
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
-from itertools import product
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
-from laboratory.lenses import LAYOUTS, LensTrial, calibrations, lenses_table
 from laboratory.limits import SWEEPS, Conditions, SweepPoint, frames, limit_points, limits_picture, limits_table
 from laboratory.observations import (
     ATTEMPT,
-    CAMERAS,
     KINDS,
     MODEL,
     THRESHOLD,
     TRACKER,
-    TRAINING,
     Observation,
     errors,
     losses,
@@ -40,55 +34,28 @@ from laboratory.observations import (
 from laboratory.troubles import SETUPS, Trouble, troubled_drive, troubles_table
 from numpy.typing import NDArray
 
-from khepera_forage.estimates import UNKNOWN, Estimate, Table, Value, extremes, percent, pick, table_of, wilson
-from khepera_forage.figures import COLOURS, GREY, OURS, SMALL, THESIS, WIDTH, entry, grid, legend, mark, new_figure
+from khepera_forage.estimates import UNKNOWN, Estimate, Table, Value, extremes, pick, table_of, wilson
+from khepera_forage.figures import COLOURS, GREY, OURS, SMALL, THESIS, WIDTH, grid, legend, levels, new_figure
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.sim.sensing import OverheadCamera
 from khepera_forage.study import Count, Job, Page, Picture, collect, finish, in_processes, parse
-from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.overlay import FOOD, MARKER, draw_scene
-from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer
-from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
-from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
+from khepera_forage.vision.scene import MM_PER_PIXEL
 from khepera_forage.vision.tracker import Tracker
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PARTS = ("speed", "limits", "lenses", "scenes", "trainings", "troubles")
-SPEED, LIMITS, LENSES, SCENES, TRAININGS, TROUBLES = PARTS
+PARTS = SPEED, LIMITS, TRAININGS, TROUBLES = ("speed", "limits", "trainings", "troubles")
 COUNTS = (
-    Count("scenes", 1000, 6, "random scenes of each appearance"),
     Count("trainings", 60, 1, "trainings to observe", adds_units=True),
     Count("rounds", 500, 100, "rounds of each"),
     Count("frames", 20, 1, "frames of each point of a curve, with 20 markers each"),
-    Count("trials", 20, 1, "calibrations of each lens and layout of points"),
     Count("troubled", 1000, 5, "frames with and without trouble at each resolution"),
 )
 SPEED_FRAMES, SPEED_REPEATS = (200, 10), (5, 2)
 """Frames and repeats of the speed, and with --quick."""
-_LAB = CameraAppearance.laboratory()
-_HEIGHT = 2700.0
-"""mm above the floor of a camera that sees 3.2 x 2.4 m through a lens of 60 degrees."""
-_FLOOR = (PICTURE_WIDTH * MM_PER_PIXEL, PICTURE_HEIGHT * MM_PER_PIXEL)
-"""mm that the picture shows."""
-APPEARANCES = {
-    "nothing but quantisation": CameraAppearance.none(),
-    "laboratory": _LAB,
-    "laboratory, no cables": replace(_LAB, cable_width=0.0),
-    "blur 1.2 pixels": replace(_LAB, blur=1.2),
-    "sensor noise 6 levels": replace(_LAB, grain=6.0),
-    "corners at half the light": replace(_LAB, vignette=0.5),
-    "cables 8 mm thick": replace(_LAB, cable_width=8.0),
-    "light grey cables": replace(_LAB, cable=190.0),
-    "camera at 2.7 m, parallax corrected": replace(_LAB, height=_HEIGHT),
-    "camera at 2.7 m, not corrected": replace(_LAB, height=_HEIGHT),
-}
-_BATCH = 10
-"""Scenes with the same floor and light, and with cables from the same anchor."""
-_BORDER, _DISTANCE = 110.0, 200.0
-"""Smallest distances in mm of a thing from the border, and from another thing: nothing hides another thing."""
 _ANCHOR = 400.0
 """Cables hang from a point within this many mm, along each axis, of the middle of both arenas. In the middle itself
 they would hang between the arenas and cross nothing."""
@@ -106,65 +73,29 @@ class Rate:
 def speeds(seed: int, count: int, repeats: int) -> list[Rate]:
     """The speed of all parts on frames of a training, and on frames with two markers under cables."""
 
-    def first_look(tracker: Tracker, image: NDArray[np.uint8]) -> None:
+    def first_look(number: int) -> None:
         tracker.reset()  # every frame shows other places
-        tracker.update(image)
+        tracker.update(crossed[number])
 
-    threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
-    training = RenderedTraining(seed)
+    training, tracker = RenderedTraining(seed), Tracker()
     images = [training.newest()[0] for _ in range(count)]
     crossed = [frame for _, frame in frames(Conditions(8.0), count, np.random.default_rng(seed), tiles=2)]
+    works: dict[str, Callable[[int], object]] = {
+        TRACKER: lambda number: tracker.update(images[number]),
+        CROSSED: first_look,
+        RENDERER: lambda _: training.renderer.frame(),
+    }
     rows = []
     for _ in range(repeats):
-        tracker = Tracker()
-        works: dict[str, list[Callable[[], object]]] = {
-            TRACKER: [partial(tracker.update, image) for image in images],
-            CROSSED: [partial(first_look, tracker, image) for image in crossed],
-            RENDERER: [training.renderer.frame] * count,
-        }
+        tracker.reset()
         for part, work in works.items():
             began = time.process_time()
-            for step in work:
-                step()
+            for number in range(count):
+                work(number)
             rows.append(Rate(part, count / (time.process_time() - began)))
     training.close()
-    cv2.setNumThreads(threads)
     return rows
-
-
-def single_frames(appearance: str, seed: int, scenes: int) -> list[Observation]:
-    """Random scenes in one appearance: two markers, two foods, and cables from anywhere; all have the same scenes."""
-    cv2.setNumThreads(1)
-    corrected = appearance.endswith("parallax corrected")
-    camera = (_FLOOR[0] / 2, _FLOOR[1] / 2, _HEIGHT) if corrected else None
-    tracker = Tracker(calibration=Calibration.identity(camera))
-    places, noise = np.random.default_rng(seed).spawn(2)
-    rows: list[Observation] = []
-    shown = [Truth((), ())]
-    for number, (truth, anchor) in enumerate(_scenes(places, scenes)):
-        shown[0] = truth
-        if number % _BATCH == 0:
-            renderer = FrameRenderer(lambda: shown[0], APPEARANCES[appearance], anchor)
-            renderer.reset(noise)
-        regions = tracker.detect(renderer.frame())
-        rows += observe((appearance, TRACKER, 0, number), truth, regions, renderer.cables)
-    return rows
-
-
-def _scenes(rng: np.random.Generator, count: int) -> Iterator[tuple[Truth, tuple[float, float]]]:
-    """Random scenes, each with the anchor of its cables."""
-    low, high = np.full(2, _BORDER), np.array(_FLOOR) - _BORDER
-    for number in range(count):
-        if number % _BATCH == 0:
-            anchor_x, anchor_y = rng.uniform(0, _FLOOR).tolist()
-        while True:
-            places = [(float(x), float(y)) for x, y in rng.uniform(low, high, (4, 2))]
-            turns = rng.uniform(-math.pi, math.pi, 2).tolist()
-            if min(math.dist(a, b) for i, a in enumerate(places) for b in places[:i]) > _DISTANCE:
-                break
-        markers = tuple((*places[i], turns[i], i + 1) for i in range(2))
-        yield Truth(markers, tuple(places[2:])), (anchor_x, anchor_y)
 
 
 def observed_training(number: int, seed: int, rounds: int) -> list[Observation]:
@@ -197,60 +128,19 @@ def observed_training(number: int, seed: int, rounds: int) -> list[Observation]:
             (THRESHOLD, threshold_regions(picture), rendered),
             (MODEL, model.look().regions, straight),
         ):
-            place = (TRAINING, camera, number, frame + ATTEMPT * attempts)
-            rows += observe(place, truth, regions, cables)
+            rows += observe((camera, number, frame + ATTEMPT * attempts), truth, regions, cables)
     training.close()
     return rows
 
 
 def speed_table(rows: Sequence[Rate], repeats: int) -> Table:
     """Frames a second."""
-    goals = {TRACKER: "at least 300", CROSSED: "at least 300", RENDERER: ""}
     lines: list[dict[str, Value]] = [
-        {"part": part, "frames/s": extremes([row.rate for row in pick(rows, part=part)]), "goal": goal}
-        for part, goal in goals.items()
+        {"part": part, "frames/s": extremes([row.rate for row in pick(rows, part=part)])}
+        for part in (TRACKER, CROSSED, RENDERER)
     ]
-    note = f"One thread, by its processor time, frames of a training; median [lowest, highest] of {repeats} repeats."
+    note = f"One thread, by its processor time; the goal is 300. Median [lowest, highest] of {repeats} repeats."
     return table_of("speed", "Speed", note, lines, {"frames/s": 0})
-
-
-def accuracy_table(rows: Sequence[Observation]) -> Table:
-    """The accuracy of single frames, by appearance and kind of region."""
-    note = (
-        "Random scenes anywhere in the image: two markers and two foods each, nothing hidden by a marker, cables from "
-        "anywhere. Every frame is read without tracks, and the scenes are the same for every appearance. Errors are "
-        "those of found regions: regions within 6 pixels of a thing of their kind. Headings are reported in whole "
-        "degrees. Shares with Wilson's 95 % interval."
-    )
-    lines: list[dict[str, Value]] = []
-    for appearance, kind in product(APPEARANCES, KINDS):
-        own = pick(rows, source=appearance, kind=kind)
-        error, marker = errors(own), kind != KINDS[0]
-        distances, turns = error.distances, np.abs(error.turns)
-        centre, heading = _median_and_99(distances), _median_and_99(turns)
-        within = percent(int((turns <= 3).sum()), len(turns) + error.reversals) if marker else UNKNOWN
-        lines.append(
-            {
-                "appearance": appearance,
-                "region": kind,
-                "things": len(own),
-                "found (%)": percent(sum(row.found for row in own), len(own)),
-                "centre: median (px)": centre[0],
-                "99 % (px)": centre[1],
-                "within 1 px (%)": percent(int((distances <= 1).sum()), len(distances)),
-                "heading: median (deg)": heading[0],
-                "99 % (deg)": heading[1],
-                "within 3 deg (%)": within,
-                "reversed": error.reversals,
-                "regions of nothing": "" if marker else len(pick(rows, source=appearance, kind="")),
-            }
-        )
-    digits = dict.fromkeys(("centre: median (px)", "99 % (px)", "heading: median (deg)", "99 % (deg)"), 2)
-    return table_of("accuracy", "Single frames", note, lines, digits)
-
-
-def _median_and_99(values: NDArray[np.float64]) -> list[float]:
-    return np.percentile(values, (50, 99)).tolist() if len(values) else [math.nan, math.nan]
 
 
 def model_table(rows: Sequence[Observation]) -> Table:
@@ -318,12 +208,9 @@ def _rounds(rows: Iterable[Observation]) -> float:
     return len({(row.training, row.frame) for row in rows})
 
 
-_LOOKS = {
-    TRACKER: (OURS, "o", "tracker, rendered frames"),
-    MODEL: (THESIS, "s", "simulated camera"),
-    THRESHOLD: (GREY, "D", "threshold, rendered frames"),
-}
-"""Colour, marker and name of each camera."""
+_LOOKS = {TRACKER: "tracker, rendered frames", MODEL: "simulated camera", THRESHOLD: "threshold, rendered frames"}
+_COLOURS = (OURS, THESIS, GREY)
+"""Of the cameras."""
 _LINES = dict(zip(KINDS, (":", "-", "--"), strict=True))
 _RARE = 0.01
 """Share of the found regions that may be worse than the goals."""
@@ -332,39 +219,33 @@ _RARE = 0.01
 def errors_figure(rows: Sequence[Observation]) -> "Figure":
     """Errors of all cameras in trainings as curves, and loss rates with and without a cable."""
     figure = new_figure(WIDTH, 6.6)
-    panels = figure.subplot_mosaic([["centre", "heading"], ["losses", "losses"]], height_ratios=(1.1, 1.0))
-    below, names, highest = panels["losses"], [], 1.0
-    for place, kind in enumerate(KINDS):
-        names += [kind, f"{kind}, under a cable"]
-        for shift, camera in zip((0.24, 0.0, -0.24), CAMERAS, strict=True):
-            own = pick(rows, camera=camera, kind=kind)
-            colour, marker, _ = _LOOKS[camera]
-            error = errors(own)
+    mosaic = [["centre", "heading"], ["losses", "losses"]]
+    panels = figure.subplot_mosaic(mosaic, height_ratios=(1.1, 1.0))
+    below, rates = panels["losses"], dict[str, list[Estimate]]()
+    for kind in KINDS:
+        for camera, colour in zip(_LOOKS, _COLOURS, strict=True):
+            error = errors(pick(rows, camera=camera, kind=kind))
             for name, values in (("centre", error.distances), ("heading", np.abs(error.turns))):
                 share = 1 - np.arange(len(values)) / max(1, len(values))
                 panels[name].step(np.sort(values), share, color=colour, ls=_LINES[kind], lw=1.4)
-            for cable in (False, True):
-                rate = losses(own, cable).rate.times(1000)
-                mark(below, rate.value, 2 * place + cable + shift, rate, colour, level=True, marker=marker)
-                highest = max([highest, *(value for value in rate if np.isfinite(value))])
+        for cable, name in ((False, kind), (True, f"{kind}, under a cable")):
+            rates[name] = [losses(pick(rows, camera=c, kind=kind), cable).rate.times(1000) for c in _LOOKS]
     for name, goal, unit in (("centre", 1.0, "pixels"), ("heading", 3.0, "degrees")):
         panels[name].set(yscale="log", ylim=(1e-4, 1.2), xlim=(0, 2.5 * goal))
         panels[name].set_xlabel(f"error of the {name} above ({unit})")
         panels[name].axvline(goal, color=COLOURS[2], lw=1)
         panels[name].axhline(_RARE, color=COLOURS[2], lw=1)
     panels["centre"].set_ylabel("share of found regions")
-    below.set_yticks(range(len(names)), names)
+    levels(below, rates, "losses in 1000 rounds, with 95 % interval", tuple(_LOOKS.values()), _COLOURS)
+    highest = max([1.0, *(value for line in rates.values() for rate in line for value in rate if np.isfinite(value))])
     below.set_xscale("symlog", linthresh=1)
     below.set_xlim(-0.15, 1.5 * highest)  # marks at 0 and at the highest rate are shown whole
     below.set_xticks([tick for tick in (0, 1, 10, 100, 1000) if tick <= 1.5 * highest])
     below.xaxis.set_major_formatter(lambda rate, _: f"{rate:g}")
-    below.set_xlabel("losses in 1000 rounds, with 95 % interval")
     for axes in panels.values():
         grid(axes, "both")
         axes.tick_params(labelsize=SMALL)
     figure.suptitle("Errors and losses of the cameras in simulated trainings")
-    for colour, marker, camera in _LOOKS.values():
-        entry(below, camera, colour, marker, "-")
     for kind, line in _LINES.items():
         below.plot([], [], color="black", ls=line, lw=1.4, label=kind)
     goals = f"goals: 1 pixel and 3 degrees, {100 * _RARE:g} % of regions"
@@ -413,26 +294,18 @@ def main() -> int:
     given = parse("tracker", __doc__, *COUNTS, add=_add_arguments)
     seed, quick = given.seed, given.quick
     repeats = SPEED_REPEATS[quick]
-    tables = {
-        Observation: "observations",
-        Rate: "speeds",
-        SweepPoint: "limits",
-        LensTrial: "calibrations",
-        Trouble: "troubles",
-    }
+    tables = {Observation: "observations", Rate: "speeds", SweepPoint: "limits", Trouble: "troubles"}
     units = {
         SPEED: [Job(SPEED, speeds, (seed, SPEED_FRAMES[quick], repeats))],
-        SCENES: [Job(name, single_frames, (name, seed, given.scenes)) for name in APPEARANCES],
-        TRAININGS: [
-            Job(f"training {number}", observed_training, (number, seed, given.rounds))
-            for number in range(given.trainings)
-        ],
         LIMITS: [
             Job(f"limit {name}, {curve}", limit_points, (name, curve, seed, given.frames, quick))
             for name, sweep in SWEEPS.items()
             for curve in sweep.curves
         ],
-        LENSES: [Job(f"lenses {name}", calibrations, (name, seed, given.trials)) for name in LAYOUTS],
+        TRAININGS: [
+            Job(f"training {number}", observed_training, (number, seed, given.rounds))
+            for number in range(given.trainings)
+        ],
         TROUBLES: [
             Job(f"troubles {width} x {height}, {kind}", troubled_drive, (width, height, kind, given.troubled, seed))
             for width, height, kind in SETUPS
@@ -445,17 +318,15 @@ def main() -> int:
         given.fresh = False
     rows = collect(given, [unit for part in chosen if part != SPEED for unit in units[part]], tables)
     observations, points = rows.of(Observation), rows.of(SweepPoint)
-    if LIMITS in chosen:
-        parts.append(limits_table(points))
-        parts.append(Picture("limits", "found markers and food up to failure", limits_picture(points)))
-    if LENSES in chosen:
-        parts.append(lenses_table(rows.of(LensTrial)))
-    if SCENES in chosen:
-        parts.append(accuracy_table(observations))
-        parts.append(Picture("frame", "a frame with the tracker's regions", frame_figure(seed)))
-    if TRAININGS in chosen:
-        trainings = pick(observations, source=TRAINING)
-        parts += [model_table(trainings), Picture("tracker", "errors and losses", errors_figure(trainings))]
+    if points:
+        caption = "found markers and food up to failure"
+        parts += [limits_table(points), Picture("limits", caption, limits_picture(points))]
+    if observations:
+        parts += [
+            Picture("frame", "a frame with the tracker's regions", frame_figure(seed)),
+            model_table(observations),
+            Picture("tracker", "errors and losses", errors_figure(observations)),
+        ]
     if TROUBLES in chosen:
         parts.append(troubles_table(rows.of(Trouble)))
     return finish(given, Page("The tracker", parts))

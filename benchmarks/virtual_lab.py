@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import Column, Estimate, Measure, Table, difference, mean, pick
 from khepera_forage.experience import Experience
-from khepera_forage.figures import OURS, THESIS, WIDTH, legend, levels, new_figure
+from khepera_forage.figures import OURS, THESIS, WIDTH, legend, levels, new_figure, padded
 from khepera_forage.lab.operator import OperatorGaveUp
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
@@ -29,7 +30,7 @@ from khepera_forage.rollouts.recall import RecallInterruptedError, recall, recal
 from khepera_forage.rollouts.rows import IMITATOR, TEACHER, RecallRow, TrainingRow
 from khepera_forage.rollouts.training import arrays, train
 from khepera_forage.sim.world import World
-from khepera_forage.study import Count, Page, Picture, collect, finish, parse
+from khepera_forage.study import Count, Job, Page, Picture, collect, finish, parse
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -74,70 +75,45 @@ class Amounts(NamedTuple):
 QUICK = Amounts(files=1, recalls=1, rounds=250, steps=200)
 
 
-class Replication(NamedTuple):
+def replication(world: str, number: int, size: Amounts, seed: int) -> list[LabRecall | LabTraining]:
     """Training files in one world, then recalls of the teacher and of the imitator of all these files there.
 
     A replication has the same seeds in both worlds: the same marks in training, the same random places in recall. The
     noise of the operator's hand, the wheels and the camera differs.
     """
+    training, *recalling = np.random.SeedSequence(seed, spawn_key=(number,)).spawn(1 + len(ARENAS))
+    files: list[Experience] = []
+    rows: list[LabRecall | LabTraining] = []
+    body = _world(world, "corridor", 2)
+    # In the virtual laboratory, the operator's hand makes the errors of placement.
+    noise = None if body is None else Noise.none()
+    with closing(TrainingEnv(noise=noise, max_cycles=size.rounds, world=body)) as env:
+        for file, file_seed in enumerate(training.spawn(size.files), start=1):
+            experience, attempts = train(env, file_seed, replication=number, file=file)
+            files.append(experience)
+            rows += [LabTraining(**asdict(row), world=world) for row in attempts]
+    for arena, arena_seed in zip(ARENAS, recalling, strict=True):
+        with closing(recall_env(arena, limit=size.steps, world=_world(world, arena, 1))) as env:
+            seeds = arena_seed.generate_state(size.recalls).tolist()
+            rows += [LabRecall(**asdict(row), world=world) for row in _recalls(env, files, seeds, number)]
+    return rows
 
-    world: str
-    number: int
-    size: Amounts
-    seed: int
 
-    @property
-    def key(self) -> str:
-        """World and number."""
-        return f"{self.world} {self.number}"
+def _recalls(env: BehavioursEnv, files: list[Experience], seeds: list[int], replication: int) -> Iterator[RecallRow]:
+    """All recalls in an arena, but for those whose robot the camera never found where it was placed."""
+    vectors, behaviours = arrays(files)
+    imitator = NearestNeighbourImitator(diagonal=env.diagonal).fit(vectors, behaviours)
+    taught = {"episodes": len(files), "file_id": f"g1-{len(files)}", "experience_size": len(behaviours)}
+    policies: dict[str, tuple[Policy, dict[str, Any]]] = {TEACHER: (Teacher.of(env), {}), IMITATOR: (imitator, taught)}
+    for learner, (policy, learned) in policies.items():
+        once = partial(recall, env, policy, learner=learner, replication=replication, **learned)
+        for number, seed in enumerate(seeds):
+            with suppress(OperatorGaveUp):
+                yield _repeated(partial(once, seed, number=number))
 
-    def run(self) -> list[LabRecall | LabTraining]:
-        """Train and recall, in the laboratory's noise."""
-        seeds = np.random.SeedSequence(self.seed, spawn_key=(self.number,))
-        training, *recalling = seeds.spawn(1 + len(ARENAS))
-        files, rows = self._train(training)
-        for arena, seed in zip(ARENAS, recalling, strict=True):
-            rows += self._recalls(arena, files, seed.generate_state(self.size.recalls).tolist())
-        return rows
 
-    def _train(self, seeds: np.random.SeedSequence) -> tuple[list[Experience], list[LabRecall | LabTraining]]:
-        world = self._world("corridor", 2)
-        # In the virtual laboratory, the operator's hand makes the errors of placement.
-        noise = None if world is None else Noise.none()
-        files: list[Experience] = []
-        rows: list[LabRecall | LabTraining] = []
-        with closing(TrainingEnv(noise=noise, max_cycles=self.size.rounds, world=world)) as env:
-            for file, seed in enumerate(seeds.spawn(self.size.files), start=1):
-                experience, attempts = train(env, seed, replication=self.number, file=file)
-                files.append(experience)
-                rows += [LabTraining(**asdict(row), world=self.world) for row in attempts]
-        return files, rows
-
-    def _recalls(self, arena: str, files: list[Experience], seeds: list[int]) -> Iterator[LabRecall]:
-        """All recalls in an arena, but for those whose robot the camera never found where it was placed."""
-        vectors, behaviours = arrays(files)
-        with closing(recall_env(arena, limit=self.size.steps, world=self._world(arena, 1))) as env:
-            imitator = NearestNeighbourImitator(diagonal=env.diagonal).fit(vectors, behaviours)
-            policies: dict[str, Policy] = {TEACHER: Teacher.of(env), IMITATOR: imitator}
-            for learner, policy in policies.items():
-                taught = learner == IMITATOR
-                once = partial(
-                    recall,
-                    env,
-                    policy,
-                    learner=learner,
-                    replication=self.number,
-                    episodes=self.size.files if taught else 0,
-                    file_id=f"g1-{self.size.files}" if taught else "-",
-                    experience_size=len(behaviours) if taught else 0,
-                )
-                for number, seed in enumerate(seeds):
-                    with suppress(OperatorGaveUp):
-                        row = _repeated(partial(once, seed, number=number))
-                        yield LabRecall(**asdict(row), world=self.world)
-
-    def _world(self, arena: str, robots: int) -> World | None:
-        return virtual_laboratory(arena, robots) if self.world == VIRTUAL else None
+def _world(world: str, arena: str, robots: int) -> World | None:
+    return virtual_laboratory(arena, robots) if world == VIRTUAL else None
 
 
 def _repeated(recall_once: Callable[[], RecallRow]) -> RecallRow:
@@ -215,8 +191,7 @@ def recall_picture(rows: Sequence[LabRecall]) -> "Figure":
                 shown[f"{policy}, {arena}"] = pymunk, virtual
         levels(axes, shown, measure.name, ("pymunk alone", "virtual laboratory"), (THESIS, OURS))
         values = [v for pair in shown.values() for estimate in pair for v in estimate if np.isfinite(v)]
-        lowest, highest = min(0.0, *values), max(values)
-        axes.set_xlim(lowest - 0.04 * (highest - lowest), highest + 0.06 * (highest - lowest))
+        axes.set_xlim(padded(min(0.0, *values), max(values)))
         axes.tick_params(axis="y", length=0)
     legend(figure, panels[0], "bars: 95 % interval")
     return figure
@@ -228,7 +203,7 @@ def main() -> int:
     given = parse("virtual_lab", __doc__, COUNT, jobs=1 + (os.cpu_count() or 1))
     size = QUICK if given.quick else Amounts()
     numbers = range(given.replications)
-    units = [Replication(world, i, size, given.seed) for i in numbers for world in WORLDS]
+    units = [Job(f"{world} {i}", replication, (world, i, size, given.seed)) for i in numbers for world in WORLDS]
     rows = collect(given, units, {LabRecall: "recalls", LabTraining: "trainings"})
     recalls = rows.of(LabRecall)
     parts: list[Table | Picture] = [

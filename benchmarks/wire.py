@@ -21,8 +21,8 @@ from unittest.mock import patch
 import numpy as np
 
 from khepera_forage.envs.arguments import checked_arena, timing_of
-from khepera_forage.estimates import Table, Value, pick, quantiles, table_of
-from khepera_forage.figures import GREY, OURS, THESIS, WIDTH, legend, new_figure
+from khepera_forage.estimates import Estimate, Table, Value, pick, quantiles, table_of
+from khepera_forage.figures import GREY, OURS, THESIS, legend, levels, panels
 from khepera_forage.lab.clock import WallClock
 from khepera_forage.robots.khepera import (
     ARM_DOWN,
@@ -36,7 +36,7 @@ from khepera_forage.robots.khepera import (
 )
 from khepera_forage.robots.real_robot import Fleet
 from khepera_forage.robots.serial.line import LineTooSlow
-from khepera_forage.robots.serial.protocol import BAUD_RATES, seconds_on_wire
+from khepera_forage.robots.serial.protocol import BAUD_RATES
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.firmware import Firmware
 from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
@@ -103,8 +103,7 @@ with SerialKhepera(sys.argv[1], period=None) as robot:
         time.sleep(0.05)
 """
 PARTS = {
-    "rounds": "Bytes to and from the first robot, their time on the wire (11 bits a byte), and the time of `transmit` "
-    "and `receive` of all robots.",
+    "rounds": "Bytes to and from the first robot, and the time of `transmit` and `receive` of all robots.",
     "latency": f"One robot at {BAUD} baud. End: from the beginning of a period until its commands are sent. Between: "
     "from the arrival of a round's readings to that of the next round's.",
     "disturbances": f"One robot at {BAUD} baud with random speeds; the last round is undisturbed. Undetectable: "
@@ -192,9 +191,9 @@ def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Measurement]:
             taken += _timed(fleet.receive)
             if number >= 0:
                 moves = any(line.startswith((b"T,1,D", b"T,1,E", b"T,1,H")) for line in heard)
-                case, count = fleet_case(baud, robots, MOVES if moves else RESTS), len(b"".join(heard))
-                values = {"bytes": count, "on the wire": 1000 * seconds_on_wire(count, baud), "measured": taken}
-                rows += [Measurement("rounds", case, name, value) for name, value in values.items()]
+                case = fleet_case(baud, robots, MOVES if moves else RESTS)
+                rows.append(Measurement("rounds", case, "bytes", len(b"".join(heard))))
+                rows.append(Measurement("rounds", case, "measured", taken))
     return rows
 
 
@@ -321,28 +320,19 @@ def table(part: str, rows: Sequence[Measurement]) -> Table:
 
 def picture(rows: Sequence[Measurement]) -> "Figure":
     """Rounds by baud rate, and by number of robots."""
-    figure = new_figure(WIDTH, 4.2)
-    left, right = figure.subplots(1, 2)
 
-    def values(measure: str, *case: object) -> list[float]:
-        own = pick(rows, part="rounds", case=fleet_case(*case), measure=measure)  # type: ignore[arg-type]
-        return [row.value for row in own]
+    def spread(baud: int, robots: int, gripper: str) -> Estimate:
+        own = pick(rows, part="rounds", case=fleet_case(baud, robots, gripper), measure="measured")
+        return quantiles([row.value for row in own])
 
-    for gripper, colour, shift in ((RESTS, OURS, -0.18), (MOVES, THESIS, 0.18)):
-        places = [place + shift for place in range(len(BAUD_RATES))]
-        medians = [quantiles(values("measured", baud, 1, gripper)).value for baud in BAUD_RATES]
-        left.bar(places, medians, 0.34, color=colour, label=gripper)
-    left.axhline(PERIOD_MS, color=GREY, lw=1.2, ls="--", label=f"a round: {PERIOD_MS:.0f} ms")
-    left.set_xticks(range(len(BAUD_RATES)), list(map(str, BAUD_RATES)))
-    left.set(xlabel="baud", ylabel="time of a round (ms, median)")
+    figure, (left, right) = panels(2, "Time of a round")
+    label = "ms: median, 5th and 95th percentile"
+    rounds = {f"{baud} baud": [spread(baud, 1, gripper) for gripper in (RESTS, MOVES)] for baud in BAUD_RATES}
+    levels(left, rounds, label, (RESTS, MOVES), (OURS, THESIS))
+    left.axvline(PERIOD_MS, color=GREY, lw=1.2, ls="--", label=f"a round: {PERIOD_MS:.0f} ms")
+    levels(right, {f"{n} at {BAUD} baud": [spread(BAUD, n, RESTS)] for n in FLEETS}, label)
+    right.set_xlim(left=0)
     legend(figure, left, columns=3)
-    middle, low, high = zip(*(quantiles(values("measured", BAUD, n, RESTS)) for n in FLEETS), strict=True)
-    bars = [np.subtract(middle, low), np.subtract(high, middle)]
-    right.bar(range(len(middle)), middle, 0.5, color=OURS, yerr=bars, ecolor=GREY, capsize=3)
-    right.set_xticks(range(len(middle)), list(map(str, FLEETS)))
-    right.set_xlabel(f"robots in parallel, {BAUD} baud")
-    right.set_ylabel("time of a round (ms, median)\nbars: 5th to 95th percentile")
-    right.set_ylim(bottom=0)
     return figure
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.estimates import Table, Value, percent, pick, table_of
-from khepera_forage.figures import COLOURS, GREY, SMALL, WIDTH, grid, new_figure
+from khepera_forage.figures import COLOURS, GREY, SMALL, grid, panels
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.image_quality import measure_quality
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer, Light, draw_cable
@@ -18,7 +18,7 @@ from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from laboratory.observations import TRACKER, errors, observe
+from laboratory.observations import KINDS, TRACKER, errors, observe
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -100,8 +100,8 @@ class SweepPoint:
     """All markers and food in the frames of one point of a curve.
 
     `things` is the number of markers, and of food; `markers` and `foods` are found, `stray` are detected but are none,
-    or have a wrong number of holes. 95 % of the found centres (pixels) and headings (degrees) are off by less than
-    `position` and `heading`. `warned` is the percentage of frames with a warning.
+    or have a wrong number of holes; `reversals` have a heading of more than 90 degrees off. `warned` is the percentage
+    of frames with a warning.
     """
 
     sweep: str
@@ -112,8 +112,6 @@ class SweepPoint:
     foods: int
     stray: int
     reversals: int
-    position: float
-    heading: float
     warned: float
 
 
@@ -126,17 +124,12 @@ def limit_points(name: str, curve: str, seed: int, images: int, quick: bool) -> 
         rows, warned = [], 0
         conditions = sweep.conditions(value, sweep.curves[curve])
         for truth, frame in frames(conditions, images, np.random.default_rng(seed)):
-            rows += observe((name, TRACKER, 0, 0), truth, tracker.detect(frame), [])
+            rows += observe((TRACKER, 0, 0), truth, tracker.detect(frame), [])
             warned += bool(measure_quality(frame).warnings(settings))
-        foods, markers = pick(rows, kind="food"), [row for row in rows if "hole" in row.kind]
-        error = errors(markers)
-        position, heading = (
-            float(np.percentile(sizes, 95)) if len(sizes) else math.nan
-            for sizes in (error.distances, np.abs(error.turns))
-        )
-        found = (sum(row.found for row in markers), sum(row.found for row in foods), len(pick(rows, kind="")))
-        measured = (len(markers), *found, error.reversals, position, heading, 100 * warned / images)
-        points.append(SweepPoint(name, curve, value, *measured))
+        markers, foods, stray = ([row for row in rows if row.kind in kinds] for kinds in (KINDS[1:], KINDS[:1], ("",)))
+        found, found_foods = (sum(row.found for row in own) for own in (markers, foods))
+        reversals, share = errors(markers).reversals, 100 * warned / images
+        points.append(SweepPoint(name, curve, value, len(markers), found, found_foods, len(stray), reversals, share))
     return points
 
 
@@ -209,21 +202,18 @@ def limits_table(points: Sequence[SweepPoint]) -> Table:
             "food found (%)": percent(p.foods, p.things),
             "stray (per 1000)": 1000 * p.stray / p.things,
             "reversed": p.reversals,
-            "centre: 95 % (px)": p.position,
-            "heading: 95 % (deg)": p.heading,
             "warning (%)": p.warned,
         }
         for p in points
     ]
-    digits = {"reversed": 0, "centre: 95 % (px)": 2, "heading: 95 % (deg)": 2, "warning (%)": 0}
-    return table_of("limits", "Up to the point of failure", note, rows, digits)
+    return table_of("limits", "Up to the point of failure", note, rows, {"warning (%)": 0})
 
 
 def limits_picture(points: Sequence[SweepPoint]) -> "Figure":
     """Shares found as curves, one panel for each disturbance."""
-    figure = new_figure(WIDTH, 8.5)
-    *panels, last = figure.subplots(3, 2).flat
-    for panel, (name, sweep) in zip(panels, SWEEPS.items(), strict=True):
+    title = "Markers (lines) and food (dotted) found, as the picture becomes worse"
+    figure, (*shown, last) = panels(1 + len(SWEEPS), title)
+    for panel, (name, sweep) in zip(shown, SWEEPS.items(), strict=True):
         for colour, curve in zip(COLOURS, sweep.curves, strict=False):
             own = pick(points, sweep=name, curve=curve)
             values = [p.value for p in own]
@@ -240,7 +230,6 @@ def limits_picture(points: Sequence[SweepPoint]) -> "Figure":
         panel.legend(fontsize=SMALL, frameon=False, loc="center left")
         grid(panel, "both")
     last.axis("off")
-    figure.suptitle("Markers (lines) and food (dotted) found, as the picture becomes worse", fontsize=11)
     note = "triangles: a warning names the setting to change; grey line: the goal of 98 %"
     figure.supxlabel(note, fontsize=SMALL, color=GREY)
     return figure

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from shapely import LineString, Point, Polygon
 
 from khepera_forage.estimates import Estimate, wilson
-from khepera_forage.geometry.plane import is_near, wall_of
 from khepera_forage.robots.khepera import FOOD_RADIUS, MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.association import Detection
 from khepera_forage.vision.rendering import CameraAppearance
@@ -28,8 +28,6 @@ from khepera_forage.vision.shapes import (
 TRACKER, MODEL, THRESHOLD = "tracker", "model", "threshold"
 """The tracker on rendered frames; the simulated camera; a plain threshold on rendered frames, without headings."""
 CAMERAS = (TRACKER, MODEL, THRESHOLD)
-TRAINING = "training"
-"""The source of observations of trainings; for single frames it is the name of their appearance."""
 KINDS = ("food", "1 hole", "2 holes")
 """By number of holes."""
 ATTEMPT = 100_000
@@ -50,10 +48,9 @@ class Observation:
     """One thing in one frame, or a region that belongs to nothing.
 
     Attributes:
-        source: `TRAINING`, or the appearance of a single frame.
         camera: One of `CAMERAS`.
-        training: Number of the training; 0 for single frames.
-        frame: Number of the frame.
+        training: Its number.
+        frame: Its number.
         kind: One of `KINDS`; empty for a region that belongs to nothing.
         thing: Number of the thing in the world, markers and foods counted separately.
         clear: Whether nothing hides the thing: no marker lies over food or touches it.
@@ -65,7 +62,6 @@ class Observation:
         turn: Reported minus true heading in degrees, -180 to 180; None if not found, not read, or food.
     """
 
-    source: str
     camera: str
     training: int
     frame: int
@@ -81,7 +77,7 @@ class Observation:
 
 
 def observe(
-    frame: tuple[str, str, int, int],
+    frame: tuple[str, int, int],
     truth: Truth,
     regions: Sequence[Region | Detection],
     cables: Sequence[NDArray[np.float64]],
@@ -89,20 +85,23 @@ def observe(
     """An observation of every thing, then one of every region that belongs to nothing.
 
     Args:
-        frame: Source, camera, training and number.
+        frame: Camera, training and number.
         truth: What was there.
         regions: What was reported.
         cables: For each robot, points of its cable in pixels; empty without cables.
     """
     found = {id(r): r for r in regions if not isinstance(r, Region) or r.found}
     plates = [Plate(x, y, math.cos(h), math.sin(h)) for x, y, h, _ in truth.markers]
+    lines = [LineString(MM_PER_PIXEL * cable) for cable in cables]
     things = []
     for number, (x, y, heading, holes) in enumerate(truth.markers):
-        covered = any(_over_marker(cable, plates[number]) for i, cable in enumerate(cables) if i != number)
+        outline = _outline(plates[number])
+        covered = any(line.intersects(outline) for i, line in enumerate(lines) if i != number)
         things.append((number, x, y, heading, holes, True, covered))
     for number, (x, y) in enumerate(truth.foods):
         clear = not under_plate(x, y, FOOD_RADIUS + MARKER_FRAME + _CLEARANCE, plates)
-        things.append((number, x, y, 0.0, 0, clear, any(_over_food(cable, x, y) for cable in cables)))
+        covered = any(line.distance(Point(x, y)) <= FOOD_RADIUS for line in lines)
+        things.append((number, x, y, 0.0, 0, clear, covered))
     rows = []
     for number, x, y, heading, holes, clear, covered in things:
         x, y = x / MM_PER_PIXEL, y / MM_PER_PIXEL
@@ -113,26 +112,19 @@ def observe(
             del found[id(region)]
             label = region.label if isinstance(region, Region) else -1
             dx, dy = region.x - x, region.y - y
-            if holes and frame[1] != THRESHOLD:
+            if holes and frame[0] != THRESHOLD:
                 turn = (region.orientation - math.degrees(heading) + 180) % 360 - 180
         seen = region is not None
         rows.append(Observation(*frame, KINDS[holes], number, clear, covered, seen, label, dx, dy, turn))
     return rows + [Observation(*frame) for _ in found]
 
 
-def _over_food(cable: NDArray[np.float64], x: float, y: float) -> bool:
-    points = (cable * MM_PER_PIXEL).tolist()
-    return any(is_near(x, y, wall_of((*a, *b)), FOOD_RADIUS) for a, b in pairwise(points))
-
-
-def _over_marker(cable: NDArray[np.float64], plate: Plate) -> bool:
-    """Whether a cable crosses a marker; checked every few mm, in the marker's coordinates."""
-    shares = np.linspace(0, len(cable) - 1, 400)
-    at = np.arange(len(cable))
-    dx = np.interp(shares, at, cable[:, 0]) * MM_PER_PIXEL - plate.x
-    dy = np.interp(shares, at, cable[:, 1]) * MM_PER_PIXEL - plate.y
-    along, across = dx * plate.cos + dy * plate.sin, dy * plate.cos - dx * plate.sin
-    return bool(np.any((np.abs(along) <= MARKER_LENGTH / 2) & (np.abs(across) <= MARKER_WIDTH / 2)))
+def _outline(plate: Plate) -> Polygon:
+    """A marker on the floor, in mm."""
+    along = MARKER_LENGTH / 2 * np.array((plate.cos, plate.sin))
+    across = MARKER_WIDTH / 2 * np.array((-plate.sin, plate.cos))
+    corners = (along + across, along - across, -along - across, across - along)
+    return Polygon(np.array((plate.x, plate.y)) + corners)
 
 
 def threshold_regions(frame: NDArray[np.uint8]) -> list[Detection]:
