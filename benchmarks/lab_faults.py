@@ -71,10 +71,8 @@ _ANOTHER = 1e6
 class SeriesSize(NamedTuple):
     """How much is done in a series.
 
-    Attributes:
-        kinds: Of faults, once each.
-        episodes: Complete ones that each training plans.
-        pause: Rounds, at most, from the end of one fault to the next.
+    Each kind of fault happens once, at most `pause` rounds after the end of another; each training plans `episodes`
+    complete ones.
     """
 
     kinds: Sequence[Kind] = KINDS
@@ -87,11 +85,11 @@ QUICK = SeriesSize(KINDS[::3], episodes=1, pause=10)
 
 @dataclass
 class FaultRow:
-    """One fault of a part of the laboratory, with one of the outcomes above; times in seconds.
+    """One fault of a part of the laboratory, with one of the outcomes above.
 
     Attributes:
         seconds: From its beginning until it had passed, or until the training noticed a loss.
-        unattended: Longest time that a wheel within reach of its line turned since the last round.
+        unattended: Longest time in seconds that a wheel within reach of its line turned since the last round.
         moving: Robots within reach that moved after the attempt had ended; `out_of_reach`: others.
         notices: Warnings, and the error with which the command ended; `named`: those with device or file and cause.
         continued: Whether a round of training followed.

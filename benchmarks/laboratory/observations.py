@@ -45,20 +45,14 @@ _HOLE = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """One thing in one frame, or a region that belongs to nothing.
+    """One thing in one frame of a training, or a region that belongs to nothing, whose kind is empty.
 
     Attributes:
-        camera: One of `CAMERAS`.
-        training: Its number.
-        frame: Its number.
-        kind: One of `KINDS`; empty for a region that belongs to nothing.
         thing: Number of the thing in the world, markers and foods counted separately.
         clear: Whether nothing hides the thing: no marker lies over food or touches it.
         cable: Whether another robot's cable lies over the thing.
-        found: Whether the camera reports it as found.
         label: Of its track; -1 if not found.
-        dx: Reported minus true centre in pixels; None if not found.
-        dy: The same.
+        dx: Reported minus true centre in pixels, as `dy`; None if not found.
         turn: Reported minus true heading in degrees, -180 to 180; None if not found, not read, or food.
     """
 
@@ -153,12 +147,9 @@ def threshold_regions(frame: NDArray[np.uint8]) -> list[Detection]:
 
 
 class Errors(NamedTuple):
-    """Errors of found regions that nothing hides.
+    """Errors of found regions that nothing hides: centres in pixels, shape (regions, 2), and headings in degrees.
 
-    Attributes:
-        offsets: Of centres in pixels, shape (regions, 2).
-        turns: Of headings in degrees; those of more than 90 are reversed, and left out.
-        reversals: Number of reversed headings.
+    Headings that are off by more than 90 degrees are reversed: they are counted, and left out of `turns`.
     """
 
     offsets: NDArray[np.float64]
@@ -183,10 +174,8 @@ def errors(rows: Iterable[Observation]) -> Errors:
 class Losses(NamedTuple):
     """Losses of things that nothing hides.
 
-    Attributes:
-        rate: Losses a round in which a thing that was found one round before could be lost, with Wilson's interval,
-            which treats losses as independent.
-        lengths: Rounds of each loss that ended while nothing hid the thing.
+    `rate` is that of a round in which a thing that was found one round before could be lost; its interval treats losses
+    as independent. `lengths` are the rounds of each loss that ended while nothing hid the thing.
     """
 
     rate: Estimate

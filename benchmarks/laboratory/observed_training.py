@@ -43,7 +43,6 @@ class ObservedAttempt:
         wrong: For each of these vectors, whether it differs from what the learner's body senses, or its behaviour from
             what the teacher would have called on its own body's senses.
         outdated: For each of them, whether teacher or learner were elsewhere than the camera reported.
-        rounds: Begun rounds.
         lost: What was lost in the last round; empty if nothing was.
         complete: Whether it was complete.
         discarded: Whether it ended incomplete, with nothing lost (5.2).
@@ -53,7 +52,6 @@ class ObservedAttempt:
     perceived: list[Vector] = field(default_factory=list)
     wrong: list[bool] = field(default_factory=list)
     outdated: list[bool] = field(default_factory=list)
-    rounds: int = 0
     lost: str = ""
     complete: bool = False
     discarded: bool = False
@@ -113,7 +111,6 @@ class ObservedTraining(TrainingEnv):
         if not ends_round:
             return
         attempt = self.attempts[-1]
-        attempt.rounds += 1
         attempt.lost = self.infos[TEACHER].get("robot_lost", "")
         attempt.complete = self.terminations[TEACHER]
         attempt.discarded = self.truncations[TEACHER] and not attempt.lost
