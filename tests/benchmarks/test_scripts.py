@@ -23,7 +23,7 @@ EXPERIMENTS = (
 LEARNERS_RUN = tuple(
     part for name in ("teacher", "random", "imitator", "tree", "dagger_tree") for part in ("--only", name)
 )
-TRACKER_ROWS = ("observations", "limits", "calibrations", "troubles")
+TRACKER_ROWS = ("observations", "limits", "troubles")
 STARTED = (*APART, "backends", "throughput")
 """Scripts that other tests start as a user does."""
 
@@ -118,7 +118,7 @@ def test_quick_run_leaves_page_tables_pictures_and_rows(script: str, quick_run: 
 @pytest.mark.skipif(find_spec("cv2") is None, reason="needs cv2")
 def test_killed_run_is_continued_with_the_same_rows_by_two_processes(quick_run: QuickRun, tmp_path: Path) -> None:
     """In a process of its own, whose workers must not print errors. The run that tests share has one process."""
-    only = ("--only", "scenes")
+    only = ("--only", "limits")
     whole, killed = quick_run("tracker", *only), tmp_path / "killed"
     shutil.copytree(whole, killed)
     (killed / "tracker.md").unlink()
@@ -131,7 +131,7 @@ def test_killed_run_is_continued_with_the_same_rows_by_two_processes(quick_run: 
     printed = quick("tracker", killed, *only, "--jobs", "2")
     assert f"{done} of {len(units) - 1} units are done already" in printed
     assert (killed / "tracker.md").exists()
-    for name in ("frame.png", *(f"{name}.csv" for name in TRACKER_ROWS)):
+    for name in ("limits.png", *(f"{name}.csv" for name in TRACKER_ROWS)):
         assert (whole / name).read_bytes() == (killed / name).read_bytes()
 
 
