@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ROOT = Path(__file__).parents[2]
-PNG = b"\x89PNG\r\n\x1a\n"
 _COMPILING = re.compile(r"^khepera_forage: compiling kernels.*\n", re.MULTILINE)
 """What the first script that needs kernels says."""
 
@@ -154,7 +153,7 @@ def read(path: Path) -> list[dict[str, str]]:
 def is_picture(path: Path) -> bool:
     """Whether the file is a PNG of some size."""
     data = path.read_bytes()
-    return data.startswith(PNG) and len(data) > 10_000
+    return data.startswith(b"\x89PNG\r\n\x1a\n") and len(data) > 10_000
 
 
 if __name__ == "__main__":

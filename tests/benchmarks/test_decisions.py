@@ -27,27 +27,15 @@ def out(quick_run: QuickRun) -> Path:
     return quick_run("decisions")
 
 
-def test_as_many_sets_are_admissible_as_were_wanted(out: Path) -> None:
-    counts = {row["outcome"]: int(row["sets"]) for row in read(out / "table_admissible.csv")}
-    assert counts["admissible"] == 3
-
-
-def test_every_part_of_the_prior_stands_on_the_page_with_its_source(out: Path) -> None:
-    rows = read(out / "table_prior.csv")
-    assert {row["decision or noise"] for row in rows} == set(PRIOR.parts)
-    assert all(row["source"] for row in rows)
-
-
-def test_every_decision_is_calibrated_and_has_a_posterior(out: Path) -> None:
+def test_every_part_of_the_prior_has_a_source_a_calibration_and_a_posterior(out: Path) -> None:
+    prior = read(out / "table_prior.csv")
+    assert {row["decision or noise"] for row in prior} == set(PRIOR.parts)
+    assert all(row["source"] for row in prior)
     assert {row["decision or noise"] for row in read(out / "table_calibration.csv")} == set(PRIOR.parts)
     numbers = {row["decision or noise"] for row in read(out / "table_posterior_numbers.csv")}
-    alternatives = {row["decision"] for row in read(out / "table_posterior_alternatives.csv")}
-    assert numbers | alternatives == set(PRIOR.parts)
-    shares = [
-        float(row["posterior (%)"])
-        for row in read(out / "table_posterior_alternatives.csv")
-        if row["decision"] == "orienting"
-    ]
+    alternatives = read(out / "table_posterior_alternatives.csv")
+    assert numbers | {row["decision"] for row in alternatives} == set(PRIOR.parts)
+    shares = [float(row["posterior (%)"]) for row in alternatives if row["decision"] == "orienting"]
     assert sum(shares) == pytest.approx(100, abs=0.01)
 
 
@@ -69,14 +57,12 @@ def test_nothing_of_the_test_set_is_fitted(out: Path) -> None:
     assert all(0 <= float(row["posterior sets (%)"]) <= 100 for row in rows)
 
 
-def test_figures_of_the_text_are_in_a_table(out: Path) -> None:
+def test_figures_of_the_text_and_all_claims_are_in_tables(out: Path) -> None:
+    counts = {row["outcome"]: int(row["sets"]) for row in read(out / "table_admissible.csv")}
     values = {row["quantity"]: float(row["value"]) for row in read(out / "table_sizes.csv")}
-    assert values["admissible sets"] == 3
+    assert counts["admissible"] == values["admissible sets"] == 3
     assert 1 <= values["sets of equal weight that the posterior is worth"] <= 3
     assert 0 < values["joint p"] <= 1
-
-
-def test_every_claim_has_a_share_of_laboratories(out: Path) -> None:
     assert [row["claim"] for row in read(out / "table_claims.csv")] == [claim.name for claim in CLAIMS]
 
 

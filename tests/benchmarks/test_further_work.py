@@ -1,6 +1,5 @@
 """`benchmarks/further_work.py`: every experiment gives a page, a picture and rows that agree with each other."""
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,16 +10,8 @@ import pytest
 from further_experiments import memory
 from further_experiments import perception as new
 from further_experiments.memory import FIXED, PATIENCE, StateLabels, UntilGoal, goal_reached
-from further_experiments.perception import (
-    CopiedMotorsEnv,
-    LearnedBehavioursEnv,
-    ObservingTeacher,
-    learned_command,
-    relations,
-)
+from further_experiments.perception import CopiedMotorsEnv, LearnedBehavioursEnv, ObservingTeacher, learned_command
 from further_experiments.teachers import SimulatedPerson
-from hypothesis import given
-from hypothesis import strategies as st
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.noise import Noise
@@ -86,13 +77,12 @@ def test_table_is_that_of_the_rows(out: Path, name: str) -> None:
     assert sum(int(line["rows"]) for line in table) == len(rows_of(out, name))
 
 
-def places_of(out: Path, name: str) -> dict[tuple[str, str], set[tuple[str, ...]]]:
+def seeds_of(out: Path, name: str) -> dict[tuple[str, str], set[tuple[str, ...]]]:
     """The seeds of the recalls in each replication and arena, under every condition and after every amount."""
-    seeds: dict[tuple[str, str], set[tuple[str, ...]]] = {}
     groups: dict[tuple[str, ...], list[str]] = {}
     for row in rows_of(out, name):
-        where = (row["replication"], row["arena"])
-        groups.setdefault((*where, row["condition"], row["amount"]), []).append(row["seed"])
+        groups.setdefault((row["replication"], row["arena"], row["condition"], row["amount"]), []).append(row["seed"])
+    seeds: dict[tuple[str, str], set[tuple[str, ...]]] = {}
     for (replication, arena, *_), numbers in groups.items():
         seeds.setdefault((replication, arena), set()).add(tuple(numbers))
     return seeds
@@ -100,12 +90,12 @@ def places_of(out: Path, name: str) -> dict[tuple[str, str], set[tuple[str, ...]
 
 def test_conditions_share_their_places_and_replications_have_their_own(out: Path, quick_run: QuickRun) -> None:
     for name in WITH_RECALLS:
-        seeds = places_of(out, name)
+        seeds = seeds_of(out, name)
         assert len(seeds) == 2
         assert all(len(kinds) == 1 for kinds in seeds.values())
     repeated = quick_run("further_work", "--only", "spatial_variety", "--replications", "2")
     assert {folder.name for folder in repeated.iterdir()} == {"spatial_variety"}
-    seeds = places_of(repeated, "spatial_variety")
+    seeds = seeds_of(repeated, "spatial_variety")
     assert len(seeds) == len(set.union(*seeds.values())) == 4
 
 
@@ -366,55 +356,31 @@ def test_every_key_of_a_person_but_the_first_is_late_and_some_are_wrong() -> Non
     assert np.all(np.abs(counts[1:] - 1000 / 9) < 6 * np.sqrt(1000 / 9))
 
 
-# ---------------------------------------------------------------- behaviours learned from motors (4.8)
-
-OBSTACLES = RAW._replace(proximity=(0, 10, 20, 30, 40, 50), food_x=60.0)
-
-
-def moved(raw: RawData, x: float, y: float, degrees: int) -> RawData:
-    """The same scene elsewhere: everything turned about the origin, then shifted."""
-    cosine, sine = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-
-    def there(px: float, py: float) -> tuple[float, float]:
-        return x + px * cosine - py * sine, y + px * sine + py * cosine
-
-    (x1, y1), (x2, y2), (x3, y3) = (there(raw.x, raw.y), there(raw.food_x, raw.food_y), there(raw.home_x, raw.home_y))
-    orientation = (raw.orientation + degrees) % 360
-    return raw._replace(x=x1, y=y1, food_x=x2, food_y=y2, home_x=x3, home_y=y3, orientation=orientation)
-
-
-@given(st.floats(-200, 200), st.floats(-200, 200), st.integers(-180, 180))
-def test_relations_do_not_depend_on_the_place(x: float, y: float, degrees: int) -> None:
-    assert relations(moved(OBSTACLES, x, y, degrees)) == pytest.approx(relations(OBSTACLES), abs=1e-6)
-
-
-def forages(env: Any, seeds: range, action: Callable[[int, RawData], Any]) -> int:
-    """Food delivered in episodes under an action that may depend on the correct behaviour and the raw data."""
-    delivered = 0
-    for seed in seeds:
-        (_, info), over = env.reset(seed=seed), False
-        while not over:
-            _, _, terminated, truncated, info = env.step(action(info["correct_behaviour"], env.forager.raw))
-            over = terminated or truncated
-        delivered += info["delivered"]
-    return delivered
-
-
 def test_behaviours_learned_from_the_teacher_s_motors_forage_at_new_places() -> None:
-    raws: list[RawData] = []
-    behaviours: list[int] = []
+    """Robots that stand still, or drive at random, deliver nothing."""
 
-    def shown(behaviour: int, raw: RawData) -> int:
-        raws.append(raw)
-        behaviours.append(behaviour)
+    def forages(name: str, seeds: range, action: Callable[[int, RawData], Any]) -> int:
+        env: Any = gym.make(f"khepera_forage/{name}-v1").unwrapped
+        delivered = 0
+        for seed in seeds:
+            (_, info), over = env.reset(seed=seed), False
+            while not over:
+                _, _, terminated, truncated, info = env.step(action(info["correct_behaviour"], env.forager.raw))
+                over = terminated or truncated
+            delivered += info["delivered"]
+        return delivered
+
+    shown: list[tuple[int, RawData]] = []
+
+    def recorded(behaviour: int, raw: RawData) -> int:
+        shown.append((behaviour, raw))
         return behaviour
 
     def wheels(behaviour: int, raw: RawData) -> Any:
         left, right, arm, jaw = learned(behaviour, raw)
         return np.array((left / 20, right / 20, 2.0 * (arm == ARM_RAISED) - 1.0, 2.0 * (jaw == JAW_CLOSED) - 1.0))
 
-    forages(gym.make("khepera_forage/Corridor-v1").unwrapped, range(12), shown)
-    motors = [command(*step, DEFAULT_VALUES) for step in zip(behaviours, raws, strict=True)]
-    learned = learned_command(raws, behaviours, motors)
-    delivered = forages(gym.make("khepera_forage/CorridorWheels-v1").unwrapped, range(100, 106), wheels)
-    assert delivered >= 1, "a robot that stands still, or drives at random, delivers nothing"
+    forages("Corridor", range(12), recorded)
+    motors = [command(*step, DEFAULT_VALUES) for step in shown]
+    learned = learned_command([raw for _, raw in shown], [behaviour for behaviour, _ in shown], motors)
+    assert forages("CorridorWheels", range(100, 106), wheels) >= 1

@@ -7,7 +7,7 @@ from sklearn.ensemble import RandomForestClassifier
 
 from khepera_forage.comparison.learning import ARENAS, RecallBatch, all_learners
 from khepera_forage.comparison.page import STYLES, figure
-from khepera_forage.comparison.results import Curve, ReadLearner, curves, described, merged, read_results
+from khepera_forage.comparison.results import Curve, ReadLearner, curves, described
 from khepera_forage.policies.learners import OfflineImitation, Supervision
 from tests.figure_checks import check_points_are_shown, check_readable, check_shading_is_explained, lay_out, legends_of
 
@@ -77,11 +77,6 @@ def test_picture_is_readable_and_complete_in_its_legend(drawn: Figure) -> None:
     assert {"success: 80 %", "other learners of the kind"} <= set(labels)
     for arena in ARENAS:
         assert {f"the teacher, {arena}", f"random behaviours, {arena}"} <= set(labels)
-
-
-def test_picture_beside_published_results_is_readable(learners: dict[str, ReadLearner]) -> None:
-    few = {name: learners[name] for name in ("teacher", "imitator")}
-    check_readable(lay_out(figure(*merged(curves(rows_of(few), 3), few, read_results("published")))))
 
 
 def test_picture_of_references_alone_can_be_drawn(learners: dict[str, ReadLearner]) -> None:

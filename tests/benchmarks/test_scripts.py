@@ -13,7 +13,7 @@ import pytest
 
 from khepera_forage.study import UNITS
 from tests.benchmarks.conftest import APART, QuickRun
-from tests.benchmarks.running import ROOT, is_picture, quick, read, refused
+from tests.benchmarks.running import ROOT, is_picture, quick, read
 
 EXPERIMENTS = (
     *("push_and_avoid", "attribute_weights", "spatial_variety", "state_vector", "action_level", "different_robots"),
@@ -30,14 +30,9 @@ STARTED = (*APART, "backends", "throughput")
 
 @dataclass(frozen=True)
 class Script:
-    """A script of `benchmarks/`.
+    """A script of `benchmarks/`, or a subcommand that does the same.
 
-    Attributes:
-        rows: Names of its row files.
-        run: Arguments of the quick run that tests share.
-        page: Where the page is, in the results' folder.
-        needs: Modules without which it cannot run.
-        subcommand: Of `khepera-forage`, if the script does the same.
+    It has row files and a page, `run` in the run that tests share, and `needs` modules.
     """
 
     rows: tuple[str, ...]
@@ -133,8 +128,3 @@ def test_killed_run_is_continued_with_the_same_rows_by_two_processes(quick_run: 
     assert (killed / "tracker.md").exists()
     for name in ("limits.png", *(f"{name}.csv" for name in TRACKER_ROWS)):
         assert (whole / name).read_bytes() == (killed / name).read_bytes()
-
-
-def test_counts_are_checked() -> None:
-    assert "'0'; allowed: a whole number of at least 1" in refused("backends", "--forages", "0")
-    assert "'0'; allowed: a whole number of at least 1, or -1" in refused("backends", "--jobs", "0")

@@ -10,7 +10,6 @@ from tests.benchmarks.test_scripts import SCRIPTS
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
-Rows = list[dict[str, str]]
 
 
 @pytest.fixture(scope="module")
@@ -18,12 +17,8 @@ def out(quick_run: QuickRun) -> Path:
     return quick_run("virtual_lab", *SCRIPTS["virtual_lab"].run)
 
 
-@pytest.fixture(scope="module")
-def recalls(out: Path) -> Rows:
-    return read(out / "recalls.csv")
-
-
-def test_the_same_recalls_in_both_worlds(recalls: Rows) -> None:
+def test_the_same_recalls_in_both_worlds(out: Path) -> None:
+    recalls = read(out / "recalls.csv")
     names = ("arena", "learner", "seed", "start_x", "food_x")
     pymunk, virtual = (
         [[row[name] for name in names] for row in recalls if row["world"] == world] for world in ("pymunk", "virtual")
@@ -36,7 +31,8 @@ def test_the_same_recalls_in_both_worlds(recalls: Rows) -> None:
     assert [row["rounds_by_state"] for row in recalls[:4]] != [row["rounds_by_state"] for row in recalls[4:]]
 
 
-def test_the_comparison_is_that_of_the_rows(out: Path, recalls: Rows) -> None:
+def test_the_comparison_is_that_of_the_rows(out: Path) -> None:
+    recalls = read(out / "recalls.csv")
     lines = read(out / "table_recalls.csv")
     assert len(lines) == 4 * 3
     for line in lines:
