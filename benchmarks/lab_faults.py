@@ -355,14 +355,16 @@ def stored_vectors(folder: Path, attempts: Sequence[ObservedAttempt]) -> list[li
             files[path.name] = Experience.load(path, recover=True)
 
     def cost(attempt: ObservedAttempt, name: str) -> float:
-        if files[name].seed != attempt.seed:
-            return _ANOTHER
-        # The file of a lost attempt has another name, unless attempts.csv was full as well.
-        differs = (".lost-" in name) != bool(attempt.lost)
+        """Number of different vectors; the file of a lost attempt has another name, or attempts.csv was full, too."""
         different = [a != b for a, b in zip_longest(files[name], attempt.perceived)]
-        return sum(different) + 0.5 * differs
+        return sum(different) + 0.5 * ((".lost-" in name) != bool(attempt.lost))
 
-    costs = np.array([[cost(attempt, name) for name in files] for attempt in attempts])
+    costs = np.array(
+        [
+            [cost(attempt, name) if file.seed == attempt.seed else _ANOTHER for name, file in files.items()]
+            for attempt in attempts
+        ]
+    )
     found: list[list[Vector]] = [[] for _ in attempts]
     for number, file in zip(*linear_sum_assignment(costs), strict=True):
         if costs[number, file] < _ANOTHER:

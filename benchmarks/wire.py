@@ -107,7 +107,7 @@ PARTS = {
     "latency": f"One robot at {BAUD} baud. End: from the beginning of a period until its commands are sent. Between: "
     "from the arrival of a round's readings to that of the next round's.",
     "disturbances": f"One robot at {BAUD} baud with random speeds; the last round is undisturbed. Undetectable: "
-    "garbled replies that are well-formed. Unknown: readings that could not be confirmed.",
+    "garbled replies that are well-formed.",
     "endings": "From the end of a process that drives a robot until the robot receives the stop, or 5 s have passed.",
 }
 """The tables and their notes."""
@@ -271,7 +271,6 @@ def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[Measurement
                 lost += 1
         counts = {
             "undetectable": port.fault_counts["undetectable"],
-            "unknown": robot.statistics.unknown,
             "rounds with a wrong counter": sum(error > 0 for error in errors[:-1]),
             "error at the end (pulses)": errors[-1],
             "lost": lost,

@@ -85,7 +85,7 @@ class VirtualCamera:
         return np.asarray(faulty[self.fault](), np.uint8) if self.fault in faulty else noisy
 
 
-class Capture:
+class _Capture:
     """The part of `cv2.VideoCapture` that a frame source uses."""
 
     def __init__(self, camera: VirtualCamera) -> None:
@@ -94,23 +94,18 @@ class Capture:
         self._read_until = 0
 
     def isOpened(self) -> bool:  # noqa: N802 (OpenCV's name)
-        """Whether the device could be opened."""
         return self._open
 
     def get(self, what: int) -> float:
-        """Its rate, the only property that is read."""
-        return 1 / FRAME_INTERVAL
+        return 1 / FRAME_INTERVAL  # the only property that is read
 
     def set(self, what: int, value: float) -> bool:
-        """Accept no property."""
         return False
 
     def release(self) -> None:
-        """Close the device."""
         self._open = False
 
     def read(self) -> tuple[bool, Any]:
-        """Wait for the next frame."""
         camera = self._camera
         with camera.changed:
             camera.shown = max(camera.shown, self._read_until)
@@ -142,7 +137,7 @@ def laboratory(path: Path, operator: Operator, seed: int) -> Iterator[tuple[Virt
     """
     camera = VirtualCamera()
     # OpenCV is below our code: the video source itself is the real one.
-    with patch.object(cv2, "VideoCapture", lambda _: Capture(camera)), _opened(path, operator, seed) as lab:
+    with patch.object(cv2, "VideoCapture", lambda _: _Capture(camera)), _opened(path, operator, seed) as lab:
         wait = lab.clock.wait
 
         def wait_and_expose() -> None:
@@ -211,9 +206,6 @@ def begin_soon(kind: Kind, target: Target) -> Repair:
     return repair
 
 
-def _nothing() -> None: ...
-
-
 def _changed(of: Callable[[Target], object], name: str, value: object, usual: object) -> Callable[[Target], Repair]:
     """A fault that sets an attribute, and whose repair sets it to its usual value."""
 
@@ -247,12 +239,12 @@ def _restart(target: Target) -> Repair:
         khepera.faults = Faults()
 
     threading.Thread(target=until_restarted, daemon=True).start()
-    return _nothing
+    return lambda: None
 
 
 def _restart_without_banner(target: Target) -> Repair:
     target.lab.firmwares[target.robot].power_on()
-    return _nothing
+    return lambda: None
 
 
 def _without_power(target: Target) -> Repair:
@@ -264,12 +256,12 @@ def _without_power(target: Target) -> Repair:
 def _all_unplugged(target: Target) -> Repair:
     for khepera in target.lab.virtual_kheperas:
         khepera.faults = Faults(unplug=1.0)
-    return _nothing
+    return lambda: None
 
 
 def _port_pulled(target: Target) -> Repair:
     target.lab.virtual_kheperas[target.robot].close()
-    return _nothing
+    return lambda: None
 
 
 def _full(path: Path) -> Repair:
