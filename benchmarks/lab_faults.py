@@ -356,7 +356,7 @@ def stored_vectors(folder: Path, attempts: Sequence[ObservedAttempt]) -> list[li
 
     def cost(attempt: ObservedAttempt, name: str) -> float:
         """Number of different vectors; the file of a lost attempt has another name, or attempts.csv was full, too."""
-        different = [a != b for a, b in zip_longest(files[name], attempt.perceived)]
+        different: list[bool] = [a != b for a, b in zip_longest(files[name], attempt.perceived)]
         return sum(different) + 0.5 * ((".lost-" in name) != bool(attempt.lost))
 
     costs = np.array(

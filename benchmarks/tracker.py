@@ -219,8 +219,7 @@ _RARE = 0.01
 def errors_figure(rows: Sequence[Observation]) -> "Figure":
     """Errors of all cameras in trainings as curves, and loss rates with and without a cable."""
     figure = new_figure(WIDTH, 6.6)
-    mosaic = [["centre", "heading"], ["losses", "losses"]]
-    panels = figure.subplot_mosaic(mosaic, height_ratios=(1.1, 1.0))
+    panels = figure.subplot_mosaic([["centre", "heading"], ["losses", "losses"]], height_ratios=(1.1, 1.0))
     below, rates = panels["losses"], dict[str, list[Estimate]]()
     for kind in KINDS:
         for camera, colour in zip(_LOOKS, _COLOURS, strict=True):
