@@ -251,6 +251,11 @@ class Fails(RandomForestClassifier):
     def fit(self, X, y):
         raise RuntimeError("my own mistake")
 
+class FailsLater(RandomForestClassifier):
+    def fit(self, X, y):
+        if len(X) > 150:
+            raise IndexError("too much")
+        super().fit(X, y)
 """
 
 
@@ -285,6 +290,7 @@ def test_a_learner_of_another_form_is_refused_in_one_line(name: str, message: st
     ("place", "line", "error"),
     [
         ("own_learners:Fails", 'raise RuntimeError("my own mistake")', "RuntimeError: my own mistake\n"),
+        ("own_learners:FailsLater", 'raise IndexError("too much")', "IndexError: too much\n"),
         ("broken_module:x", "x = 1 / 0", "ZeroDivisionError: division by zero\n"),
         ("no_python:f", "def f(:", "SyntaxError: invalid syntax\n"),
     ],
