@@ -21,7 +21,7 @@ from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import Column, Estimate, Measure, Table, difference, mean, pick
 from khepera_forage.experience import Experience
-from khepera_forage.figures import OURS, THESIS, WIDTH, legend, levels, new_figure, padded
+from khepera_forage.figures import OURS, THESIS, WIDTH, legend, levels, new_figure
 from khepera_forage.lab.operator import OperatorGaveUp
 from khepera_forage.noise import Noise
 from khepera_forage.policies import NearestNeighbourImitator, Policy, Teacher
@@ -191,7 +191,8 @@ def recall_picture(rows: Sequence[LabRecall]) -> "Figure":
                 shown[f"{policy}, {arena}"] = pymunk, virtual
         levels(axes, shown, measure.name, ("pymunk alone", "virtual laboratory"), (THESIS, OURS))
         values = [v for pair in shown.values() for estimate in pair for v in estimate if np.isfinite(v)]
-        axes.set_xlim(padded(min(0.0, *values), max(values)))
+        lowest, highest = min(0.0, *values), max(values)
+        axes.set_xlim(lowest - 0.04 * (highest - lowest), highest + 0.06 * (highest - lowest))
         axes.tick_params(axis="y", length=0)
     legend(figure, panels[0], "bars: 95 % interval")
     return figure

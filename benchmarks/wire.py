@@ -330,7 +330,8 @@ def picture(rows: Sequence[Measurement]) -> "Figure":
     levels(left, rounds, label, (RESTS, MOVES), (OURS, THESIS))
     left.axvline(PERIOD_MS, color=GREY, lw=1.2, ls="--", label=f"a round: {PERIOD_MS:.0f} ms")
     levels(right, {f"{n} at {BAUD} baud": [spread(BAUD, n, RESTS)] for n in FLEETS}, label)
-    right.set_xlim(left=0)
+    for axes in (left, right):
+        axes.set_xlim(left=0)
     legend(figure, left, columns=3)
     return figure
 
