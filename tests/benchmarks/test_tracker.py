@@ -56,6 +56,8 @@ def test_everything_is_found_under_moderate_disturbances_and_failure_has_a_warni
     for point in (("exposure", "no cable", 2.5), ("floor", "no cable", 170.0), ("noise", "no cable", 30.0)):
         assert float(limits[point]["warning (%)"]) == 100
     assert float(limits["exposure", "no cable", 2.5]["markers found (%)"]) < 50
+    thick = limits["width", "black cable", 25.0]
+    assert float(thick["markers found (%)"]) < 50 < float(thick["food found (%)"]), "no cable crosses the food"
     assert limits.keys() == points.keys()
     for key, row in points.items():
         line = {name: float(value) for name, value in limits[key].items() if "(" in name}
