@@ -144,12 +144,18 @@ def procedural_recalls(arenas: int, seed: int) -> float:
 
 def design(replications: int, seed: int) -> float:
     """Seconds of replications of the thesis's design: training and recalls as rows, without the report."""
-    from khepera_forage.thesis.compiled_replications import GROUP_SIZE, replicate
+    module = import_module("khepera_forage.thesis.compiled_replications")
 
-    replicate(seed, 0, 1)  # compiles, or loads the kernels
+    def replicate(first: int, count: int) -> None:
+        if hasattr(module, "replicate"):
+            module.replicate(seed, first, count)
+        else:  # an older commit
+            module.CompiledReplications(seed, first, count).run()
+
+    replicate(0, 1)  # compiles, or loads the kernels
     start = perf_counter()
-    for first in range(0, replications, GROUP_SIZE):
-        replicate(seed, first, min(GROUP_SIZE, replications - first))
+    for first in range(0, replications, module.GROUP_SIZE):
+        replicate(first, min(module.GROUP_SIZE, replications - first))
     return perf_counter() - start
 
 
