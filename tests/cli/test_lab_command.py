@@ -20,6 +20,15 @@ from tests.robots.rig import make_rig
 from tests.vision.scene_renderer import render_frame, write_film
 
 
+@pytest.mark.parametrize("robot", ["toio", "e-puck2"])
+def test_virtual_laboratories_of_other_robots_train_and_recall(robot: str, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("toio")
+    lab = ["--lab", f"virtual:{robot}"]
+    assert main(["train", *lab, "--episodes", "1", "--out", "files"]) == 0
+    assert main(["recall", *lab, "--experience", "files", "--episodes", "1", "--out", "recall.csv"]) == 0
+    assert "mean score" in capsys.readouterr().out
+
+
 def test_new_writes_a_file_that_check_accepts(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

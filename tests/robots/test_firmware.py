@@ -88,6 +88,10 @@ def test_gripper_closes_on_food_which_does_not_conduct() -> None:
     stage.advance(20)
     assert stage.request("T,1,H,0") == "t,1,h,126", "closed on 35 mm"
     assert stage.request("T,1,F") == "t,1,f,0"
+    empty = make_stage()
+    empty.request("T,1,D,1")
+    empty.advance(20)
+    assert empty.request("T,1,F") == "t,1,f,255", "fingers that touch each other"
 
 
 def test_attached_body_continues_the_motion(stage: Rig) -> None:
