@@ -114,6 +114,8 @@ def test_known_decisions_are_recovered_from_tables_of_a_pseudo_thesis(
     (row,) = (row for row in rows if row["decision or noise"] == "round_duration")
     assert float(row["admissible"]) == pytest.approx(0.22, abs=0.01)
     assert float(row["posterior"]) == pytest.approx(0.15, abs=0.03)
+    assert main(["infer", "--tables", "thesis", "--out", str(tmp_path)]) == 0
+    assert "do not resemble these tables" in capsys.readouterr().err
 
 
 def test_printed_tables_are_read_like_the_thesis_s_own(tmp_path: Path) -> None:
