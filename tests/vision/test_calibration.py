@@ -191,3 +191,6 @@ def test_distortion_that_no_lens_has_is_not_fitted() -> None:
     assert fit.calibration.lens is None or fit.calibration.lens.k2 == 0
     assert worst < 40
     assert 2 < root_mean_square(fit.held_out) < 6
+    scattered = [(across, down) for across, down in np.random.default_rng(5).uniform(0.05, 0.95, (14, 2)).tolist()]
+    fit, _ = fit_through(None, scattered, noise=3.0, seed=5)
+    assert fit.calibration.lens is None, "without one of these bad clicks, the best lens is impossible"
