@@ -401,7 +401,7 @@ def tags_command(arguments: argparse.Namespace) -> None:
     if not pages:
         raise ValueError("no tags to print; allowed: ids for --robots, --food or --floor")
     path = save_pages(arguments.out, pages)
-    print(f"{path}: {len(pages)} pages of A4; print at 100 %, and measure the line of 100 mm")
+    print(f"{path}: {len(pages)} page{'s' * (len(pages) > 1)} of A4; print at 100 %, and measure the line of 100 mm")
 
 
 camera_command = Group(
