@@ -167,9 +167,14 @@ def _timed(work: Callable[[], None]) -> float:
     return 1000 * (time.perf_counter() - begin)
 
 
+def fleet_name(robots: int) -> str:
+    """A number of robots in words."""
+    return f"{robots} {'robot' if robots == 1 else 'robots'}"
+
+
 def fleet_case(baud: int, robots: int, gripper: str) -> str:
     """The case of the rounds of a fleet: baud rate, number of robots, and whether the first gripper rests or moves."""
-    return f"{baud} baud, {robots} {'robot' if robots == 1 else 'robots'}, {gripper}"
+    return f"{baud} baud, {fleet_name(robots)}, {gripper}"
 
 
 def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Measurement]:
@@ -329,7 +334,8 @@ def picture(rows: Sequence[Measurement]) -> "Figure":
     rounds = {f"{baud} baud": [spread(baud, 1, gripper) for gripper in (RESTS, MOVES)] for baud in BAUD_RATES}
     levels(left, rounds, label, (RESTS, MOVES), (OURS, THESIS))
     left.axvline(PERIOD_MS, color=GREY, lw=1.2, ls="--", label=f"a round: {PERIOD_MS:.0f} ms")
-    levels(right, {f"{n} at {BAUD} baud": [spread(BAUD, n, RESTS)] for n in FLEETS}, label)
+    fleets = {fleet_name(n): [spread(BAUD, n, RESTS)] for n in FLEETS}
+    levels(right, fleets, f"ms at {BAUD} baud")
     for axes in (left, right):
         axes.set_xlim(left=0)
     legend(figure, left, columns=3)
