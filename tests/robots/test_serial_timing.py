@@ -253,6 +253,28 @@ def test_held_wheels_continue_with_the_next_command(late: list[Action] | None, m
         assert line.sent_since(begin, b"D,")[-1] == b"D,5,5"
 
 
+def test_wheels_stay_held_in_a_transmit_that_restores_what_a_restart_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The command was sent twice in such a call, so that wheels turned again after they were held."""
+    restart = begin = math.inf
+
+    def script(request: bytes, reply: bytes) -> list[Action]:
+        if request == b"H":
+            reply = b"h,2000,2000\r\n" if line.now < restart else b"h,5,5\r\n"
+        return [] if begin <= line.now < begin + 1.0 else [reply]
+
+    line = SimulatedLine(script).install(monkeypatch)
+    with SerialKhepera("simulated", watchdog=False) as robot:
+        robot.drive(FORWARD)
+        robot.transmit()
+        robot.receive()
+        restart = line.now
+        robot.receive()
+        begin = line.now
+        robot.transmit()
+        assert line.now > begin + 1.0
+        assert line.sent_since(begin, b"D,")[-1] == b"D,0,0"
+
+
 @pytest.mark.parametrize("wrong", [b"h,5000,5000", b"h,1,900", b"h,-490,490", b"h,20500,500"])
 def test_wrong_counters_are_corrected_by_the_next_ones(wrong: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
     """A reply whose digits were changed may be well-formed: no wrong count lasts, and none counts as a restart."""

@@ -171,9 +171,13 @@ class SerialRobot(RealRobot):
             try:
                 if restore and self._must_restore:
                     self._note_sent(None)
-                    self._transmit(self._held)
+                    if work != self._transmit:  # sent twice, the command would turn wheels that were held meanwhile
+                        self._transmit(self._held)
+                        self._must_restore = False
+                value = work()
+                if work == self._transmit:
                     self._must_restore = False
-                return work()
+                return value
             except RobotRestarted:
                 self._must_restore = True
                 self._raw_counts = 0, 0
