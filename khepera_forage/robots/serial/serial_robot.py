@@ -169,15 +169,10 @@ class SerialRobot(RealRobot):
         restarts = 0
         while True:
             try:
-                if restore and self._must_restore:
-                    self._note_sent(None)
-                    if work != self._transmit:  # sent twice, the command would turn wheels that were held meanwhile
-                        self._transmit(self._held)
-                        self._must_restore = False
-                value = work()
-                if work == self._transmit:
-                    self._must_restore = False
-                return value
+                # Sent twice, the command would turn wheels that were held meanwhile.
+                if restore and self._must_restore and work != self._transmit:
+                    self._transmit(self._held)
+                return work()
             except RobotRestarted:
                 self._must_restore = True
                 self._raw_counts = 0, 0
@@ -194,6 +189,8 @@ class SerialRobot(RealRobot):
         self._held, self._moves = held, not held and any(command[:2])
         if self._moves:
             self.stop_confirmed = False
+        if self._must_restore:
+            self._note_sent(None)
         requests = self._requests(command)
         # A fast line confirms the speeds at once: after a lost request the wheels would keep their last speeds.
         if self.timing.latency <= FAST or not self.timing.pipelined:
@@ -201,6 +198,7 @@ class SerialRobot(RealRobot):
         else:
             self._line.send_ahead(requests)
         self._note_sent(command)
+        self._must_restore = False
         self._time_left = self._hold_at - self._line.now()
 
     def _receive(self) -> None:
