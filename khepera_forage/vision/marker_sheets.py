@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from khepera_forage.extras import require
+from khepera_forage.files import replacing
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.calibration import FLOOR_SIDE
 from khepera_forage.vision.shapes import ARRANGEMENTS, MARKER_FRAME
@@ -158,12 +159,13 @@ def save_pages(path: str | os.PathLike[str], pages: Sequence[Page]) -> Path:
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
         raise ValueError(f"page of markers {str(path)!r}; allowed: a name that ends in {', '.join(FORMATS)}")
-    if suffix == ".pdf":
-        with PdfPages(path) as file:
-            for page in pages:
-                page.figure.savefig(file, format="pdf")
-    elif len(pages) > 1:
+    if len(pages) > 1 and suffix != ".pdf":
         raise ValueError(f"{str(path)!r} would have {len(pages)} pages; allowed: a name that ends in .pdf")
-    else:
-        pages[0].figure.savefig(path)
+    with replacing(path) as partial:
+        if suffix == ".pdf":
+            with PdfPages(partial) as file:
+                for page in pages:
+                    page.figure.savefig(file, format="pdf")
+        else:
+            pages[0].figure.savefig(partial, format=suffix[1:])
     return path
