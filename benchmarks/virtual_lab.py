@@ -8,18 +8,17 @@ alone.
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, suppress
+from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.estimates import Column, Estimate, Measure, Table, difference, mean, pick
+from khepera_forage.estimates import Measure, Table, Value, difference, mean, pick, table_of
 from khepera_forage.experience import Experience
 from khepera_forage.figures import OURS, THESIS, WIDTH, legend, levels, new_figure
 from khepera_forage.lab.operator import OperatorGaveUp
@@ -37,6 +36,8 @@ if TYPE_CHECKING:
 
 COUNT = Count("replications", 16, 1, "trainings and recalls, in each world", adds_units=True)
 WORLDS = PYMUNK, VIRTUAL = ("pymunk", "virtual")
+ALONE, LAB = "pymunk alone", "virtual laboratory"
+"""Their columns."""
 ARENAS = ("corridor", "rectangle")
 _REPEATS = 3
 """How often a recall is repeated at most."""
@@ -92,43 +93,42 @@ def replication(world: str, number: int, size: Amounts, seed: int) -> list[LabRe
             experience, attempts = train(env, file_seed, replication=number, file=file)
             files.append(experience)
             rows += [LabTraining(**asdict(row), world=world) for row in attempts]
+    vectors, behaviours = arrays(files)
     for arena, arena_seed in zip(ARENAS, recalling, strict=True):
         with closing(recall_env(arena, limit=size.steps, world=_world(world, arena, 1))) as env:
-            seeds = arena_seed.generate_state(size.recalls).tolist()
-            rows += [LabRecall(**asdict(row), world=world) for row in _recalls(env, files, seeds, number)]
+            imitator = NearestNeighbourImitator(diagonal=env.diagonal).fit(vectors, behaviours)
+            taught = {"episodes": len(files), "file_id": f"g1-{len(files)}", "experience_size": len(behaviours)}
+            policies: dict[str, tuple[Policy, dict[str, Any]]] = {
+                TEACHER: (Teacher.of(env), {}),
+                IMITATOR: (imitator, taught),
+            }
+            for learner, (policy, learned) in policies.items():
+                about: dict[str, Any] = {"learner": learner, "replication": number, **learned}
+                for recalled, recall_seed in enumerate(arena_seed.generate_state(size.recalls).tolist()):
+                    once = partial(recall, env, policy, recall_seed, number=recalled, **about)
+                    rows += [LabRecall(**asdict(row), world=world) for row in _repeated(once)]
     return rows
-
-
-def _recalls(env: BehavioursEnv, files: list[Experience], seeds: list[int], replication: int) -> Iterator[RecallRow]:
-    """All recalls in an arena, but for those whose robot the camera never found where it was placed."""
-    vectors, behaviours = arrays(files)
-    imitator = NearestNeighbourImitator(diagonal=env.diagonal).fit(vectors, behaviours)
-    taught = {"episodes": len(files), "file_id": f"g1-{len(files)}", "experience_size": len(behaviours)}
-    policies: dict[str, tuple[Policy, dict[str, Any]]] = {TEACHER: (Teacher.of(env), {}), IMITATOR: (imitator, taught)}
-    for learner, (policy, learned) in policies.items():
-        once = partial(recall, env, policy, learner=learner, replication=replication, **learned)
-        for number, seed in enumerate(seeds):
-            with suppress(OperatorGaveUp):
-                yield _repeated(partial(once, seed, number=number))
 
 
 def _world(world: str, arena: str, robots: int) -> World | None:
     return virtual_laboratory(arena, robots) if world == VIRTUAL else None
 
 
-def _repeated(recall_once: Callable[[], RecallRow]) -> RecallRow:
-    """A recall, repeated if a robot is lost on its undisturbed line, as may happen on a busy computer."""
+def _repeated(recall_once: Callable[[], RecallRow]) -> list[RecallRow]:
+    """A recall, repeated if a robot is lost on its undisturbed line, as may happen on a busy computer.
+
+    There is none if the camera never found the robot where it was placed.
+    """
     for _ in range(_REPEATS):
-        with suppress(RecallInterruptedError, RobotLost):
-            return recall_once()
-    return recall_once()
+        try:
+            return [recall_once()]
+        except OperatorGaveUp:
+            return []
+        except (RecallInterruptedError, RobotLost):
+            continue
+    return [recall_once()]
 
 
-_WORLDS = (
-    "Virtual laboratory: real driver, real bytes over pseudo-terminals, real tracker on rendered frames. Pymunk alone: "
-    "the same bodies with the simulated camera. Both with the laboratory's noise. Brackets: 95 % interval, by "
-    "resampling replications. Difference: virtual laboratory minus pymunk, replications paired by their seeds."
-)
 RECALL_MEASURES = (
     Measure[LabRecall]("score (%)", lambda row: row.score),
     Measure[LabRecall]("food delivered (%)", lambda row: 100.0 * row.delivered, lambda row: row.foods),
@@ -140,59 +140,40 @@ TRAINING_MEASURES = (
         "rounds of a complete episode", lambda row: row.complete * row.rounds, lambda row: row.complete
     ),
 )
-_COMPARED = (
-    *(Column("measure"), Column("episodes"), Column("pymunk alone", estimate=True)),
-    *(Column("virtual laboratory", estimate=True), Column("difference", estimate=True)),
-)
 
 
-def _compared(
-    measure: Measure[Any], rows: Sequence[LabRecall | LabTraining]
-) -> tuple[str, str, Estimate, Estimate, Estimate]:
-    """A measure in both worlds; the same rows give the same intervals."""
-    pymunk, virtual = (pick(rows, world=world) for world in WORLDS)
-    rng = [np.random.default_rng(20010) for _ in range(3)]
-    episodes = " / ".join(map(str, dict.fromkeys((len(pymunk), len(virtual)))))
-    change = difference(virtual, pymunk, measure, rng[2])
-    return measure.name, episodes, mean(pymunk, measure, rng[0]), mean(virtual, measure, rng[1]), change
+def compared(recalls: Sequence[LabRecall], trainings: Sequence[LabTraining]) -> list[dict[str, Value]]:
+    """All measures in both worlds; the same rows give the same intervals."""
+    groups: list[tuple[str, Sequence[Any], Sequence[Measure[Any]]]] = [("training", trainings, TRAINING_MEASURES)]
+    for arena in ARENAS:
+        for policy in (TEACHER, IMITATOR):
+            groups.append((f"{policy}, {arena}", pick(recalls, arena=arena, learner=policy), RECALL_MEASURES))
+    lines: list[dict[str, Value]] = []
+    for what, rows, measures in groups:
+        pymunk, virtual = (pick(rows, world=world) for world in WORLDS)
+        for measure in measures:
+            rngs = [np.random.default_rng(20010) for _ in range(3)]
+            lines.append(
+                {
+                    "what": what,
+                    "measure": measure.name,
+                    "episodes": " / ".join(map(str, dict.fromkeys((len(pymunk), len(virtual))))),
+                    ALONE: mean(pymunk, measure, rngs[0]),
+                    LAB: mean(virtual, measure, rngs[1]),
+                    "difference": difference(virtual, pymunk, measure, rngs[2]),
+                }
+            )
+    return lines
 
 
-def training_table(rows: Sequence[LabTraining]) -> Table:
-    """Training in both worlds."""
-    note = f"{_WORLDS} One learner and the teacher in two corridors, until an episode is complete."
-    lines = [_compared(measure, rows) for measure in TRAINING_MEASURES]
-    return Table("trainings", "Training episodes", note, _COMPARED, lines)
-
-
-def recall_table(rows: Sequence[LabRecall]) -> Table:
-    """Recalls in both worlds."""
-    note = (
-        f"{_WORLDS} The random places are the same in both. The imitator recalls in the world of its training, which "
-        "was in the corridor. A recall whose robot the camera never found where it was placed is left out."
-    )
-    lines = [
-        (arena, policy, *_compared(measure, pick(rows, arena=arena, learner=policy)))
-        for arena in ARENAS
-        for policy in (TEACHER, IMITATOR)
-        for measure in RECALL_MEASURES
-    ]
-    return Table("recalls", "Recalls", note, (Column("arena"), Column("policy"), *_COMPARED), lines)
-
-
-def recall_picture(rows: Sequence[LabRecall]) -> "Figure":
-    """Score, food and steps in both worlds."""
+def picture(lines: Sequence[dict[str, Any]]) -> "Figure":
+    """Score, food and steps of recalls in both worlds."""
     figure = new_figure(WIDTH, 3.2)
     panels = figure.subplots(1, len(RECALL_MEASURES), sharey=True)
     for axes, measure in zip(panels, RECALL_MEASURES, strict=True):
-        shown = {}
-        for arena in ARENAS:
-            for policy in (TEACHER, IMITATOR):
-                *_, pymunk, virtual, _ = _compared(measure, pick(rows, arena=arena, learner=policy))
-                shown[f"{policy}, {arena}"] = pymunk, virtual
-        levels(axes, shown, measure.name, ("pymunk alone", "virtual laboratory"), (THESIS, OURS))
-        values = [v for pair in shown.values() for estimate in pair for v in estimate if np.isfinite(v)]
-        lowest, highest = min(0.0, *values), max(values)
-        axes.set_xlim(lowest - 0.04 * (highest - lowest), highest + 0.06 * (highest - lowest))
+        shown = {line["what"]: (line[ALONE], line[LAB]) for line in lines if line["measure"] == measure.name}
+        levels(axes, shown, measure.name, (ALONE, LAB), (THESIS, OURS))
+        axes.margins(x=0.06)
         axes.tick_params(axis="y", length=0)
     legend(figure, panels[0], "bars: 95 % interval")
     return figure
@@ -206,11 +187,18 @@ def main() -> int:
     numbers = range(given.replications)
     units = [Job(f"{world} {i}", replication, (world, i, size, given.seed)) for i in numbers for world in WORLDS]
     rows = collect(given, units, {LabRecall: "recalls", LabTraining: "trainings"})
-    recalls = rows.of(LabRecall)
+    lines = compared(rows.of(LabRecall), rows.of(LabTraining))
+    note = (
+        "Virtual laboratory: real driver, real bytes over pseudo-terminals, real tracker on rendered frames. Pymunk "
+        "alone: the same bodies with the simulated camera. Both with the laboratory's noise. Brackets: 95 % interval, "
+        "by resampling replications. Difference: virtual laboratory minus pymunk, replications paired by their seeds. "
+        "Training: one learner and the teacher in two corridors. Recalls: from the same random places in both; the "
+        "imitator in the world of its training, which was in the corridor; without those whose robot the camera never "
+        "found where it was placed."
+    )
     parts: list[Table | Picture] = [
-        training_table(rows.of(LabTraining)),
-        recall_table(recalls),
-        Picture("recalls", "recalls in both worlds", recall_picture(recalls)),
+        table_of("worlds", "Training and recall", note, lines),
+        Picture("recalls", "recalls in both worlds", picture(lines)),
     ]
     return finish(given, Page("The virtual laboratory", parts))
 

@@ -1,4 +1,4 @@
-"""Serial lines: time of a round by baud rate, robots, latency and disturbance; and stopping when a process ends.
+"""Serial lines: time of a round by baud rate, number of robots, latency and disturbance.
 
     python benchmarks/wire.py --help
 
@@ -6,34 +6,21 @@ Real drivers and virtual Kheperas exchange real bytes over pseudo-terminals, at 
 """
 
 import math
-import signal
-import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
-from unittest.mock import patch
+from unittest.mock import Mock, patch
 
 import numpy as np
 
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.estimates import Estimate, Table, Value, pick, quantiles, table_of
 from khepera_forage.figures import GREY, OURS, THESIS, legend, levels, panels
-from khepera_forage.lab.clock import WallClock
-from khepera_forage.robots.khepera import (
-    ARM_DOWN,
-    ARM_RAISED,
-    JAW_CLOSED,
-    JAW_OPEN,
-    MAX_SPEED,
-    Motors,
-    RobotLost,
-    Senses,
-)
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors, RobotLost, Senses
 from khepera_forage.robots.real_robot import Fleet
 from khepera_forage.robots.serial.line import LineTooSlow
 from khepera_forage.robots.serial.protocol import BAUD_RATES
@@ -52,75 +39,69 @@ if TYPE_CHECKING:
 
 BAUD = 38400
 """Of all measurements but those by baud rate."""
-FLEETS = (1, 2, 4, 8)
-LATENCIES, QUICK_LATENCIES = (0, 5, 16, 40, 80, 100, 200, 300, 1000), (16, 80, 100)
-"""Milliseconds: 16 is that of a USB adapter with the usual setting; 100 and more do not allow a period of 0.1 s."""
-DISTURBANCES = {
-    "none": Faults(),
-    "20 % late by 0.2 to 0.6 s": Faults(delay=0.2, lateness=(0.2, 0.6)),
-    "20 % garbled": Faults(garble=0.2),
-    "5 % lost": Faults(drop=0.05),
-}
-ENDINGS = {
-    "Ctrl-C": signal.SIGINT,
-    "Ctrl-Z": signal.SIGTSTP,
-    "kill -9": signal.SIGKILL,
-    "SIGSTOP": signal.SIGSTOP,
-    "termination": signal.SIGTERM,
-    "hang-up": signal.SIGHUP,
-    "Ctrl-\\": signal.SIGQUIT,
-    "SIGABRT": signal.SIGABRT,
-    "SIGALRM": signal.SIGALRM,
-    "SIGXCPU": signal.SIGXCPU,
-    "crash (SIGSEGV)": signal.SIGSEGV,
-}
-"""A quick run has the first four."""
 DECISIONS = replace(DEFAULT_DECISIONS, arm_travel_time=1.0)
 """An arm that takes several rounds, as the driver expects, so that rounds with a moving gripper are typical ones."""
 TIMING = timing_of(DECISIONS)
-PERIOD_MS = 1000 * TIMING.round_duration
-_MOVEMENT_PERIOD = 2 * math.ceil(DECISIONS.arm_travel_time / TIMING.round_duration)
+PERIOD = TIMING.round_duration
+_MOVEMENT_PERIOD = 2 * math.ceil(DECISIONS.arm_travel_time / PERIOD)
 """Rounds from one movement of the gripper to the next: in half of the rounds, the arm moves."""
 _WARM_UP = 12
 """Rounds that are not counted: first readings are requested twice, and the gripper comes to rest."""
 RESTS, MOVES = "gripper rests", "gripper moves, or its position is read"
-_TIMEOUT = 5.0
-"""Seconds after which wheels count as turning for good."""
-_PROGRAM = """
-import signal, sys, time
-# A shell starts programs in the background with some signals ignored, and their children inherit that.
-signal.signal(signal.SIGINT, signal.default_int_handler)
-for number in (signal.SIGQUIT, signal.SIGHUP, signal.SIGTSTP):
-    signal.signal(number, signal.SIG_DFL)
-from khepera_forage.robots.khepera import Motors
-from khepera_forage.robots.serial.serial_khepera import SerialKhepera
-with SerialKhepera(sys.argv[1], period=None) as robot:
-    robot.drive(Motors(5, 5, 215, 200))
-    robot.transmit()
-    print("driving", flush=True)
-    # In turns, because Python may overlook a signal just before a call that waits for ever.
-    while True:
-        time.sleep(0.05)
-"""
-PARTS = {
-    "rounds": "Bytes to and from the first robot, and the time of `transmit` and `receive` of all robots.",
-    "latency": f"One robot at {BAUD} baud. End: from the beginning of a period until its commands are sent. Between: "
-    "from the arrival of a round's readings to that of the next round's.",
-    "disturbances": f"One robot at {BAUD} baud with random speeds; the last round is undisturbed. Undetectable: "
-    "garbled replies that are well-formed.",
-    "endings": "From the end of a process that drives a robot until the robot receives the stop, or 5 s have passed.",
-}
-"""The tables and their notes."""
+
+
+class Line(NamedTuple):
+    """Robots that drive, each on a line of its own, and what disturbs the first line.
+
+    Attributes:
+        latency: Of every reply, in ms.
+        period: Seconds of a round, which the driver requires of a line when it is opened; None accepts every line.
+        faults: Of the replies in rounds; None for the latency alone.
+    """
+
+    name: str
+    baud: int = BAUD
+    robots: int = 1
+    latency: int = 0
+    period: float | None = None
+    faults: Faults | None = None
+
+
+RATES = [Line(f"{baud} baud", baud) for baud in BAUD_RATES]
+FLEETS = [Line(f"{robots} robots", robots=robots) for robots in (2, 4, 8)]
+LATENCIES = [Line(f"latency {ms} ms", latency=ms, period=PERIOD) for ms in (0, 5, 16, 40, 80, 100, 200, 300, 1000)]
+"""16 ms is that of a USB adapter with the usual setting; 100 ms and more do not allow a period of 0.1 s."""
+DISTURBANCES = [
+    Line("20 % garbled", faults=Faults(garble=0.2)),
+    Line("20 % late by 0.2 to 0.6 s", faults=Faults(delay=0.2, lateness=(0.2, 0.6))),
+    Line("5 % lost", faults=Faults(drop=0.05)),
+]
+LINES = [*RATES, *FLEETS, *LATENCIES, *DISTURBANCES]
+QUICK_LINES = [*RATES, *FLEETS, *LATENCIES[2:6], *DISTURBANCES[:1]]
 
 
 @dataclass(frozen=True, slots=True)
-class Measurement:
-    """One measured value of a case of one of `PARTS`; times are in ms."""
+class Round:
+    """Whether the gripper moved or its position was read, the time in ms, and whether a counter was wrong."""
 
-    part: str
-    case: str
-    measure: str
-    value: float
+    line: str
+    moves: bool
+    ms: float
+    wrong: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Opening:
+    """The first line of a case: whether the driver accepted it, after which time, and what became of its replies.
+
+    `undetectable` are garbled replies that are well-formed, `lost` rounds in which the robot was lost.
+    """
+
+    line: str
+    accepted: bool
+    ms: float
+    undetectable: int = 0
+    lost: int = 0
 
 
 class VirtualFleet(NamedTuple):
@@ -139,7 +120,7 @@ def virtual_fleet(baud: int, robots: int, seed: int) -> Iterator[VirtualFleet]:
     world = PymunkWorld(corridors, [1 + number % 2 for number in range(robots)], timing=TIMING)
     world.reset(np.random.default_rng(seed), Layout(tuple(arena.start for arena in world.arenas), ()))
     lock = threading.RLock()
-    firmwares = [Firmware(robot, lock, TIMING.round_duration) for robot in world.robots]
+    firmwares = [Firmware(robot, lock, PERIOD) for robot in world.robots]
 
     def advance() -> None:
         with lock:
@@ -150,192 +131,99 @@ def virtual_fleet(baud: int, robots: int, seed: int) -> Iterator[VirtualFleet]:
     with ExitStack() as stack:
         ports = []
         for number, firmware in enumerate(firmwares):
-            rng = np.random.default_rng((seed, number))
-            port = VirtualKhepera(firmware, baud=baud, faults=Faults(), rng=rng)
+            port = VirtualKhepera(firmware, baud=baud, rng=np.random.default_rng((seed, number)))
             ports.append(stack.enter_context(port))
         yield VirtualFleet(ports, firmwares, advance, world.robots[0].sense)
 
 
-def _motors(left: int, right: int, down: int) -> Motors:
-    return Motors(left, right, *((ARM_DOWN, JAW_CLOSED) if down else (ARM_RAISED, JAW_OPEN)))
-
-
-def _timed(work: Callable[[], None]) -> float:
-    """Milliseconds that something takes."""
-    begin = time.perf_counter()
-    work()
+def _ms_since(begin: float) -> float:
     return 1000 * (time.perf_counter() - begin)
 
 
-def fleet_name(robots: int) -> str:
-    """A number of robots in words."""
-    return f"{robots} {'robot' if robots == 1 else 'robots'}"
+def _timed(work: Callable[[], None]) -> float:
+    begin = time.perf_counter()
+    work()
+    return _ms_since(begin)
 
 
-def fleet_case(baud: int, robots: int, gripper: str) -> str:
-    """The case of the rounds of a fleet: baud rate, number of robots, and whether the first gripper rests or moves."""
-    return f"{baud} baud, {fleet_name(robots)}, {gripper}"
-
-
-def drive(baud: int, robots: int, rounds: int, seed: int) -> list[Measurement]:
+def drive(line: Line, rounds: int, seed: int) -> list[Round | Opening]:
     """Robots that drive about and now and then move the gripper; all drives have the same commands."""
     wheels = np.random.default_rng(seed).integers(-12, 13, (rounds + _WARM_UP, 2)).tolist()
-    rows, heard = [], list[bytes]()
-    with (
-        virtual_fleet(baud, robots, seed) as virtual,
-        patch.object(virtual.firmwares[0], "handle", _recorded(virtual.firmwares[0].handle, heard)),
-        Fleet([SerialKhepera(port.url, baud=baud, period=None) for port in virtual.ports]) as fleet,
-    ):
-        for number, (left, right) in enumerate(wheels, -_WARM_UP):
-            down = number >= 0 and number // _MOVEMENT_PERIOD % 2
-            for robot in fleet.robots:
-                robot.drive(_motors(left, right, down))
-            heard.clear()
-            taken = _timed(fleet.transmit)
-            virtual.advance()
-            taken += _timed(fleet.receive)
-            if number >= 0:
-                moves = any(line.startswith((b"T,1,D", b"T,1,E", b"T,1,H")) for line in heard)
-                case = fleet_case(baud, robots, MOVES if moves else RESTS)
-                rows.append(Measurement("rounds", case, "bytes", len(b"".join(heard))))
-                rows.append(Measurement("rounds", case, "measured", taken))
-    return rows
-
-
-def _recorded(handle: Callable[[bytes], bytes], heard: list[bytes]) -> Callable[[bytes], bytes]:
-    """A firmware that also records requests and replies."""
-
-    def handle_and_record(line: bytes) -> bytes:
-        reply = handle(line)
-        heard.extend((line + b"\n", reply))
-        return reply
-
-    return handle_and_record
-
-
-def slow_line(latency: int, rounds: int, seed: int) -> list[Measurement]:
-    """A robot on a line with a constant latency in ms."""
-    seconds, period = latency / 1000, TIMING.round_duration
-    measured = partial(Measurement, "latency", f"{latency} ms")
-    with virtual_fleet(BAUD, 1, seed) as ((port,), _, advance, _):
-        port.faults = Faults(delay=1.0 if latency else 0.0, lateness=(seconds, seconds))
-        begin = time.perf_counter()
+    rows: list[Round | Opening] = []
+    lost = 0
+    with virtual_fleet(line.baud, line.robots, seed) as (ports, (firmware, *_), advance, truth), ExitStack() as stack:
+        port, seconds, begin = ports[0], line.latency / 1000, time.perf_counter()
+        port.faults = Faults(delay=1.0 if seconds else 0.0, lateness=(seconds, seconds))
         try:
-            robot = SerialKhepera(port.url, baud=BAUD, period=period)
+            robots = [SerialKhepera(port.url, baud=line.baud, period=line.period) for port in ports]
         except LineTooSlow:
-            return [measured("rejected after", 1000 * (time.perf_counter() - begin))]
-        rows = [measured("opening", 1000 * (time.perf_counter() - begin))]
-        with robot:
-            robot.receive()  # as at the reset of a laboratory: all readings, twice
-            clock = WallClock(period, time.perf_counter)
-            _command(robot, -1)
-            end = clock.beginning
-            # Round -1 gives the moment from which the next one is measured.
-            for number in range(-1, rounds):
-                clock.wait()
-                # A long delay shortens the next period, which then begins at once.
-                beginning = min(clock.beginning, time.perf_counter())
-                advance()  # by a whole round, after the command has arrived
-                robot.receive()
-                between, end = time.perf_counter() - end, time.perf_counter()
-                _command(robot, number + 1)
-                if number >= 0:
-                    exchanged = time.perf_counter() - beginning
-                    rows += [measured("end", 1000 * exchanged), measured("between", 1000 * between)]
-            port.faults = Faults()
-    return rows
-
-
-def _command(robot: SerialKhepera, number: int) -> None:
-    """Send the commands of a round."""
-    robot.drive(_motors(5, number % 9, number // 5 % 2))
-    robot.transmit()
-
-
-def disturbed_line(disturbance: str, rounds: int, seed: int) -> list[Measurement]:
-    """A robot on a line with one of `DISTURBANCES`; its last round is undisturbed, and shows what remains."""
-    wheels = np.random.default_rng(seed).integers(-MAX_SPEED, MAX_SPEED + 1, (rounds, 2)).tolist()
-    taken, errors, lost = list[float](), list[int](), 0
-    with (
-        virtual_fleet(BAUD, 1, seed) as ((port,), _, advance, truth),
-        SerialKhepera(port.url, baud=BAUD, period=None) as robot,
-    ):
-        robot.receive()
-        for number, (left, right) in enumerate(wheels, 1):
-            port.faults = Faults() if number == len(wheels) else DISTURBANCES[disturbance]
-            robot.drive(_motors(left, right, 0))
-            begin = time.perf_counter()
+            return [Opening(line.name, False, _ms_since(begin))]
+        opened = _ms_since(begin)
+        fleet = stack.enter_context(Fleet(robots))
+        handle = stack.enter_context(patch.object(firmware, "handle", Mock(wraps=firmware.handle)))
+        for number, (left, right) in enumerate(wheels, -_WARM_UP):
+            if number == 0 and line.faults is not None:
+                port.faults = line.faults
+            is_down = number >= 0 and number // _MOVEMENT_PERIOD % 2
+            gripper = (ARM_DOWN, JAW_CLOSED) if is_down else (ARM_RAISED, JAW_OPEN)
+            for robot in robots:
+                robot.drive(Motors(left, right, *gripper))
+            handle.reset_mock()
             try:
-                outward = _timed(robot.transmit)
+                taken = _timed(fleet.transmit)
                 advance()
-                taken.append(outward + _timed(robot.receive))
-                pairs = zip(robot.sense()[1:3], truth()[1:3], strict=True)
-                errors.append(max(abs(read - true) for read, true in pairs))
+                taken += _timed(fleet.receive)
             except RobotLost:
-                taken.append(1000 * (time.perf_counter() - begin))
                 lost += 1
-        counts = {
-            "undetectable": port.fault_counts["undetectable"],
-            "rounds with a wrong counter": sum(error > 0 for error in errors[:-1]),
-            "error at the end (pulses)": errors[-1],
-            "lost": lost,
-        }
-    measured = partial(Measurement, "disturbances", disturbance)
-    return [measured("a round", ms) for ms in taken] + [measured(*count) for count in counts.items()]
+                continue
+            if number >= 0:
+                requests = [call.args[0] for call in handle.call_args_list]
+                moves = any(request.startswith((b"T,1,D", b"T,1,E", b"T,1,H")) for request in requests)
+                rows.append(Round(line.name, moves, taken, robots[0].sense()[1:3] != truth()[1:3]))
+        port.faults = Faults()
+    return [*rows, Opening(line.name, True, opened, port.fault_counts["undetectable"], lost)]
 
 
-def end_processes(ending: str, processes: int) -> list[Measurement]:
-    """Processes that end in one way: milliseconds until the wheels stand."""
-    rows = []
-    for _ in range(processes):
-        with (
-            virtual_fleet(BAUD, 1, 0) as ((port,), (firmware,), _, _),
-            subprocess.Popen(
-                [sys.executable, "-c", _PROGRAM, port.url],
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                process_group=0,
-            ) as process,
-        ):
-            assert process.stdout is not None
-            process.stdout.readline()
-            begin = time.perf_counter()
-            process.send_signal(ENDINGS[ending])
-            while firmware.turning and time.perf_counter() < begin + _TIMEOUT:
-                time.sleep(0.0005)
-            rows.append(Measurement("endings", ending, "wheels turn on", 1000 * (time.perf_counter() - begin)))
-            process.kill()
-    return rows
+def _spread(rows: Sequence[Round], line: Line, moves: bool) -> Estimate:
+    return quantiles([row.ms for row in pick(rows, line=line.name, moves=moves)])
 
 
-def table(part: str, rows: Sequence[Measurement]) -> Table:
-    """All measures of a part: median [5th, 95th percentile], and the longest."""
+def line_table(openings: Sequence[Opening], rows: Sequence[Round]) -> Table:
+    """Opening, times of rounds, and what went wrong, by line."""
+    note = (
+        f"Times in ms, at {BAUD} baud unless said otherwise. Rounds: `transmit` and `receive` of all robots, median "
+        "[5th, 95th percentile]. A line is rejected if it is too slow for rounds of 100 ms. Undetectable: garbled "
+        "replies that are well-formed. Lost: rounds in which the robot did not answer."
+    )
     lines: list[dict[str, Value]] = []
-    own = pick(rows, part=part)
-    for case, measure in dict.fromkeys((row.case, row.measure) for row in own):
-        values = [row.value for row in pick(own, case=case, measure=measure)]
-        spread = quantiles(values)
-        lines.append(
-            {"case": case, "measure": measure, "values": len(values), "median": spread, "longest": max(values)}
-        )
-    note = f"{PARTS[part]} Median [5th, 95th percentile], and the longest; times in ms."
-    return table_of(part, part.capitalize(), note, lines)
+    for line in LINES:
+        for opening in pick(openings, line=line.name):
+            own = pick(rows, line=line.name)
+            lines.append(
+                {
+                    "line": line.name,
+                    "accepted": "yes" if opening.accepted else "no",
+                    "opening": opening.ms,
+                    "rounds": len(own),
+                    RESTS: _spread(rows, line, False),
+                    MOVES: _spread(rows, line, True),
+                    "longest": max((row.ms for row in own), default=math.nan),
+                    "wrong counter": len(pick(own, wrong=True)),
+                    "undetectable": opening.undetectable,
+                    "lost": opening.lost,
+                }
+            )
+    return table_of("lines", "Rounds", note, lines)
 
 
-def picture(rows: Sequence[Measurement]) -> "Figure":
+def picture(rows: Sequence[Round]) -> "Figure":
     """Rounds by baud rate, and by number of robots."""
-
-    def spread(baud: int, robots: int, gripper: str) -> Estimate:
-        own = pick(rows, part="rounds", case=fleet_case(baud, robots, gripper), measure="measured")
-        return quantiles([row.value for row in own])
-
     figure, (left, right) = panels(2, "Time of a round")
-    label = "ms: median, 5th and 95th percentile"
-    rounds = {f"{baud} baud": [spread(baud, 1, gripper) for gripper in (RESTS, MOVES)] for baud in BAUD_RATES}
-    levels(left, rounds, label, (RESTS, MOVES), (OURS, THESIS))
-    left.axvline(PERIOD_MS, color=GREY, lw=1.2, ls="--", label=f"a round: {PERIOD_MS:.0f} ms")
-    fleets = {fleet_name(n): [spread(BAUD, n, RESTS)] for n in FLEETS}
-    levels(right, fleets, f"ms at {BAUD} baud")
+    rates = {line.name: [_spread(rows, line, moves) for moves in (False, True)] for line in RATES}
+    levels(left, rates, "ms: median, 5th and 95th percentile", (RESTS, MOVES), (OURS, THESIS))
+    left.axvline(1000 * PERIOD, color=GREY, lw=1.2, ls="--", label=f"a round: {1000 * PERIOD:.0f} ms")
+    fleets = {"1 robot": Line(f"{BAUD} baud")} | {line.name: line for line in FLEETS}
+    levels(right, {name: [_spread(rows, line, False)] for name, line in fleets.items()}, f"ms at {BAUD} baud")
     for axes in (left, right):
         axes.set_xlim(left=0)
     legend(figure, left, columns=3)
@@ -344,25 +232,14 @@ def picture(rows: Sequence[Measurement]) -> "Figure":
 
 def main() -> int:
     """Run the benchmark."""
-    count = Count("rounds", 200, 12, "rounds at each baud rate and with each number of robots")
-    given = parse("wire", __doc__, count, jobs=None)
-    rounds, seed, quick = given.rounds, given.seed, given.quick
-    latencies = QUICK_LATENCIES if quick else LATENCIES
-    endings = list(ENDINGS)[: 4 if quick else None]
-    units = [
-        *(Job(f"{baud} baud", drive, (baud, 1, rounds, seed)) for baud in BAUD_RATES),
-        *(Job(f"{n} robots", drive, (BAUD, n, rounds, seed)) for n in FLEETS if n > 1),
-        *(Job(f"latency {ms} ms", slow_line, (ms, max(10, rounds // 4), seed)) for ms in latencies),
-        *(
-            Job(f"disturbance {name}", disturbed_line, (name, rounds, seed))
-            for name in list(DISTURBANCES)[:: 1 + quick]
-        ),
-        *(Job(f"ending {name}", end_processes, (name, max(1, rounds // 40))) for name in endings),
-    ]
-    rows = collect(given, units, {Measurement: "measurements"}).of(Measurement)
+    given = parse("wire", __doc__, Count("rounds", 200, 12, "rounds of every line"), jobs=None)
+    lines = QUICK_LINES if given.quick else LINES
+    units = [Job(line.name, drive, (line, given.rounds, given.seed)) for line in lines]
+    rows = collect(given, units, {Round: "rounds", Opening: "openings"})
+    rounds = rows.of(Round)
     caption = "milliseconds of a round by baud rate, and by number of robots"
-    parts: list[Table | Picture] = [table(part, rows) for part in PARTS]
-    return finish(given, Page("Serial lines", [*parts, Picture("wire", caption, picture(rows))]))
+    parts: list[Table | Picture] = [line_table(rows.of(Opening), rounds), Picture("wire", caption, picture(rounds))]
+    return finish(given, Page("Serial lines", parts))
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from laboratory.observations import KINDS, TRACKER, errors, observe
+from laboratory.observations import KINDS, TRACKER, observe, reversals
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -122,21 +122,18 @@ def limit_points(name: str, curve: str, seed: int, images: int, quick: bool) -> 
     points = []
     for value in (sweep.values[0], sweep.values[-1]) if quick else sweep.values:
         rows, warned = [], 0
-        conditions = sweep.conditions(value, sweep.curves[curve])
-        for truth, frame in frames(conditions, images, np.random.default_rng(seed)):
-            rows += observe((TRACKER, 0, 0), truth, tracker.detect(frame), [])
+        for truth, frame in _frames(sweep.conditions(value, sweep.curves[curve]), images, np.random.default_rng(seed)):
+            rows += observe((TRACKER, 0, 0), truth, tracker.detect(frame))
             warned += bool(measure_quality(frame).warnings(settings))
-        markers, foods, stray = ([row for row in rows if row.kind in kinds] for kinds in (KINDS[1:], KINDS[:1], ("",)))
-        found, found_foods = (sum(row.found for row in own) for own in (markers, foods))
-        reversals, share = errors(markers).reversals, 100 * warned / images
-        points.append(SweepPoint(name, curve, value, len(markers), found, found_foods, len(stray), reversals, share))
+        things = images * COLUMNS * ROWS
+        found = [sum(row.found for row in rows if (row.kind == KINDS[0]) == is_food) for is_food in (False, True)]
+        stray, share = len(pick(rows, kind="")), 100 * warned / images
+        points.append(SweepPoint(name, curve, value, things, *found, stray, reversals(rows), share))
     return points
 
 
-def frames(
-    conditions: Conditions, count: int, rng: np.random.Generator, tiles: int = COLUMNS * ROWS
-) -> Iterator[tuple[Truth, NDArray[np.uint8]]]:
-    """Frames with a marker and food in each of some tiles, and what is in them."""
+def _frames(conditions: Conditions, count: int, rng: np.random.Generator) -> Iterator[tuple[Truth, NDArray[np.uint8]]]:
+    """Frames with a marker and food in each tile, and what is in them."""
     places, light_rng, floor_rng, noise = rng.spawn(4)
     # An exposure below 1 weakens the light, but not the sensor's noise.
     grain = conditions.appearance.grain * math.sqrt(max(0.0, 1 - conditions.exposure**2))
@@ -145,7 +142,7 @@ def frames(
     renderer = FrameRenderer(lambda: truth, conditions.appearance)
     renderer.reset(floor_rng)
     for number in range(count):
-        truth = _truth(places, tiles)
+        truth = _truth(places)
         picture = renderer.picture()
         for marker in truth.markers:
             # Drawn even without cables, so that the poses are the same for every width.
@@ -157,10 +154,10 @@ def frames(
         yield truth, exposed.round().clip(0, 255).astype(np.uint8)
 
 
-def _truth(rng: np.random.Generator, tiles: int) -> Truth:
+def _truth(rng: np.random.Generator) -> Truth:
     """A marker and a food object at random places of every tile."""
     markers, foods = [], []
-    for number in range(tiles):
+    for number in range(COLUMNS * ROWS):
         left, below = number % COLUMNS * _TILE[0], number // COLUMNS * _TILE[1]
         x, y = (float(rng.uniform(_MARKER_MARGIN, size - _MARKER_MARGIN)) for size in _TILE)
         while True:
