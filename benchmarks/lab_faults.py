@@ -28,10 +28,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.envs.arguments import food_odds
-from khepera_forage.envs.forager import Forager, perceive_all
 from khepera_forage.envs.laboratories import virtual_laboratory
-from khepera_forage.envs.layouts import arena_map_of, known_food
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.estimates import Table, Value, extremes, pick, table_of
 from khepera_forage.experience import Experience, ExperienceWarning
@@ -39,14 +36,12 @@ from khepera_forage.figures import OURS, THESIS, WIDTH, legend, levels, new_figu
 from khepera_forage.lab.operator import OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
-from khepera_forage.policies import Teacher
 from khepera_forage.policies.policy import HEARD
 from khepera_forage.robots.serial.line import LineTooSlow
 from khepera_forage.robots.virtual.virtual_khepera import Faults
 from khepera_forage.rollouts.rows import TrainingRow
 from khepera_forage.rollouts.training import ROBOT_LOST, train
 from khepera_forage.study import Count, Job, Page, Picture, collect, finish, parse
-from khepera_forage.task.placement import draw_food_types
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.vision.video import VideoSource
 
@@ -74,7 +69,7 @@ RECOVERED, ATTEMPT_LOST = "recovered", "attempt lost"
 
 
 class VirtualCamera:
-    """What `cv2.VideoCapture` opens: a camera that shows one picture, with new sensor noise in every frame.
+    """A camera below OpenCV, which shows one picture, with new sensor noise in every frame.
 
     Attributes:
         fault: `silent`, `failing`, `raising`, `frozen`, `black`, `overexposed`, `no signal`, `resized`, or empty.
@@ -88,6 +83,10 @@ class VirtualCamera:
         self._is_new = False
         self._exposed, self._delivered = threading.Event(), threading.Event()
 
+    def capture(self, source: int) -> Mock:
+        """What `cv2.VideoCapture` returns, as far as it is used."""
+        return Mock(get=Mock(return_value=1 / _FRAME_INTERVAL), read=self._read)
+
     def expose(self, picture: NDArray[np.uint8]) -> None:
         """Show a new picture; returns when it has been delivered, or cannot be."""
         self._picture = picture
@@ -96,18 +95,7 @@ class VirtualCamera:
         if self.fault not in ("silent", "failing", "raising"):
             self._delivered.wait(0.1)
 
-    def isOpened(self) -> bool:  # noqa: D102, N802 (OpenCV's name)
-        return True
-
-    def get(self, what: int) -> float:  # noqa: D102
-        return 1 / _FRAME_INTERVAL
-
-    def set(self, what: int, value: float) -> bool:  # noqa: D102
-        return False
-
-    def release(self) -> None: ...  # noqa: D102
-
-    def read(self) -> tuple[bool, Any]:
+    def _read(self) -> tuple[bool, Any]:
         """The next frame, as OpenCV gives it. The reader has finished with the one before."""
         if self._is_new:
             self._delivered.set()
@@ -116,13 +104,8 @@ class VirtualCamera:
             time.sleep(_FRAME_INTERVAL)
         if self.fault == "raising":
             raise cv2.error("(-215:Assertion failed) !image.empty() in function 'retrieve'")
-        if self.fault == "failing":
-            return False, None
         if self._is_new:
             self._exposed.clear()
-        return True, cv2.cvtColor(self._frame(), cv2.COLOR_GRAY2BGR)
-
-    def _frame(self) -> NDArray[np.uint8]:
         self._reads += 1
         noisy = self._picture ^ np.roll(self._noise, 641 * self._reads)
         if self.fault != "frozen":
@@ -133,7 +116,7 @@ class VirtualCamera:
             "no signal": (noisy & 1) + 16,
             "resized": np.ascontiguousarray(noisy[:360]),
         }
-        return np.asarray(frames.get(self.fault, self._last), np.uint8)
+        return self.fault != "failing", frames.get(self.fault, self._last)
 
 
 class Target(NamedTuple):
@@ -238,12 +221,10 @@ KINDS = (
 class ObservedTraining(TrainingEnv):
     """A training in the virtual laboratory that records what the learner was shown, and whether it was true.
 
-    Every robot has a second perception on the same camera scene, with senses from the simulated body, not the line.
-
     Attributes:
         perceived: By the seed of each attempt, what the learner was shown when it heard a behaviour: the experience.
-        wrong: For each of all these vectors, whether it differs from what the learner's body senses, or its behaviour
-            from what the teacher would have called on its own body's senses.
+        wrong: For each of all these vectors, whether object presence or arm of teacher or learner differ from what the
+            simulated body senses.
         outdated: For each, whether teacher or learner were elsewhere than the camera reported.
     """
 
@@ -252,45 +233,27 @@ class ObservedTraining(TrainingEnv):
         self.perceived: dict[int | None, list[tuple[StateVector, Behaviour]]] = {}
         self.wrong: list[bool] = []
         self.outdated: list[bool] = []
-        self._lab = lab
-        self._true: list[Forager] = []
+        self._lab, self._shown = lab, list[tuple[StateVector, Behaviour]]()
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
         """Start an attempt; see `TrainingEnv.reset`."""
         super().reset(seed, options)
-        self.perceived[seed], self._true = [], []
-        for body, arena, told in zip(self._lab.simulation.robots, self._lab.arenas, self.foragers, strict=True):
-            food = known_food(arena.foods)
-            draw_food_types(food.objects, 0, food_odds(None))
-            self._true.append(Forager(body, arena_map_of(arena), told.holes, food, told.decisions))
-        perceive_all(self._true, self._lab.camera.look())
-
-    @property
-    def is_lost(self) -> bool:
-        """Whether a robot or the camera was lost in the last round."""
-        return "robot_lost" in self.infos[TEACHER]
+        self._shown = self.perceived[seed] = []
 
     def observe(self, agent: str) -> NDArray[np.int64]:
         """Observe as in any training; what the learner hears is recorded and compared with the truth."""
         observation: NDArray[np.int64] = super().observe(agent)
         if agent == LEARNER and observation[HEARD] != Behaviour.WAIT:
-            shown, behaviour = StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD]))
-            list(self.perceived.values())[-1].append((shown, behaviour))
-            teacher = super().observe(TEACHER)
-            teacher[:5] = self._true[0].vector
-            self.wrong.append((shown, behaviour) != (self._true[1].vector, Teacher.of(self).act(teacher)))
-            pairs = zip(self._lab.poses()[:2], self._lab.simulation.poses()[:2], strict=True)
-            self.outdated.append(any(math.dist(seen[:2], true[:2]) > _OUTDATED for seen, true in pairs))
+            self._shown.append((StateVector(*observation[:5].tolist()), Behaviour(int(observation[HEARD]))))
+            bodies, wrong, outdated = self._lab.simulation.robots, False, False
+            for told, body, pose in list(zip(self.foragers, bodies, self._lab.poses(), strict=True))[:2]:
+                senses = body.sense()
+                true = bool(senses.object_presence), senses.arm
+                wrong |= (bool(told.vector.object_presence), told.vector.arms_height) != true
+                outdated |= math.dist(pose[:2], body.pose[:2]) > _OUTDATED
+            self.wrong.append(wrong)
+            self.outdated.append(outdated)
         return observation
-
-    def step(self, action: int | None) -> None:
-        """Step as in any training; after the last robot's step, the round, the truth is perceived as well."""
-        ends_round = self.agent_selection == self.possible_agents[-1] and bool(self.agents)
-        super().step(action)
-        if ends_round and not self.is_lost:
-            for told, true in zip(self.foragers, self._true, strict=True):
-                true.applied = told.applied
-            perceive_all(self._true, self._lab.camera.look())
 
 
 def moving(lab: VirtualLaboratory) -> set[int]:
@@ -362,7 +325,7 @@ class FaultyTraining:
         self._folder, logger, seed = folder, logging.getLogger("khepera_forage"), int(self._rng.integers(2**31))
         ended: list[TrainingRow] = []
         with (
-            patch.object(cv2, "VideoCapture", lambda _: self._camera),
+            patch.object(cv2, "VideoCapture", self._camera.capture),
             patch.object(logger, "handlers", [self._log]),
             patch.object(logger, "propagate", False),
             self._opened() as self._lab,
@@ -426,7 +389,7 @@ class FaultyTraining:
 
     def _end_round(self) -> None:
         """Begin the fault, or observe what has become of it."""
-        lost = self._env.is_lost
+        lost = "robot_lost" in self._env.infos[TEACHER]
         if not lost:
             self._round_end = time.monotonic()
         if not self._timers:

@@ -92,15 +92,11 @@ class Round:
 
 @dataclass(frozen=True, slots=True)
 class Opening:
-    """The first line of a case: whether the driver accepted it, after which time, and what became of its replies.
-
-    `undetectable` are garbled replies that are well-formed, `lost` rounds in which the robot was lost.
-    """
+    """Whether the driver accepted the lines, after which time, and the rounds in which a robot was lost."""
 
     line: str
     accepted: bool
     ms: float
-    undetectable: int = 0
     lost: int = 0
 
 
@@ -181,7 +177,7 @@ def drive(line: Line, rounds: int, seed: int) -> list[Round | Opening]:
                 moves = any(request.startswith((b"T,1,D", b"T,1,E", b"T,1,H")) for request in requests)
                 rows.append(Round(line.name, moves, taken, robots[0].sense()[1:3] != truth()[1:3]))
         port.faults = Faults()
-    return [*rows, Opening(line.name, True, opened, port.fault_counts["undetectable"], lost)]
+    return [*rows, Opening(line.name, True, opened, lost)]
 
 
 def _spread(rows: Sequence[Round], line: Line, moves: bool) -> Estimate:
@@ -192,8 +188,8 @@ def line_table(openings: Sequence[Opening], rows: Sequence[Round]) -> Table:
     """Opening, times of rounds, and what went wrong, by line."""
     note = (
         f"Times in ms, at {BAUD} baud unless said otherwise. Rounds: `transmit` and `receive` of all robots, median "
-        "[5th, 95th percentile]. A line is rejected if it is too slow for rounds of 100 ms. Undetectable: garbled "
-        "replies that are well-formed. Lost: rounds in which the robot did not answer."
+        "[5th, 95th percentile]. A line is rejected if it is too slow for rounds of 100 ms. Lost: rounds in which "
+        "a robot did not answer."
     )
     lines: list[dict[str, Value]] = []
     for line in LINES:
@@ -209,7 +205,6 @@ def line_table(openings: Sequence[Opening], rows: Sequence[Round]) -> Table:
                     MOVES: _spread(rows, line, True),
                     "longest": max((row.ms for row in own), default=math.nan),
                     "wrong counter": len(pick(own, wrong=True)),
-                    "undetectable": opening.undetectable,
                     "lost": opening.lost,
                 }
             )

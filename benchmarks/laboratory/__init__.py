@@ -1,1 +1,1 @@
-"""Parts of the scripts that measure the laboratory: what cameras see, how devices fail, and what is true."""
+"""Parts of the script that measures the tracker: its frames, and what it finds in them."""

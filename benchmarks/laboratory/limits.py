@@ -1,7 +1,7 @@
 """Markers and food in frames that become worse step by step, up to the point where the tracker fails."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.estimates import Table, Value, percent, pick, table_of
-from khepera_forage.figures import COLOURS, GREY, SMALL, grid, panels
+from khepera_forage.figures import COLOURS, GREY, SMALL, grid, legend, panels
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.image_quality import measure_quality
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer, Light, draw_cable
@@ -18,7 +18,7 @@ from khepera_forage.vision.scene import MM_PER_PIXEL, Truth
 from khepera_forage.vision.shapes import PICTURE_HEIGHT, PICTURE_WIDTH
 from khepera_forage.vision.tracker import Tracker
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from laboratory.observations import KINDS, TRACKER, observe, reversals
+from laboratory.observations import KINDS, observe, reversals
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,60 +39,42 @@ _CURVE = 8.0
 """Greatest distance in mm of the middle of a cable from the straight line between its ends."""
 
 
-@dataclass(frozen=True, slots=True)
-class Conditions:
-    """What disturbs a frame: width in mm and grey level of its cables, appearance, and a factor of all grey levels."""
+_GREY, _CABLE = 60.0, 8.0
+"""Grey level of cables, and their width in mm where it does not vary."""
+CURVES = ("no cable", "cable")
+WIDTH_SWEEP = "width of the cable (mm)"
+SWEEPS = {
+    WIDTH_SWEEP: (0.0, 2.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 14.0, 17.0, 20.0, 25.0),
+    "blur (pixels)": (0.3, 0.7, 1.0, 1.2, 1.4, 1.5, 1.6, 1.7, 1.8, 2.0, 2.3),
+    "exposure (factor)": (0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.5),
+    f"floor (white: {_WHITE:.0f})": (40.0, 70.0, 100.0, 120.0, 130.0, 140.0, 145.0, 150.0, 155.0, 160.0, 170.0),
+    "noise (grey levels)": (0.0, 2.5, 5.0, 8.0, 12.0, 16.0, 20.0, 25.0, 30.0),
+}
+"""The disturbances, from harmless to failure."""
 
-    cable_width: float
+
+class Conditions(NamedTuple):
+    """What disturbs a frame: width in mm of its cables, appearance, and a factor of all grey levels."""
+
+    cable: float
     appearance: CameraAppearance = _LAB
     exposure: float = 1.0
-    cable: float = 60.0
 
 
-_WITH_CABLE = {"no cable": 0.0, "cable": 8.0}
-
-
-class Sweep(NamedTuple):
-    """One disturbance, from harmless to failure: the conditions for a value and the number of a curve."""
-
-    label: str
-    values: tuple[float, ...]
-    curves: dict[str, float]
-    conditions: Callable[[float, float], Conditions]
-
-
-SWEEPS = {
-    "width": Sweep(
-        "width of the cable (mm)",
-        (0.0, 2.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 14.0, 17.0, 20.0, 25.0),
-        {"black cable": 30.0, "dark grey cable": 60.0, "light grey cable": 130.0},
-        lambda width, grey: Conditions(width, cable=grey),
-    ),
-    "blur": Sweep(
-        "blur (pixels)",
-        (0.3, 0.7, 1.0, 1.2, 1.4, 1.5, 1.6, 1.7, 1.8, 2.0, 2.3),
-        _WITH_CABLE,
-        lambda blur, cable: Conditions(cable, replace(_LAB, blur=blur)),
-    ),
-    "exposure": Sweep(
-        "exposure (factor)",
-        (0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.5),
-        _WITH_CABLE,
-        lambda exposure, cable: Conditions(cable, exposure=exposure),
-    ),
-    "floor": Sweep(
-        f"grey level of the floor under white at {_WHITE:.0f}",
-        (40.0, 70.0, 100.0, 120.0, 130.0, 140.0, 145.0, 150.0, 155.0, 160.0, 170.0),
-        _WITH_CABLE,
-        lambda floor, cable: Conditions(cable, replace(_LAB, white=_WHITE, floor=floor, wall=0.8 * floor)),
-    ),
-    "noise": Sweep(
-        "noise (grey levels)",
-        (0.0, 2.5, 5.0, 8.0, 12.0, 16.0, 20.0, 25.0, 30.0),
-        _WITH_CABLE,
-        lambda noise, cable: Conditions(cable, replace(_LAB, grain=noise)),
-    ),
-}
+def conditions(sweep: str, curve: str, value: float) -> Conditions:
+    """The conditions of one point of a curve."""
+    cable = _CABLE if curve == "cable" else 0.0
+    match sweep.split()[0]:
+        case "width":
+            return Conditions(value)
+        case "blur":
+            return Conditions(cable, replace(_LAB, blur=value))
+        case "exposure":
+            return Conditions(cable, exposure=value)
+        case "floor":
+            return Conditions(cable, replace(_LAB, white=_WHITE, floor=value, wall=0.8 * value))
+        case _:
+            return Conditions(cable, replace(_LAB, grain=value))
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,31 +97,32 @@ class SweepPoint:
     warned: float
 
 
-def limit_points(name: str, curve: str, seed: int, images: int, quick: bool) -> list[SweepPoint]:
+def limit_points(sweep: str, curve: str, seed: int, images: int, quick: bool) -> list[SweepPoint]:
     """All points of a curve, in the same scenes; the first and the last one with `quick`."""
     cv2.setNumThreads(1)
-    sweep, tracker, settings = SWEEPS[name], Tracker(), TrackerSettings()
+    values, tracker, settings = SWEEPS[sweep], Tracker(), TrackerSettings()
     points = []
-    for value in (sweep.values[0], sweep.values[-1]) if quick else sweep.values:
+    for value in (values[0], values[-1]) if quick else values:
         rows, warned = [], 0
-        for truth, frame in _frames(sweep.conditions(value, sweep.curves[curve]), images, np.random.default_rng(seed)):
-            rows += observe((TRACKER, 0, 0), truth, tracker.detect(frame))
+        for truth, frame in _frames(conditions(sweep, curve, value), images, np.random.default_rng(seed)):
+            rows += observe((0, 0), truth, tracker.detect(frame))
             warned += bool(measure_quality(frame).warnings(settings))
         things = images * COLUMNS * ROWS
-        found = [sum(row.found for row in rows if (row.kind == KINDS[0]) == is_food) for is_food in (False, True)]
-        stray, share = len(pick(rows, kind="")), 100 * warned / images
-        points.append(SweepPoint(name, curve, value, things, *found, stray, reversals(rows), share))
+        foods = sum(row.found for row in pick(rows, kind=KINDS[0]))
+        markers, stray = sum(row.found for row in rows) - foods, len(pick(rows, kind=""))
+        share = 100 * warned / images
+        points.append(SweepPoint(sweep, curve, value, things, markers, foods, stray, reversals(rows), share))
     return points
 
 
-def _frames(conditions: Conditions, count: int, rng: np.random.Generator) -> Iterator[tuple[Truth, NDArray[np.uint8]]]:
+def _frames(given: Conditions, count: int, rng: np.random.Generator) -> Iterator[tuple[Truth, NDArray[np.uint8]]]:
     """Frames with a marker and food in each tile, and what is in them."""
     places, light_rng, floor_rng, noise = rng.spawn(4)
     # An exposure below 1 weakens the light, but not the sensor's noise.
-    grain = conditions.appearance.grain * math.sqrt(max(0.0, 1 - conditions.exposure**2))
-    light = Light(conditions.appearance, light_rng)
+    grain = given.appearance.grain * math.sqrt(max(0.0, 1 - given.exposure**2))
+    light = Light(given.appearance, light_rng)
     truth = Truth((), ())
-    renderer = FrameRenderer(lambda: truth, conditions.appearance)
+    renderer = FrameRenderer(lambda: truth, given.appearance)
     renderer.reset(floor_rng)
     for number in range(count):
         truth = _truth(places)
@@ -147,10 +130,10 @@ def _frames(conditions: Conditions, count: int, rng: np.random.Generator) -> Ite
         for marker in truth.markers:
             # Drawn even without cables, so that the poses are the same for every width.
             curve = _cable(marker, places)
-            if conditions.cable_width > 0:
-                draw_cable(picture, curve, conditions.cable_width / MM_PER_PIXEL, conditions.cable)
+            if given.cable > 0:
+                draw_cable(picture, curve, given.cable / MM_PER_PIXEL, _GREY)
         frame = light.expose(picture, float(number))
-        exposed = frame * conditions.exposure + noise.normal(0, grain, frame.shape)
+        exposed = frame * given.exposure + noise.normal(0, grain, frame.shape)
         yield truth, exposed.round().clip(0, 255).astype(np.uint8)
 
 
@@ -210,22 +193,18 @@ def limits_picture(points: Sequence[SweepPoint]) -> "Figure":
     """Shares found as curves, one panel for each disturbance."""
     title = "Markers (lines) and food (dotted) found, as the picture becomes worse"
     figure, (*shown, last) = panels(1 + len(SWEEPS), title)
-    for panel, (name, sweep) in zip(shown, SWEEPS.items(), strict=True):
-        for colour, curve in zip(COLOURS, sweep.curves, strict=False):
-            own = pick(points, sweep=name, curve=curve)
+    for panel, sweep in zip(shown, SWEEPS, strict=True):
+        for colour, curve in zip(COLOURS, CURVES, strict=False):
+            own = pick(points, sweep=sweep, curve=curve)
             values = [p.value for p in own]
-            shares = [(100 * p.markers / p.things, 100 * p.foods / p.things) for p in own]
-            panel.plot(values, [share for share, _ in shares], "o-", ms=3, color=colour, label=curve)
-            panel.plot(values, [share for _, share in shares], ":", color=colour)
+            panel.plot(values, [100 * p.markers / p.things for p in own], "o-", ms=3, color=colour, label=curve)
+            panel.plot(values, [100 * p.foods / p.things for p in own], ":", color=colour)
             warned = [p.value for p in own if p.warned > 50]
-            if warned:
-                panel.plot(warned, [-4.0] * len(warned), "^", ms=4, color=colour, clip_on=False)
+            panel.plot(warned, [-4.0] * len(warned), "^", ms=4, color=colour, clip_on=False)
         panel.axhline(_FOUND, color=GREY, lw=1, ls=(0, (1, 2)))
-        panel.set_ylim(-7, 104)
-        panel.set_xlabel(sweep.label)
-        panel.set_ylabel("found (%)")
-        panel.legend(fontsize=SMALL, frameon=False, loc="center left")
+        panel.set(ylim=(-7, 104), xlabel=sweep, ylabel="found (%)")
         grid(panel, "both")
+    legend(figure, shown[1])
     last.axis("off")
     note = "triangles: a warning names the setting to change; grey line: the goal of 98 %"
     figure.supxlabel(note, fontsize=SMALL, color=GREY)

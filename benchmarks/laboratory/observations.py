@@ -1,4 +1,4 @@
-"""What a camera reported of every thing in a frame, compared with the truth; its errors and losses."""
+"""What the tracker reported of every thing in a frame, compared with the truth; its errors and losses."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -14,8 +14,6 @@ from khepera_forage.vision.association import Detection
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Truth
 from khepera_forage.vision.shapes import MARKER_FRAME, Plate, under_plate
 
-TRACKER, MODEL = "tracker", "model"
-"""The tracker on rendered frames; the simulated camera."""
 KINDS = ("food", "1 hole", "2 holes")
 """By number of holes."""
 ATTEMPT = 100_000
@@ -33,29 +31,26 @@ class Observation:
     Attributes:
         thing: Number of the thing in the world, markers and foods counted separately.
         clear: Whether nothing hides the thing: no marker lies over food or touches it.
-        label: Of its track; -1 if not found.
         dx: Reported minus true centre in pixels, as `dy`; None if not found.
         turn: Reported minus true heading in degrees, -180 to 180; None if not found, or food.
     """
 
-    camera: str
     training: int
     frame: int
     kind: str = ""
     thing: int = 0
     clear: bool = False
     found: bool = False
-    label: int = -1
     dx: float | None = None
     dy: float | None = None
     turn: float | None = None
 
 
-def observe(frame: tuple[str, int, int], truth: Truth, regions: Sequence[Region | Detection]) -> list[Observation]:
+def observe(frame: tuple[int, int], truth: Truth, regions: Sequence[Region | Detection]) -> list[Observation]:
     """An observation of every thing, then one of every region that belongs to nothing.
 
     Args:
-        frame: Camera, training and number.
+        frame: Training and number.
         truth: What was there.
         regions: What was reported.
     """
@@ -72,9 +67,8 @@ def observe(frame: tuple[str, int, int], truth: Truth, regions: Sequence[Region 
         if own:
             region = min(own, key=lambda r: math.hypot(r.x - x, r.y - y))
             del found[id(region)]
-            label = region.label if isinstance(region, Region) else -1
             turn = (region.orientation - math.degrees(heading) + 180) % 360 - 180 if holes else None
-            thing = replace(thing, found=True, label=label, dx=region.x - x, dy=region.y - y, turn=turn)
+            thing = replace(thing, found=True, dx=region.x - x, dy=region.y - y, turn=turn)
         rows.append(thing)
     return rows + [Observation(*frame) for _ in found]
 
@@ -110,15 +104,3 @@ def loss_rate(rows: Iterable[Observation]) -> Estimate:
             exposed += 1
             lost += not now.found
     return wilson(lost, exposed)
-
-
-def swapped_labels(rows: Iterable[Observation]) -> int:
-    """How often a label of one camera went from one thing to another within an attempt."""
-    swaps = 0
-    things: dict[tuple[int, int, int], tuple[str, int]] = {}
-    for row in sorted(rows, key=lambda row: (row.training, row.frame)):
-        if row.found:
-            thing, label = (row.kind, row.thing), (row.training, row.frame // ATTEMPT, row.label)
-            swaps += things.get(label, thing) != thing
-            things[label] = thing
-    return swaps
