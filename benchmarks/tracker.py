@@ -104,7 +104,7 @@ def frame_picture(seed: int) -> "Figure":
     training.close()
     rows, columns, enlargement = (165, 305), (240, 400), 4
     large = frame.repeat(enlargement, axis=0).repeat(enlargement, axis=1)
-    figure = new_figure(WIDTH, 3.8)
+    figure = new_figure(WIDTH, 4.0)
     titles = "Rendered frame, 5 mm a pixel", "The tracker's regions"
     for axes, title, image in zip(figure.subplots(1, 2), titles, (large, draw_scene(large, scene)), strict=True):
         top, bottom, left, right = (enlargement * place for place in (*rows, *columns))

@@ -173,7 +173,9 @@ def picture(lines: Sequence[dict[str, Any]]) -> "Figure":
     for axes, measure in zip(panels, RECALL_MEASURES, strict=True):
         shown = {line["what"]: (line[ALONE], line[LAB]) for line in lines if line["measure"] == measure.name}
         levels(axes, shown, measure.name, (ALONE, LAB), (THESIS, OURS))
-        axes.margins(x=0.06)
+        values = [value for pair in shown.values() for estimate in pair for value in estimate if np.isfinite(value)]
+        lowest, highest = min(0.0, *values), max(values)
+        axes.set_xlim(lowest - 0.04 * (highest - lowest), highest + 0.06 * (highest - lowest))
         axes.tick_params(axis="y", length=0)
     legend(figure, panels[0], "bars: 95 % interval")
     return figure

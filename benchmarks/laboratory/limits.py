@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.estimates import Table, Value, percent, pick, table_of
-from khepera_forage.figures import COLOURS, GREY, SMALL, grid, legend, panels
+from khepera_forage.figures import COLOURS, GREY, SMALL, grid, panels
 from khepera_forage.robots.khepera import MARKER_LENGTH, MARKER_WIDTH
 from khepera_forage.vision.image_quality import measure_quality
 from khepera_forage.vision.rendering import CameraAppearance, FrameRenderer, Light, draw_cable
@@ -200,12 +200,12 @@ def limits_picture(points: Sequence[SweepPoint]) -> "Figure":
             panel.plot(values, [100 * p.markers / p.things for p in own], "o-", ms=3, color=colour, label=curve)
             panel.plot(values, [100 * p.foods / p.things for p in own], ":", color=colour)
             warned = [p.value for p in own if p.warned > 50]
-            panel.plot(warned, [-4.0] * len(warned), "^", ms=4, color=colour, clip_on=False)
+            if warned:
+                panel.plot(warned, [-4.0] * len(warned), "^", ms=4, color=colour, clip_on=False)
         panel.axhline(_FOUND, color=GREY, lw=1, ls=(0, (1, 2)))
         panel.set(ylim=(-7, 104), xlabel=sweep, ylabel="found (%)")
         grid(panel, "both")
-    legend(figure, shown[1])
+    note = "triangles: a warning names the setting to change\ngrey line: the goal of 98 %"
     last.axis("off")
-    note = "triangles: a warning names the setting to change; grey line: the goal of 98 %"
-    figure.supxlabel(note, fontsize=SMALL, color=GREY)
+    last.legend(*shown[1].get_legend_handles_labels(), title=note, loc="center", fontsize=SMALL, title_fontsize=SMALL)
     return figure

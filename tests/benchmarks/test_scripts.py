@@ -46,11 +46,11 @@ SCRIPTS = {
     "backends": Script(("recalls", "trainings"), needs=("numba",)),
     "decisions": Script((), needs=("numba",), subcommand="infer"),
     "further_work": Script(("trainings", "recalls"), page="spatial_variety/spatial_variety.md"),
-    "lab_faults": Script(("faults", "trainings"), needs=("serial", "cv2")),
+    "lab_faults": Script(("faults",), needs=("serial", "cv2")),
     "learners": Script(("rows",), run=LEARNERS_RUN, subcommand="compare"),
     "tracker": Script(TRACKER_ROWS, needs=("cv2",)),
     "virtual_lab": Script(("recalls", "trainings"), run=("--jobs", "1"), needs=("serial", "cv2")),
-    "wire": Script(("measurements",), needs=("serial",)),
+    "wire": Script(("rounds", "openings"), needs=("serial",)),
 }
 
 

@@ -33,10 +33,16 @@ def test_the_same_recalls_in_both_worlds(out: Path) -> None:
 
 def test_the_comparison_is_that_of_the_rows(out: Path) -> None:
     recalls = read(out / "recalls.csv")
-    lines = read(out / "table_recalls.csv")
+    training = read(out / "trainings.csv")
+    first, *lines = [
+        line for line in read(out / "table_worlds.csv") if line["measure"] != "rounds of a complete episode"
+    ]
+    complete = [100 / len([row for row in training if row["world"] == world]) for world in ("pymunk", "virtual")]
+    assert first["measure"] == "attempts complete (%)"
+    assert [float(first[name]) for name in ("pymunk alone", "virtual laboratory")] == pytest.approx(complete, rel=1e-4)
     assert len(lines) == 4 * 3
     for line in lines:
-        own = [row for row in recalls if (row["arena"], row["learner"]) == (line["arena"], line["policy"])]
+        own = [row for row in recalls if f"{row['learner']}, {row['arena']}" == line["what"]]
         assert [row["world"] for row in own] == ["pymunk", "virtual"]
         pymunk, virtual = (
             {

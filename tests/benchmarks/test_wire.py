@@ -1,4 +1,4 @@
-"""`benchmarks/wire.py`: its tables are those of its rows.
+"""`benchmarks/wire.py`: its table is that of its rows.
 
 What it measures are times, which depend on what else runs. The promises about them are tested on lines with a clock of
 their own (`tests/robots/test_serial_timing.py`), and by what robots do (`tests/robots`).
@@ -14,16 +14,22 @@ from tests.benchmarks.running import read
 pytest.importorskip("serial")
 
 
-def test_tables_are_those_of_the_rows(quick_run: QuickRun) -> None:
-    out, lines = quick_run("wire"), 0
-    rows = read(out / "measurements.csv")
-    for part in ("rounds", "latency", "disturbances", "endings"):
-        for line in read(out / f"table_{part}.csv"):
-            key = (part, line["case"], line["measure"])
-            own = [float(row["value"]) for row in rows if (row["part"], row["case"], row["measure"]) == key]
-            assert int(line["values"]) == len(own) > 0
-            assert float(line["longest"]) == pytest.approx(max(own), rel=1e-4)
-            assert float(line["median"]) == pytest.approx(median(own), rel=1e-4)
-            assert float(line["median: low"]) <= float(line["median"]) <= float(line["median: high"])
-            lines += 1
-    assert lines == len({(row["part"], row["case"], row["measure"]) for row in rows})
+def test_table_is_that_of_the_rows(quick_run: QuickRun) -> None:
+    out = quick_run("wire")
+    rows, openings = read(out / "rounds.csv"), {row["line"]: row for row in read(out / "openings.csv")}
+    lines = read(out / "table_lines.csv")
+    assert [line["line"] for line in lines] == list(openings)
+    for line in lines:
+        opening, own = openings[line["line"]], [row for row in rows if row["line"] == line["line"]]
+        assert line["accepted"] == ("yes" if opening["accepted"] == "1" else "no")
+        assert bool(own) == (opening["accepted"] == "1")
+        assert int(line["rounds"]) == len(own)
+        for moves, name in (("0", "gripper rests"), ("1", "gripper moves, or its position is read")):
+            times = [float(row["ms"]) for row in own if row["moves"] == moves]
+            assert bool(times) == bool(own)
+            if times:
+                assert float(line[name]) == pytest.approx(median(times), rel=1e-4)
+                assert float(line[f"{name}: low"]) <= float(line[name]) <= float(line[f"{name}: high"])
+                assert float(line["longest"]) >= max(times) * (1 - 1e-4)
+        assert int(line["wrong counter"]) == sum(row["wrong"] == "1" for row in own)
+    assert openings["latency 100 ms"]["accepted"] == "0"
