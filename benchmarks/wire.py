@@ -20,6 +20,7 @@ import numpy as np
 from khepera_forage.envs.arguments import checked_arena, timing_of
 from khepera_forage.estimates import Estimate, Table, Value, pick, quantiles, table_of
 from khepera_forage.figures import GREY, OURS, THESIS, legend, levels, panels
+from khepera_forage.lab.clock import WallClock
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, Motors, RobotLost, Senses
 from khepera_forage.robots.real_robot import Fleet
 from khepera_forage.robots.serial.line import LineTooSlow
@@ -55,7 +56,8 @@ class Line(NamedTuple):
 
     Attributes:
         latency: Of every reply, in ms.
-        period: Seconds of a round, which the driver requires of a line when it is opened; None accepts every line.
+        period: Seconds of a round, which the driver requires of a line when it is opened, and for which the robots
+            drive. None accepts every line, and rounds follow each other at once.
         faults: Of the replies in rounds; None for the latency alone.
     """
 
@@ -155,6 +157,7 @@ def drive(line: Line, rounds: int, seed: int) -> list[Round | Opening]:
         except LineTooSlow:
             return [Opening(line.name, False, _ms_since(begin))]
         opened = _ms_since(begin)
+        clock = None if line.period is None else WallClock(line.period)
         fleet = stack.enter_context(Fleet(robots))
         handle = stack.enter_context(patch.object(firmware, "handle", Mock(wraps=firmware.handle)))
         for number, (left, right) in enumerate(wheels, -_WARM_UP):
@@ -167,6 +170,8 @@ def drive(line: Line, rounds: int, seed: int) -> list[Round | Opening]:
             handle.reset_mock()
             try:
                 taken = _timed(fleet.transmit)
+                if clock is not None:
+                    clock.wait()
                 advance()
                 taken += _timed(fleet.receive)
             except RobotLost:
