@@ -277,7 +277,7 @@ class FaultRow:
         seconds: From its beginning until it had passed, or until the training noticed a loss.
         unattended: Longest time in seconds that a wheel within reach of its line turned since the last round.
         moving: Robots within reach that moved after the attempt had ended; `out_of_reach`: others.
-        notices: Warnings; `named`: those with device and cause; `text`: the first one.
+        notices: Warnings; `named`: those with device and cause; `text`: all of them.
         vectors: Experience vectors on disk.
         missing: Those that the learner perceived and that are not on disk.
         altered: Those on disk that the learner did not perceive like this.
@@ -443,8 +443,7 @@ class FaultyTraining:
         causes = self._kind.cause.split("|")
         self.row.notices = len(texts)
         self.row.named = sum(self._device in text and any(cause in text for cause in causes) for text in texts)
-        if texts:
-            self.row.text = texts[0].replace(f"{self._folder}/", "")
+        self.row.text = "; then: ".join(texts).replace(f"{self._folder}/", "")
 
 
 def faults(kind: int, number: int, seed: int) -> list[FaultRow]:
