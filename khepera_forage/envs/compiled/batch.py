@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 from khepera_forage.compilation import entry, share_out
 from khepera_forage.counter_rng import keys_of
 from khepera_forage.envs.arguments import COMPILED, ArenaPool, Settings, timing_of, whole_number
-from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_record
+from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, map_of, settings_record
 from khepera_forage.envs.compiled.step import (
     WorldRecords,
     begin,
     carry_out,
-    command_action,
-    command_behaviour,
+    drive,
+    motors_of,
+    motors_of_action,
     new_worlds,
     world_of,
 )
@@ -230,10 +231,11 @@ def _step_worlds(
         if turn.place != place:
             place, arena = turn.place, arena_at(blocks, turn.place)
         turn.no_room = turn.begins and not begin(world, arena, settings[0], turn.start_given, turn.foods_given)
+        behaviour = turn.behaviour if turn.behaviour >= 0 else world.foragers[0].state
+        motors = motors_of(world, map_of(arena), settings[0], behaviour)
         if turn.behaviour < 0:
-            command_action(world, arena, settings[0], turn.motors)
-        else:
-            command_behaviour(world, arena, settings[0], turn.behaviour)
+            motors = motors_of_action(world, settings[0], turn.motors, motors)
+        drive(world, motors)
         carry_out(world, arena, settings[0])
 
 

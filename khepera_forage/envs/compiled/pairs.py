@@ -146,7 +146,6 @@ def carry_out_pair(worlds: WorldRecords, first: int, sides: Sides, attempt: Any,
     for j in range(robots):
         world, settings = world_of(worlds, first + j), sides.settings[j]
         arena = arena_at(sides.blocks, sides.places[j])
-        world.foragers[0].behaviour = actions[j]
         motors = motors_of(world, map_of(arena), settings, actions[j])
         if j > 0:
             motors = lead(pairings[j], motors, actions[j], world.raw[0], settings.decisions)

@@ -1,7 +1,7 @@
 """One round of one compiled world at its task.
 
-A round is `command_behaviour` or `command_action`, then `carry_out`. `begin` starts an episode, whose first frame is
-taken by the first round.
+A round is `drive` with the motors of a behaviour or an action, then `carry_out`. `begin` starts an episode, whose first
+frame is taken by the first round.
 """
 
 import math
@@ -145,31 +145,23 @@ def stand_ready(world: WorldRecords, settings: Any) -> None:
 
 
 @rule
-def command_behaviour(world: WorldRecords, arena: ArenaRecords, settings: Any, behaviour: int) -> None:
-    """Command what a behaviour commands."""
-    forager = world.foragers[0]
-    forager.behaviour = behaviour
-    drive(world, motors_of(world, map_of(arena), settings, behaviour))
-
-
-@rule
-def command_action(world: WorldRecords, arena: ArenaRecords, settings: Any, action: Any) -> None:
-    """Command the motors of an action, four numbers in -1..1."""
-    forager = world.foragers[0]
-    given = decode_motors(action[0], action[1], action[2], action[3])
-    correct = motors_of(world, map_of(arena), settings, forager.state)
-    forager.behaviour = behaviour_of_motors(given, forager.state, correct, settings.decisions)
-    drive(world, given)
-
-
-@rule
 def motors_of(world: WorldRecords, arena: ArenaMap, settings: Any, behaviour: int) -> Motors:
     """What a behaviour commands now."""
     raw, decisions = world.raw[0], settings.decisions
+    world.foragers[0].behaviour = behaviour
     food = KnownFood(world.trackers[0], world.objects, world.links, world.chosen)
     if not world.robots[0].first_frame:  # before, nothing is perceived
         raw.home_bearing, raw.home_path = path_home_for(behaviour, raw, food, arena, decisions)
     return command(behaviour, raw, decisions)
+
+
+@rule
+def motors_of_action(world: WorldRecords, settings: Any, action: Any, correct: Motors) -> Motors:
+    """The motors of an action, four numbers in -1..1, and whether they amount to the teacher's behaviour."""
+    forager = world.foragers[0]
+    motors = decode_motors(action[0], action[1], action[2], action[3])
+    forager.behaviour = behaviour_of_motors(motors, forager.state, correct, settings.decisions)
+    return motors
 
 
 @rule

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import DRAW_POLICY, draw, keys_of, upper
 from khepera_forage.envs.arguments import ArenaPool, Arenas, FoodOdds, Settings, whole_number
-from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, settings_record
-from khepera_forage.envs.compiled.step import WorldRecords, begin, carry_out, command_behaviour, new_worlds, world_of
+from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, map_of, settings_record
+from khepera_forage.envs.compiled.step import WorldRecords, begin, carry_out, drive, motors_of, new_worlds, world_of
 from khepera_forage.noise import Noise
 from khepera_forage.policies.memories import NO_MEMORIES, Memories, plane_key
 from khepera_forage.records import dtype_of
@@ -254,7 +254,7 @@ def _run_recalls(
         while not (begun and (episode.terminated or episode.truncated)):
             # The first round takes the first frame; nothing is perceived before.
             behaviour = _decide(world, diagonal, settings[0].decisions, memories, recall) if begun else 0
-            command_behaviour(world, arena, settings[0], behaviour)
+            drive(world, motors_of(world, map_of(arena), settings[0], behaviour))
             carry_out(world, arena, settings[0])
             begun = True
         _record(recall, episode, tracker)
