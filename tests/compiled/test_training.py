@@ -5,15 +5,12 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
-from scipy import stats
 
 from khepera_forage.envs import paired_corridors_v1
-from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
 from khepera_forage.noise import Noise
 from khepera_forage.rollouts.compiled import training
 from khepera_forage.rollouts.compiled.training import train_learners
-from khepera_forage.rollouts.training import train
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour
 from tests.compiled.decisions import DECISIONS
@@ -133,17 +130,6 @@ def test_a_learner_does_not_depend_on_the_number_of_learners(monkeypatch: pytest
         of_many = getattr(many.attempts, name)[many.attempts.learner < 40]
         of_few = getattr(few.attempts, name)[few.attempts.episode < 2]
         assert (of_many == of_few).all()
-
-
-def test_training_takes_as_long_as_on_pymunk() -> None:
-    """Some tens of trainings here; thousands in docs/compiled.md."""
-    env = TrainingEnv(noise=ROUGH, food_types=MIXED)
-    single = [train(env, seed)[1] for seed in np.random.SeedSequence(1).spawn(20)]
-    compiled = train_learners(1000, seed=2, noise=ROUGH, food_types=MIXED).attempts
-    for name in ("rounds", "vectors", "separations"):
-        ours = getattr(compiled, name)[compiled.complete]
-        assert stats.ks_2samp(ours, [getattr(rows[-1], name) for rows in single]).pvalue > 1e-3
-    assert stats.ks_2samp(np.bincount(compiled.learner), [len(rows) for rows in single]).pvalue > 1e-3
 
 
 def test_experience_of_a_learner_can_be_saved_and_loaded_and_a_missing_one_is_quoted(tmp_path: Any) -> None:

@@ -108,11 +108,3 @@ def test_state_is_what_all_agents_observe(module: Any, form: str) -> None:
     np.testing.assert_array_equal(env.state(), np.concatenate([own.observe(a) for a in own.possible_agents]))
     assert env.state_space == own.state_space
     assert env.state_space.contains(env.state())
-
-
-def test_parallel_learner_hears_the_last_round() -> None:
-    env = paired_corridors_v1.parallel_env(max_cycles=50)
-    env.reset(seed=2)
-    for heard in (3, 7, 10):
-        observations, *_ = env.step({"teacher_0": heard, "learner_0": 10})
-        assert observations["learner_0"][5] == heard

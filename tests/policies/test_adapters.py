@@ -56,13 +56,6 @@ def test_objects_that_cannot_decide_are_refused(learner: Any) -> None:
         as_policy(learner)
 
 
-def test_actions_that_are_no_behaviours_are_refused() -> None:
-    """More cases: `tests/envs/test_bad_input.py`."""
-    for policy in (AgentPolicy(Answer(np.float64(2.0))), ModelPolicy(Answer(np.array([2.7])))):
-        with pytest.raises(ValueError, match=r"action of Answer is .*; allowed: a whole number from 0 to 10"):
-            policy.act(X[0])
-
-
 @pytest.mark.parametrize("answer", [2, np.int8(2), np.array(2), np.array([[2]])])
 def test_one_whole_number_in_any_form_is_a_behaviour(answer: Any) -> None:
     assert as_policy(Answer(answer)).act(X[0], None) is Behaviour.ORIENT_WITH_FOOD

@@ -1,5 +1,6 @@
 """All policies: their contract, the same outcome for the same seed, pickling, and what parameters are allowed."""
 
+import copy
 import pickle
 from collections.abc import Callable
 from functools import partial
@@ -25,7 +26,7 @@ from khepera_forage.policies import (
 )
 from khepera_forage.policies.learners import LEARNERS, OfflineImitation
 from khepera_forage.task.decisions import Decisions
-from khepera_forage.task.states import Behaviour, behaviour_for, classify
+from khepera_forage.task.states import Behaviour, StateVector, behaviour_for, classify
 
 IMITATING = {name: learner for name, learner in LEARNERS.items() if isinstance(learner, OfflineImitation)}
 VECTOR = (0, 50, 0, 215, 18)
@@ -59,27 +60,15 @@ POLICIES: dict[str, Callable[[], Policy]] = {
 }
 
 
-def observations() -> list[Any]:
-    """Observations of the same situations in the recall and the training environments."""
-    shown: list[Any] = []
-    for presence, home, food_type, arm, food in ((0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (1, 30, 1, 215, 138)):
-        shown.append(
-            {
-                "object_presence": np.int64(presence),
-                "robot_home_distance": np.array((home,)),
-                "food_type": np.int64(food_type),
-                "arms_height": np.array((arm,)),
-                "robot_food_distance": np.array((food,)),
-            }
-        )
-        shown.append(np.array((presence, home, food_type, arm, food, 10, 0)))
-    return shown
-
-
 @pytest.mark.parametrize("name", POLICIES)
 def test_same_seed_gives_the_same_behaviours_also_pickled(name: str) -> None:
-    shown = [*observations(), *experience(1, 60)[0]]
-    before = [dict(one) if isinstance(one, dict) else one.copy() for one in shown]
+    rows = experience(1, 60)[0]
+    shown: list[Any] = [
+        *rows,
+        *(StateVector(*row)._asdict() for row in rows),
+        *(np.append(row, (10, 0)) for row in rows),
+    ]
+    before = copy.deepcopy(shown)
     once, decisions = POLICIES[name](), []
     for policy in (once, once, POLICIES[name](), pickle.loads(pickle.dumps(once))):
         rng = np.random.default_rng(5)

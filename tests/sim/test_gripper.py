@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from khepera_forage.robots.khepera import (
@@ -18,7 +17,6 @@ from khepera_forage.robots.khepera import (
     RADIUS,
 )
 from khepera_forage.sim.arena import Point, Pose
-from khepera_forage.sim.driving import finger_overlap, palm_overlap, push_out
 from tests.sim.worlds import Kind, apart, holding, make_world, of_both_kinds, run
 from tests.version_0_1 import CORRIDOR
 
@@ -192,11 +190,3 @@ def test_finger_pressed_against_a_wall_does_not_throw_the_robot(
         assert apart(pose, after) < 16.5
         assert abs(after.heading - pose.heading) < 0.65  # 2 x 160 mm/s over 53 mm, for 0.1 s, and little more
         pose = after
-
-
-@pytest.mark.parametrize("jaw", [JAW_CLOSED, JAW_ON_FOOD, JAW_OPEN])
-def test_discs_out_of_reach_of_the_gripper_do_not_overlap(jaw: float) -> None:
-    """`push_out` sees early that a disc is far: it must find the same overlaps as its parts."""
-    for u, v, radius in np.random.default_rng(0).uniform((0, -80, 0), (130, 80, 28), (3000, 3)).tolist():
-        parts = finger_overlap(u, v, FINGER_TIP, jaw, radius), palm_overlap(u, v, radius)
-        assert max(push_out(u, v, FINGER_TIP, jaw, radius)[0], 0.0) == max(*parts, 0.0)

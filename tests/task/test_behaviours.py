@@ -17,10 +17,10 @@ from khepera_forage.geometry.plane import bearing_of, heading_of, length, turn_t
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, MAX_SPEED, Motors
 from khepera_forage.task.arena_map import EVERY_SIDE
 from khepera_forage.task.behaviours import command, decode_motors
-from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions, DecisionValues
+from khepera_forage.task.decisions import DEFAULT_VALUES, DecisionValues
 from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour
-from tests.version_0_1 import V0_1, VALUES
+from tests.version_0_1 import V0_1, VALUES, changed_to
 
 B = Behaviour
 UNIT = st.floats(-1, 1)
@@ -68,11 +68,6 @@ RAW_DATA = st.builds(
     wall_distance=st.floats(0.0, 60.0),
     wall_bearing=st.floats(-180.0, 180.0),
 )
-
-
-def changed_to(**changes: Any) -> DecisionValues:
-    """Version 0.1 with some changes: what the others decide matters, too."""
-    return Decisions.from_changes(changes, V0_1).values()
 
 
 def food_at(distance: float, degrees: float = 0.0, **changes: Any) -> RawData:
@@ -154,22 +149,13 @@ def test_search_turns_away_from_obstacles_and_backs_off_when_blocked() -> None:
     assert right < 0
 
 
-def test_orient_lowers_the_arm_aims_and_creeps_until_the_barrier_is_interrupted() -> None:
+def test_orient_lowers_the_arm_stops_at_an_object_and_remembers_a_missed_try() -> None:
     def orient(raw: RawData) -> Motors:
         return command(B.ORIENT_WITH_FOOD, raw, VALUES)
 
-    next_to = placed(OPEN_FLOOR, food_x=69.5)
-    assert orient(next_to) == Motors(0.0, 0.0, 255, 200)
-    down = placed(next_to, arm=255)
-    assert orient(down)[:2] == (4.0, 4.0)
-    askew = orient(placed(down, orientation=350))
-    assert askew.left == -askew.right < 0, "the food is on the left"
-    assert orient(placed(down, object_presence=255)) == Motors(0, 0, 255, 200)
-    missed = placed(OPEN_FLOOR, food_x=59.0, arm=255)
-    backing = orient(missed)
-    assert backing.left == backing.right < 0
-    assert backing.jaw == 0
-    assert orient(placed(missed, food_x=65.0, jaw=100)).left < 0, "a closed jaw marks the missed try"
+    assert orient(food_at(19.5)) == Motors(0.0, 0.0, 255, 200)
+    assert orient(food_at(19.5, arm=255, object_presence=255)) == Motors(0, 0, 255, 200)
+    assert orient(food_at(15, arm=255, jaw=100)).left < 0, "a closed jaw marks the missed try"
 
 
 def test_turn_on_the_spot_keeps_the_gripper_off_a_wall() -> None:

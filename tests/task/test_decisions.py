@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-import pickle
 from dataclasses import replace
 from typing import Any
 
@@ -64,14 +63,6 @@ def test_values_are_stored_as_plain_numbers_and_texts() -> None:
     stored = decisions.next_to_food, decisions.patience, decisions.equal_distance
     assert stored == (17.0, 7, "farther state")
     assert [type(value) for value in stored] == [float, int, str]
-
-
-def test_decisions_are_immutable_hashable_and_picklable() -> None:
-    decisions = Decisions(next_to_food=17.0)
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        decisions.next_to_food = 18.0  # type: ignore[misc]
-    assert len({decisions, Decisions(next_to_food=17.0), Decisions()}) == 2
-    assert pickle.loads(pickle.dumps(decisions)) == decisions
 
 
 def test_version_0_1_names_every_field_and_does_not_follow_the_defaults(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,47 +1,18 @@
-"""The account of an episode: reward, end, and the score of a recall (5.3, 5.4).
+"""When a robot has done its part of a training, and the score of a recall (5.3, 5.4).
 
-Mistakes are counted step by step in `tests/rollouts/test_training_and_recall.py`.
+Rewards, ends and mistakes are counted step by step in `tests/rollouts/test_training_and_recall.py`.
 """
 
 import pytest
 
 from khepera_forage.task.decisions import DEFAULT_VALUES
-from khepera_forage.task.episode import Episode, begin_episode, end_step, has_done_its_part, penalty, score
+from khepera_forage.task.episode import Episode, end_step, has_done_its_part, penalty, score
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker
 from khepera_forage.task.states import FoodType, StateVector
 from khepera_forage.thesis import appendix_a
 
-LIMIT = 50
 HOME_RADIUS = 20
 OUTSIDE_HOME = StateVector(0, HOME_RADIUS + 1, 0, 215, 60)
-
-
-@pytest.mark.parametrize(
-    ("changes", "reward", "terminated"),
-    [
-        ({}, 0.0, False),
-        ({"delivered": 2}, 2.0, True),
-        ({"poison_home": 1, "deliverable": 1}, -1.0, False),
-        ({"delivered": 1, "poison_home": 1, "deliverable": 1}, 0.0, True),
-    ],
-)
-def test_reward_and_end_of_an_episode_follow_from_what_was_brought_home(
-    changes: dict[str, int], reward: float, terminated: bool
-) -> None:
-    for steps in (1, LIMIT):
-        episode, tracker = Episode(), FoodTracker(deliverable=2)
-        begin_episode(episode, tracker)
-        for _ in range(steps - 1):
-            end_step(episode, tracker, True, LIMIT)
-            assert (episode.terminated, episode.truncated) == (False, False)
-            assert episode.reward == pytest.approx(-1 / LIMIT)
-        for name, value in changes.items():
-            setattr(tracker, name, value)
-        end_step(episode, tracker, True, LIMIT)
-        assert episode.reward == pytest.approx(reward - 1 / LIMIT)
-        assert (episode.terminated, episode.truncated) == (terminated, steps == LIMIT and not terminated)
-        end_step(episode, tracker, True, LIMIT)
-        assert episode.reward == pytest.approx(-1 / LIMIT), "each delivery counts once"
 
 
 P, X, U = FoodType.PICKABLE, FoodType.POISONOUS, FoodType.UNKNOWN
@@ -68,6 +39,12 @@ def test_part_is_done_outside_home_with_food_delivered_and_poison_left_with_the_
     tracker = FoodTracker(delivered=delivered, deliverable=len(types) - types.count(X))
     vector = OUTSIDE_HOME._replace(**changes)
     assert has_done_its_part(tracker, foods, vector, HOME_RADIUS, DEFAULT_VALUES) is done
+
+
+def test_episode_that_ends_at_its_limit_is_terminated_and_not_truncated() -> None:
+    episode = Episode()
+    end_step(episode, FoodTracker(delivered=1, deliverable=1), True, limit=1)
+    assert (episode.terminated, episode.truncated) == (True, False)
 
 
 def test_score_is_equation_5_1_and_agrees_with_appendix_a() -> None:

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from khepera_forage.envs.layouts import arena_map_of
 from khepera_forage.robots.khepera import MAX_SPEED, Motors
 from khepera_forage.sim.arena import copies
-from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions, DecisionValues
+from khepera_forage.task.decisions import DEFAULT_VALUES, Decisions
 from khepera_forage.task.pairing import AttemptState, Pairing, end_round, follow, recover, update_pairing
 from khepera_forage.task.perception import Marker
-from tests.version_0_1 import CORRIDOR, V0_1
+from tests.version_0_1 import CORRIDOR, changed_to
 
 TEACHER_ARENA, ARENA = (arena_map_of(arena) for arena in copies(CORRIDOR, 2))
 OFFSET = ARENA.home_y - TEACHER_ARENA.home_y
@@ -58,10 +58,6 @@ def test_recover_drives_an_arc_at_recovery_speed(x: float, y: float, heading: in
         assert (motors.left + motors.right) / 2 == pytest.approx(speed)
         assert min(motors.left, motors.right) >= 0
         assert motors[2:] == (255, 0)
-
-
-def changed_to(**changes: float) -> DecisionValues:
-    return Decisions.from_changes(changes, V0_1).values()
 
 
 @pytest.mark.parametrize("value", [1.0, 2.0, 8.0])

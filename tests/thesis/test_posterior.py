@@ -17,7 +17,6 @@ from khepera_forage.thesis.inference.posterior import (
     central,
     effective_number,
     forest_weights,
-    infer,
     parameters_of,
     prior_check,
     quantiles,
@@ -123,16 +122,6 @@ def test_parameters_are_numbers_in_the_order_of_the_prior() -> None:
         ("placement_error", (), [0.0, 3.0], (0, 5)),
     ]
     assert Parameter("same", (), np.ones(3)).targets.tolist() == [[1.0]] * 3
-
-
-def test_set_that_resembles_an_experiment_has_the_most_weight() -> None:
-    rng = np.random.default_rng(3)
-    statistics, observed = rng.normal(size=(40, 2, 5)).astype(np.float32), rng.normal(size=5)
-    statistics[7] = observed
-    found = infer([Parameter("number", (), rng.normal(size=40))], statistics, observed, 5, trees=20)
-    assert found.weights.argmax() == 7
-    assert found.weights.sum() == pytest.approx(1.0)
-    assert found.held_out == 40
 
 
 def test_experiment_unlike_all_simulated_ones_is_told() -> None:
