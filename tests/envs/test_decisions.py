@@ -10,9 +10,10 @@ from khepera_forage import Decisions
 from khepera_forage.envs import paired_corridors_v0, paired_corridors_v1
 from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
-from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN, SPEED_UNIT
+from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, CONTROL_PERIOD, JAW_CLOSED, JAW_OPEN, SPEED_UNIT
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.task.states import Behaviour
 from tests.version_0_1 import CORRIDOR, V0_1
@@ -85,3 +86,13 @@ def test_training_environments_run_at_the_decided_times() -> None:
     for _ in range(2 * len(training.possible_agents)):
         training.step(int(Behaviour.EXPLORE_FOOD))
     assert [forager.senses.arm for forager in training.foragers] == [ARM_DOWN, ARM_DOWN]
+
+
+@pytest.mark.parametrize("duration", [0.05, 0.18, 0.5])
+def test_bodies_of_a_virtual_laboratory_move_for_about_a_control_period_at_a_time(duration: float) -> None:
+    """In rounds as long as the decided ones, what touches something would be moved in too large steps."""
+    pytest.importorskip("serial")
+    pytest.importorskip("cv2")
+    with virtual_laboratory("corridor", 1, Decisions(round_duration=duration)) as lab:
+        assert lab.simulation.round_duration == pytest.approx(CONTROL_PERIOD, rel=0.5)
+        assert (duration / lab.simulation.round_duration) % 1 == pytest.approx(0)

@@ -16,7 +16,8 @@ from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from tests.sim.test_waypoints import CLOSED, DOOR, HALL, L_ROOM, WINDING
+from tests.arenas import L_ROOM
+from tests.sim.test_waypoints import CLOSED, DOOR, HALL, WINDING
 
 pytest.importorskip("numba")
 
@@ -149,7 +150,7 @@ def test_teacher_delivers_food_between_the_home_and_a_wall(
 
 @on_both_backends
 def test_distances_along_the_path_are_those_of_the_state_vector(backend: str) -> None:
-    places = {"start": (150, 125, 0), "foods": [(575, 600)]}
+    places = {"start": (640, 270, 0), "foods": [(280, 700)]}
     distances = []
     for decisions in (Decisions(), Decisions(distances="along the path")):
         env = in_arena(L_ROOM, backend, decisions=decisions)

@@ -27,21 +27,13 @@ from khepera_forage.sim.waypoints import (
     way_out,
 )
 from khepera_forage.vision.scene import MM_PER_PIXEL
-from tests.arenas import BLOCKS, corners
+from tests.arenas import BLOCKS, L_ROOM
 from tests.version_0_1 import CORRIDOR, RECTANGLE
 
 ROOM = Arena("room", box(0, 0, 800, 800), Point(120, 120), 80.0, Pose(680, 680, math.pi), (Point(600, 300),))
 BLOCK = replace(ROOM, name="block", obstacles=(box(300, 300, 500, 500),))
 DOOR = replace(ROOM, name="door", obstacles=(box(390, 0, 410, 300), box(390, 500, 410, 800)))
 CLOSED = replace(ROOM, name="closed", obstacles=(box(390, 0, 410, 340), box(390, 460, 410, 800)))
-L_ROOM = Arena(
-    "l_room",
-    corners((0, 0), (700, 0), (700, 700), (450, 700), (450, 250), (0, 250)),
-    Point(100, 125),
-    80.0,
-    Pose(575, 600, -math.pi / 2),
-    (Point(575, 200),),
-)
 HALL = Arena("hall", box(0, 0, 2000, 2000), Point(1000, 1000), 80.0, Pose(200, 200, 0.0), (Point(1800, 1800),))
 WINDING = [BLOCK, DOOR, L_ROOM]
 

@@ -64,11 +64,15 @@ def run(
 
 
 def holding(
-    start: Pose = FIELD.start, *others: tuple[float, float], arena: Arena = FIELD, kind: Kind = PymunkWorld
+    start: Pose = FIELD.start,
+    *others: tuple[float, float],
+    arena: Arena = FIELD,
+    kind: Kind = PymunkWorld,
+    ahead: float = 57.0,
 ) -> Any:
-    """A robot that holds food number 0 in its raised gripper."""
-    ahead = start.x + 57 * math.cos(start.heading), start.y + 57 * math.sin(start.heading)
-    world = make_world(start, ahead, *others, arena=arena, kind=kind)
+    """A robot that holds food number 0 in its raised gripper, so far ahead of its middle."""
+    food = start.x + ahead * math.cos(start.heading), start.y + ahead * math.sin(start.heading)
+    world = make_world(start, food, *others, arena=arena, kind=kind)
     run(world, 12, arm=ARM_DOWN)
     run(world, 8, arm=ARM_DOWN, jaw=JAW_CLOSED)
     run(world, 12, arm=ARM_RAISED, jaw=JAW_CLOSED)
