@@ -74,8 +74,7 @@ def test_training_is_truncated_with_the_reason(env: Any, robot: int) -> None:
     assert standing(env.world)
     assert env.agents == [TEACHER, "learner_0"], "PettingZoo's own loop takes them away one by one"
     for agent in env.agents:
-        assert env.truncations[agent]
-        assert not env.terminations[agent]
+        assert (env.truncations[agent], env.terminations[agent]) == (True, False)
         assert env.infos[agent]["robot_lost"].startswith(f"{env.world.settings.robots[robot].port}: ")
         assert env.infos[agent]["steps"] == 6
         np.testing.assert_array_equal(env.observe(agent)[:5], before[agent][:5])
@@ -102,39 +101,34 @@ def test_robots_stand_still_after_an_interrupt_between_rounds_and_after_the_end_
     assert standing(env.world)
 
 
-def test_recall_is_truncated_with_the_reason(alone: VirtualLaboratory) -> None:
-    env: gym.Env = WheelsEnv(world=alone)
-    action = np.array((0.5, 0.4, 1.0, -1.0), np.float32)
+@pytest.mark.parametrize(
+    ("kind", "action", "lost"), [(WheelsEnv, (0.5, 0.4, 1, -1), "robot"), (BehavioursEnv, 0, "camera")]
+)
+def test_recall_is_truncated_with_the_reason(
+    kind: Any, action: Any, lost: str, alone: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    env: gym.Env = kind(world=alone)
     env.reset(seed=1)
     for _ in range(4):
         observation, _, _, truncated, info = env.step(action)
         assert not truncated
         assert "robot_lost" not in info
-    unplug(alone, 0)
+    if lost == "robot":
+        unplug(alone, 0)
+    else:
+        frame, _ = alone.frame_source.newest()
+        monkeypatch.setattr(alone.frame_source, "newest", lambda: (frame, 2.0))
     last, reward, terminated, truncated, info = env.step(action)
-    assert truncated
-    assert not terminated
-    assert reward == -1 / 500
-    assert info["steps"] == 5
-    assert info["robot_lost"].startswith(alone.settings.robots[0].port)
-    for key, value in observation.items():
-        np.testing.assert_array_equal(last[key], value)
+    assert (reward, terminated, truncated, info["steps"]) == (-1 / 500, False, True, 5)
+    reason = alone.settings.robots[0].port if lost == "robot" else "camera rendered frames: "
+    assert info["robot_lost"].startswith(reason)
+    np.testing.assert_equal(last, observation)
     assert standing(alone)
     with pytest.raises(gym.error.ResetNeeded):
         env.step(action)
+    monkeypatch.undo()
     env.reset(seed=2)
     assert not env.step(action)[3]
-
-
-def test_lost_camera_truncates_like_a_lost_robot(alone: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch) -> None:
-    env = BehavioursEnv(world=alone)
-    env.reset(seed=1)
-    frame, _ = alone.frame_source.newest()
-    monkeypatch.setattr(alone.frame_source, "newest", lambda: (frame, 2.0))
-    _, _, _, truncated, info = env.step(0)
-    assert truncated
-    assert info["robot_lost"].startswith("camera rendered frames: ")
-    assert standing(alone)
 
 
 def test_robot_lost_while_it_is_placed_ends_the_attempt() -> None:

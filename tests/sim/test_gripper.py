@@ -159,9 +159,9 @@ def test_lifted_food_passes_above_other_food_and_is_not_set_down_on_it(kind: Kin
 
 
 @of_both_kinds
-@pytest.mark.parametrize("ahead", [57, 69])  # between the fingers, and beyond their tips
-def test_lifted_food_does_not_pass_through_a_wall(ahead: float, kind: Kind) -> None:
-    world = holding(Pose(300, 100, 0.4), arena=CORRIDOR, kind=kind, ahead=ahead)
+@pytest.mark.parametrize(("ahead", "heading"), [(57, 0.4), (69, 1.5)])  # between the fingers, and beyond their tips
+def test_lifted_food_does_not_pass_through_a_wall(ahead: float, heading: float, kind: Kind) -> None:
+    world = holding(Pose(300, 100, heading), arena=CORRIDOR, kind=kind, ahead=ahead)
     for _ in range(60):
         run(world, 1, 15, 15, jaw=JAW_CLOSED)
         food = world.food_places()[0]
