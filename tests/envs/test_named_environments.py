@@ -97,3 +97,4 @@ def test_arena_of_ones_own_has_a_step_limit_that_follows_from_its_paths() -> Non
     assert settings_of(arena) == {"arena": arena, "foods": 2, "limit": step_limit(2, longest_path(arena))}
     wide = replace(family_arena("many_foods"), foods=family_arena("many_foods").foods[:1])
     assert settings_of(wide)["limit"] == step_limit(1, 1200)
+    assert step_limit(1, 100) == 500, "that of the thesis at least"

@@ -1,7 +1,6 @@
 """Names, versions and specs: every argument survives a spec that is stored as JSON, as Minari stores it."""
 
 import pickle
-import warnings
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
@@ -82,15 +81,6 @@ def test_version_has_its_decisions_unless_others_are_given_and_so_has_its_spec(
             own = again.get_attr("decisions") if make is gym.make_vec else [again.unwrapped.decisions]
             assert set(own) == {decisions}
         assert spec.id == name
-
-
-def test_name_without_a_version_makes_the_newest_and_the_newest_without_a_warning() -> None:
-    with pytest.warns(UserWarning, match=r"the latest versioned environment `khepera_forage/Corridor-v1`"):
-        env: Any = gym.make("khepera_forage/Corridor")
-    assert env.unwrapped.decisions == Decisions()
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        gym.make("khepera_forage/Corridor-v1")
 
 
 def test_spec_stored_before_there_were_versions_has_the_decisions_of_version_0_1() -> None:

@@ -16,7 +16,7 @@ from khepera_forage.robots.khepera import RADIUS
 from khepera_forage.sim.arena import Arena, copies
 from khepera_forage.sim.arena_file import arena_text
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, Difficulty, checked_difficulty
-from khepera_forage.sim.arenas.named import FAMILY, HOME_RADIUS, family_arena, step_limit
+from khepera_forage.sim.arenas.named import FAMILY, HOME_RADIUS, family_arena
 from khepera_forage.sim.arenas.procedural import LEVELS, ProceduralArenas, procedural_arena
 from khepera_forage.sim.arenas.procedural_floor import PASSAGE
 from khepera_forage.sim.layout_checks import check_layout, check_seen
@@ -60,13 +60,6 @@ def test_arena_has_room_for_robots_and_pairs_and_passages_of_200_mm(name: str) -
     # Walls are at least 20 mm thick: an opening with this width removes none of their area but at corners.
     for shape in shapes[1:]:
         assert shape.buffer(-9.9).buffer(10).area > 0.95 * shape.area
-
-
-def test_step_limit_is_that_of_the_thesis_in_short_arenas_and_grows_with_the_path() -> None:
-    assert [step_limit(foods, 650) for foods in (1, 2, 5)] == [500, 700, 1300]
-    assert step_limit(1, 100) == 500
-    assert step_limit(1, 1300) == 1000
-    assert step_limit(2, 1301) == 1500
 
 
 # ---------------------------------------------------------------- procedural arenas

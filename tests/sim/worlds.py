@@ -13,7 +13,7 @@ from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.arenas.named import box
 from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import FoodPlace, Layout, Timing
+from khepera_forage.sim.world import FoodPlace, Layout
 from tests.version_0_1 import TIMING
 
 NONE = Noise.none()
@@ -37,29 +37,22 @@ def make_world(
     noise: Noise = NONE,
     seed: int = 0,
     kind: Kind = PymunkWorld,
-    timing: Timing = TIMING,
     **more: Any,
 ) -> Any:
     """A world with one robot, after its reset."""
-    world = kind([arena], (2,), noise, timing=timing, **more)
+    world = kind([arena], (2,), noise, timing=TIMING, **more)
     world.reset(np.random.default_rng(seed), Layout((start,), tuple(Point(*food) for food in foods)))
     return world
 
 
 def run(
-    world: Any,
-    rounds: int,
-    left: float = 0,
-    right: float = 0,
-    arm: int = ARM_RAISED,
-    jaw: int = JAW_OPEN,
-    robot: int = 0,
+    world: Any, rounds: int, left: float = 0, right: float = 0, arm: int = ARM_RAISED, jaw: int = JAW_OPEN
 ) -> Senses:
-    """Rounds under one command; returns what the robot senses then."""
+    """Rounds under one command to the first robot; returns what it senses then."""
     for _ in range(rounds):
-        world.robots[robot].drive(Motors(left, right, arm, jaw))
+        world.robots[0].drive(Motors(left, right, arm, jaw))
         world.advance()
-    senses: Senses = world.robots[robot].sense()
+    senses: Senses = world.robots[0].sense()
     return senses
 
 

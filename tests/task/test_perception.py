@@ -7,11 +7,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.envs.layouts import arena_map_of
-from khepera_forage.sim.arena import Point, copies
-from khepera_forage.task.perception import own_region
-from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene
-from tests.version_0_1 import CORRIDOR, RECTANGLE, V0_1
+from khepera_forage.sim.arena import Point
+from khepera_forage.vision.scene import MM_PER_PIXEL
+from tests.version_0_1 import RECTANGLE, V0_1
 
 ENV = BehavioursEnv(arena="rectangle", foods=2, noise="none", decisions=V0_1)
 FAR = (620.0, 40.0)
@@ -48,14 +46,3 @@ def test_raw_data_and_state_vector_have_what_the_thesis_lists(
     distances = observation["robot_home_distance"][0], observation["robot_food_distance"][0]
     assert distances == pytest.approx((math.dist(start, home) / MM_PER_PIXEL, nearest / MM_PER_PIXEL), abs=0.5001)
     assert (observation["object_presence"], observation["food_type"], *observation["arms_height"]) == (0, 0, 215)
-
-
-def test_own_region_has_the_markers_holes_in_the_own_arena_in_any_order() -> None:
-    arena, other = map(arena_map_of, copies(CORRIDOR, 2))
-    mine, teachers, neighbours = regions = [
-        Region(label, 40, y, holes, 0, True, False, 40, y, 1.0, 1.0)
-        for label, (y, holes) in enumerate(((20, 2), (20, 1), (80, 2)))
-    ]
-    for scene in (Scene(tuple(regions)), Scene(tuple(regions[::-1]))):
-        assert [own_region(scene, arena, holes) for holes in (2, 1)] == [mine, teachers]
-        assert [own_region(scene, other, holes) for holes in (2, 1)] == [neighbours, None]

@@ -55,21 +55,6 @@ def weights_of(parameters: list[Parameter], statistics: Any, queries: Any) -> An
     return forest_weights(statistics, targets, queries, 0, 100)
 
 
-def test_posterior_of_a_measured_number_is_the_known_one(simulator: tuple[list[Parameter], Any]) -> None:
-    """Prior N(0, 1), error 0.5: the posterior after 1.0 is N(0.8, 0.2)."""
-    parameters, statistics = simulator
-    weights = weights_of(parameters, statistics, np.array([[1.0, 0.0, np.nan], [-1.0, 1.5, 0.0]]))
-    assert weights.sum(axis=1) == pytest.approx([1.0, 1.0])
-    number, alternative, nothing = (parameter.values for parameter in parameters)
-    assert weights[0] @ number == pytest.approx(0.8, abs=0.15)
-    deviation = np.sqrt(weights[0] @ number**2 - (weights[0] @ number) ** 2)
-    assert np.sqrt(0.2) - 0.05 < deviation < np.sqrt(0.2) + 0.2, "a forest is rather too wide than too narrow"
-    assert weights[0] @ (alternative == 2) < 0.15
-    assert weights[1] @ (alternative == 2) > 0.7
-    assert weights[0] @ nothing == pytest.approx(0.5, abs=0.1)
-    assert 30 < effective_number(weights[0]) < SETS / 2
-
-
 def test_right_posteriors_are_calibrated_and_wrong_ones_are_not(simulator: tuple[list[Parameter], Any]) -> None:
     """Wrong: of other experiments, shifted, and too sure of themselves."""
     parameters, statistics = simulator
