@@ -16,8 +16,6 @@ from khepera_forage.sim.arenas.named import FAMILY, family_arena, step_limit
 from khepera_forage.sim.arenas.procedural import ProceduralArenas
 from khepera_forage.sim.waypoints import longest_path
 
-everywhere = pytest.mark.parametrize("arena", FAMILY)
-
 
 def test_all_environments_are_registered() -> None:
     own = {env_id for env_id in gym.registry if env_id.startswith("khepera_forage/")}
@@ -33,21 +31,17 @@ def test_all_environments_are_registered() -> None:
         assert {env_id for env_id in registry if env_id.startswith("khepera_forage/")} == paired
 
 
-@everywhere
-@pytest.mark.parametrize("kind", ["", "Wheels"])
-def test_environment_has_the_arena_and_its_settings(arena: str, kind: str) -> None:
-    env: Any = gym.make(f"khepera_forage/{environment_name(arena)}{kind}-v1").unwrapped
-    assert env.arena == family_arena(arena)
-    assert (env.foods, env.limit) == (len(FAMILY[arena].foods), FAMILY[arena].limit)
-
-
-@everywhere
-def test_paired_environment_is_in_its_arena(arena: str) -> None:
-    name = f"khepera_forage/Paired{environment_name(arena)}-v1"
-    aec: Any = pettingzoo.make("aec", name)
+@pytest.mark.parametrize("arena", FAMILY)
+def test_environments_have_the_arena_and_its_settings(arena: str) -> None:
+    name, own = environment_name(arena), family_arena(arena)
+    for kind in ("", "Wheels"):
+        env: Any = gym.make(f"khepera_forage/{name}{kind}-v1").unwrapped
+        assert (env.arena, env.foods, env.limit) == (own, len(FAMILY[arena].foods), FAMILY[arena].limit)
+    aec: Any = pettingzoo.make("aec", f"khepera_forage/Paired{name}-v1")
     assert aec.metadata["name"] == f"paired_{arena}_v1"
-    assert [each.bounds != aec.unwrapped.arenas[0].bounds for each in aec.unwrapped.arenas] == [False, True]
-    assert aec.unwrapped.arenas[0] == family_arena(arena)
+    first, second = aec.unwrapped.arenas
+    assert first == own
+    assert first.bounds != second.bounds
 
 
 def test_paired_environment_has_the_settings_of_its_arena() -> None:

@@ -6,6 +6,7 @@ A command reaches the body one physics step later, which is 20 ms far from obsta
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,6 @@ from hypothesis import strategies as st
 
 from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED, PULSE, SPEED_UNIT, WHEEL_BASE
 from khepera_forage.sim.arena import Pose
-from khepera_forage.sim.pymunk.world import PymunkWorld
 from tests.sim.worlds import NONE, apart, make_world, run
 
 PROPERTY = settings(max_examples=60)
@@ -64,44 +64,37 @@ def test_encoders_count_the_commanded_travel_without_slip(legs: list[tuple[int, 
     assert senses.right_pulses == pytest.approx(travelled[1] / PULSE, abs=1)
 
 
-def shares(world: PymunkWorld, rounds: int, speed: int = 10) -> list[tuple[float, float]]:
-    """Travel of the left and the right wheel in each round, as shares of the commanded travel."""
-    run(world, 2, speed, speed)
-    found = []
-    commanded = speed * SPEED_UNIT * CONTROL_PERIOD
-    for _ in range(rounds):
-        before = world.poses()[0]
-        run(world, 1, speed, speed)
-        after = world.poses()[0]
-        turn = after.heading - before.heading
-        forward = apart(after, before) / chord_of_arc(turn)
-        half = turn * WHEEL_BASE / 2
-        found.append(((forward - half) / commanded, (forward + half) / commanded))
+def shares(worlds: int, rounds: int, **noise: float) -> Any:
+    """Travel of both wheels in each round of each world, as shares of the commanded travel."""
+    found, commanded = np.zeros((worlds, rounds, 2)), 10 * SPEED_UNIT * CONTROL_PERIOD
+    for seed in range(worlds):
+        world = make_world(CENTRE, OUT_OF_THE_WAY, noise=replace(NONE, **noise), seed=seed)
+        run(world, 2, 10, 10)
+        for number in range(rounds):
+            before = world.poses()[0]
+            run(world, 1, 10, 10)
+            after = world.poses()[0]
+            turn = after.heading - before.heading
+            forward, half = apart(after, before) / chord_of_arc(turn), turn * WHEEL_BASE / 2
+            found[seed, number] = (forward - half) / commanded, (forward + half) / commanded
     return found
 
 
+def check_wheels(drawn: Any, deviation: float) -> None:
+    """Both wheels have this deviation from 1, without mean or correlation; bounds are 3.5 standard errors."""
+    error = 3.5 / math.sqrt(len(drawn))
+    assert drawn.mean(axis=0) == pytest.approx([1, 1], abs=error * deviation)
+    assert drawn.std(axis=0) == pytest.approx([deviation] * 2, rel=error / math.sqrt(2))
+    assert abs(np.corrcoef(drawn.T)[0, 1]) < error
+
+
 def test_wheel_slip_is_drawn_each_round_for_each_wheel() -> None:
-    noise = replace(NONE, wheel_slip=0.05)
-    found = [
-        share for seed in range(8) for share in shares(make_world(CENTRE, OUT_OF_THE_WAY, noise=noise, seed=seed), 75)
-    ]
-    left, right = np.array(found).T
-    for wheel in (left, right):
-        assert wheel.mean() == pytest.approx(1, abs=0.007)  # 3.4 standard errors
-        assert wheel.std() == pytest.approx(0.05, rel=0.1)
-        assert abs(np.corrcoef(wheel[1:], wheel[:-1])[0, 1]) < 0.14
-    assert abs(np.corrcoef(left, right)[0, 1]) < 0.14
+    found = shares(8, 75, wheel_slip=0.05)
+    check_wheels(found.reshape(-1, 2), 0.05)
+    assert abs(np.corrcoef(found[:, 1:].ravel(), found[:, :-1].ravel())[0, 1]) < 0.14
 
 
 def test_wheel_bias_is_constant_until_the_next_reset() -> None:
-    noise = replace(NONE, wheel_bias=0.02)
-    found = []
-    for seed in range(200):
-        rounds = np.array(shares(make_world(CENTRE, OUT_OF_THE_WAY, noise=noise, seed=seed), 3))
-        assert np.ptp(rounds, axis=0) == pytest.approx([0, 0], abs=1e-3)
-        found.append(rounds.mean(axis=0))
-    left, right = np.array(found).T
-    for wheel in (left, right):
-        assert wheel.mean() == pytest.approx(1, abs=0.005)  # 3.5 standard errors
-        assert wheel.std() == pytest.approx(0.02, rel=0.17)
-    assert abs(np.corrcoef(left, right)[0, 1]) < 0.25
+    found = shares(200, 3, wheel_bias=0.02)
+    assert np.ptp(found, axis=1).max() < 1e-3
+    check_wheels(found.mean(axis=1), 0.02)

@@ -154,8 +154,14 @@ def scattered(decisions: str) -> list[RecallRow]:
 @pytest.mark.parametrize(
     "decisions", ["v0.1", "v0.1;food_aside=30;start_aside=-25", "v0.1;food_to_home=185;start_to_wall=115"]
 )
-def test_marks_do_not_cover_numbers_of_figure_5_4(decisions: str) -> None:
+def test_figure_5_4_is_readable_explains_its_shading_and_has_no_number_below_a_mark(decisions: str) -> None:
     figure = lay_out(figures.fig_5_4(scattered(decisions)))
+    check_readable(figure)
+    check_shading_is_explained(figure)
+    check_points_are_shown(figure.axes[1])
+    labels = [text.get_text() for legend in legends_of(figure) for text in legend.get_texts()]
+    of_the_map = ["home", "food in training", "start in training"]
+    assert labels == [*of_the_map, "ours with 95 % Wilson interval", "food in training", "home"]
     axes = figure.axes[0]
     numbers = [text for text in axes.texts if text.get_text().isdigit()]
     marks = [line for line in axes.lines if np.asarray(line.get_xydata()).shape == (1, 2)]
@@ -168,19 +174,3 @@ def test_marks_do_not_cover_numbers_of_figure_5_4(decisions: str) -> None:
             box = number.get_window_extent()
             dx, dy = max(box.x0 - x, x - box.x1, 0), max(box.y0 - y, y - box.y1, 0)
             assert np.hypot(dx, dy) >= 0.8 * radius, f"{line.get_label()} covers {number.get_text()}"
-
-
-def test_figure_5_4_is_readable_and_explains_its_shading() -> None:
-    figure = lay_out(figures.fig_5_4(scattered("v0.1")))
-    check_readable(figure)
-    check_shading_is_explained(figure)
-    labels = [text.get_text() for legend in legends_of(figure) for text in legend.get_texts()]
-    assert labels == [
-        "home",
-        "food in training",
-        "start in training",
-        "ours with 95 % Wilson interval",
-        "food in training",
-        "home",
-    ]
-    check_points_are_shown(figure.axes[1])
