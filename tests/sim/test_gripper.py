@@ -81,20 +81,6 @@ def test_arm_with_food_stops_above_other_food(beside: tuple[float, float], kind:
     assert apart(world.food_places()[1], Point(1500, 1500)) < 0.01
 
 
-@of_both_kinds
-def test_jaw_that_closes_on_food_stops_and_holds_it(kind: Kind) -> None:
-    world = make_world(CENTRE, (1057, 1000), kind=kind)
-    assert run(world, 12, arm=ARM_DOWN).object_presence == 255
-    senses = run(world, 8, arm=ARM_DOWN, jaw=JAW_CLOSED)
-    assert senses.jaw == round(JAW_ON_FOOD)
-    assert senses.object_presence == 255
-    food = world.food_places()[0]
-    assert food[:2] == pytest.approx((1057, 1000), abs=1)
-    assert not food.lifted
-    run(world, 10, -8, -8, arm=ARM_DOWN, jaw=JAW_CLOSED)
-    assert apart(world.poses()[0], world.food_places()[0]) == pytest.approx(57, abs=1)
-
-
 @pytest.mark.parametrize("aside", [-9.0, -3.0, 2.0, 9.0])
 def test_closing_fingers_centre_food_at_their_own_speed(aside: float) -> None:
     world = make_world(CENTRE, (1057, 1000 + aside))

@@ -24,7 +24,7 @@ from khepera_forage.task.food_tracking import (
 from khepera_forage.task.perception import perceive
 from khepera_forage.task.states import Behaviour, FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region
-from tests.version_0_1 import CORRIDOR, RECTANGLE, V0_1, changed_to
+from tests.version_0_1 import RECTANGLE, V0_1, changed_to
 
 B = Behaviour
 Check = Callable[[Any], None]
@@ -102,25 +102,6 @@ def test_two_food_objects_keep_their_types_under_laboratory_noise(seed: int, dec
     foods = env.forager.food.objects
     assert [food.known for food in foods] == [food.type for food in foods]
     assert [is_collected(food) for food in foods] == [food.type != FoodType.POISONOUS for food in foods]
-
-
-def test_food_is_delivered_once_it_is_set_down_at_home_and_the_robot_is_clear() -> None:
-    env = forage("Corridor", noise="none", food_types="PICKABLE")
-    food = env.forager.food.objects[0]
-    until(env, lambda env: env.world.food_places()[0].lifted)
-    # Into the home, and further in it, without releasing the food.
-    for behaviour, rounds in ((B.GO_HOME, 60), (B.RELEASE_FOOD, 4)):
-        for _ in range(rounds):
-            env.step(int(behaviour))
-            assert not food.delivered
-            check_deliveries(env)
-    assert math.dist(env.world.food_places()[0][:2], CORRIDOR.home) < CORRIDOR.home_radius
-    until(env, lambda env: not env.world.food_places()[0].lifted, limit=60)
-    assert not food.delivered, "still in the gripper"
-    until(env, lambda env: food.delivered, limit=60, check=check_deliveries)
-    assert env.forager.senses.object_presence == 0
-    assert not env.forager.raw.food_seen, "delivered food is no candidate"
-    assert env.forager.vector.robot_food_distance == env.diagonal
 
 
 def test_food_is_identified_once_the_wheels_rest() -> None:

@@ -1,13 +1,10 @@
 """The prior of decisions: its ranges, its draws, and its errors."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
 from khepera_forage import Noise
 from khepera_forage.envs.arguments import checked_arena
-from khepera_forage.task.decisions import FIELDS
 from khepera_forage.thesis.inference.prior import PRIOR, Prior, PriorRange, Shares
 
 
@@ -36,14 +33,3 @@ def test_readings_are_drawn_with_their_shares() -> None:
     rng = np.random.default_rng(0)
     drawn = [prior.draw(rng).decisions.arm_after_orienting for _ in range(2000)]
     assert drawn.count("as it is") / 2000 == pytest.approx(0.75, abs=0.04)
-
-
-def test_ranges_are_allowed_and_shares_are_probabilities_of_all_readings() -> None:
-    for name, part in PRIOR.decisions.items():
-        field = FIELDS[name]
-        if isinstance(part, PriorRange):
-            assert field.least <= part.least < part.most <= field.most, name
-        else:
-            allowed: set[Any] = set(field.choices) or set(range(int(field.least), int(field.most) + 1))
-            assert set(part.of) <= allowed
-            assert sum(part.of.values()) == pytest.approx(1.0)
