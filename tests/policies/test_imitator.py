@@ -206,6 +206,9 @@ def test_confidence_levels_of_k_vectors_equal_shares_in_fractions(
         assert level == pytest.approx(float(expected), abs=1e-12)
     if k == 1 and weighting == "uniform":
         np.testing.assert_array_equal(levels, imitator_of(experience, diagonal).predict_proba([query])[0])
+        weighted = WeightedImitator(diagonal, weights=(3,) * 5).fit(rows, heard)
+        np.testing.assert_array_equal(levels, weighted.predict_proba([query])[0])
+        assert not hasattr(weighted, "error_"), "nothing was searched"
     first, second = encoded([query, rows[0]], diagonal)
     assert distance(query, rows[0], diagonal) == apart(query, rows[0], diagonal)
     assert np.abs(first - second).sum() == pytest.approx(float(distance(query, rows[0], diagonal)), abs=1e-9)
@@ -301,18 +304,6 @@ def test_error_equals_leave_one_out_error() -> None:
             tried = (*learned.weights_[:column], choice, *learned.weights_[column + 1 :])
             if any(tried):
                 assert left_out(data, tried, groups) >= learned.error_ - 1e-9
-
-
-def test_equal_weights_equal_the_imitator() -> None:
-    rng = np.random.default_rng(3)
-    rows = np.column_stack([rng.integers(0, high, 200) for high in (2, 9, 4, 3, 9)]) + np.array([0, 0, 0, 215, 0])
-    heard = rng.integers(0, 10, 200)
-    same = WeightedImitator(weights=(3,) * 5).fit(rows, heard)
-    np.testing.assert_array_equal(
-        same.predict_proba(rows + 1),
-        NearestNeighbourImitator(arithmetic="exact").fit(rows, heard).predict_proba(rows + 1),
-    )
-    assert not hasattr(same, "error_")
 
 
 # ---------------------------------------------------------------- growing memory (section 2.3)

@@ -149,15 +149,6 @@ def test_search_turns_away_from_obstacles_and_backs_off_when_blocked() -> None:
     assert right < 0
 
 
-def test_orient_lowers_the_arm_stops_at_an_object_and_remembers_a_missed_try() -> None:
-    def orient(raw: RawData) -> Motors:
-        return command(B.ORIENT_WITH_FOOD, raw, VALUES)
-
-    assert orient(food_at(19.5)) == Motors(0.0, 0.0, 255, 200)
-    assert orient(food_at(19.5, arm=255, object_presence=255)) == Motors(0, 0, 255, 200)
-    assert orient(food_at(15, arm=255, jaw=100)).left < 0, "a closed jaw marks the missed try"
-
-
 def test_turn_on_the_spot_keeps_the_gripper_off_a_wall() -> None:
     """Home behind, a wall close on the left: left is the shorter turn, but the robot turns right."""
     wall: dict[str, Any] = {"wall_distance": 10.0, "wall_bearing": 90.0}
@@ -199,12 +190,6 @@ def test_speed_is_what_the_behaviour_commands(
         assert motors[:2] == pytest.approx((left * speed, right * speed))
 
 
-def test_circle_speed_is_the_mean_speed_of_search_without_food() -> None:
-    for speed in (0.0, 3.0, 5.0):
-        unseen = placed(OPEN_FLOOR, food_seen=False)
-        assert command(B.SEARCH_FOR_FOOD, unseen, changed_to(circle_speed=speed))[:2] == (speed - 5, speed + 5)
-
-
 Rule = Callable[[float, DecisionValues], Any]
 
 
@@ -237,19 +222,6 @@ def test_decision_moves_the_boundary_of_its_rule(name: str, values: tuple[float,
     assert below != above
 
 
-def test_search_without_food_may_wander() -> None:
-    unseen, wander = placed(OPEN_FLOOR, food_seen=False), changed_to(search_without_food="wander")
-    assert command(B.SEARCH_FOR_FOOD, unseen, wander) == Motors(12, 12, 215, 200)
-    turn = Motors(-5, 5, 215, 200)
-    for sensor in range(1, 5):
-        proximity = tuple(200 if k == sensor else 0 for k in range(6))
-        assert command(B.SEARCH_FOR_FOOD, unseen._replace(proximity=proximity), wander) == turn  # type: ignore[arg-type]
-    ahead = unseen._replace(wall_distance=20.0, wall_bearing=-50.0)
-    assert command(B.SEARCH_FOR_FOOD, ahead, wander) == turn
-    against = unseen._replace(wall_distance=15.0, wall_bearing=10.0)
-    assert command(B.SEARCH_FOR_FOOD, against, wander) == Motors(-8, -8, 215, 200)
-
-
 @pytest.mark.parametrize("behaviour", [B.SEARCH_FOR_FOOD, B.MOVE_SLOWLY])
 def test_robot_beside_food_backs_off_or_turns_away_or_drives_on(behaviour: Behaviour) -> None:
     beside = food_at(11, proximity=(0, 0, 300, 200, 0, 0))
@@ -262,25 +234,36 @@ def test_robot_beside_food_backs_off_or_turns_away_or_drives_on(behaviour: Behav
     assert on.left == on.right > 0
 
 
-def test_orienting_may_lower_the_arm_over_the_food() -> None:
-    over = changed_to(orienting="lowered over food")
+UNSEEN = placed(OPEN_FLOOR, food_seen=False)
+BESIDE: list[Any] = [tuple(200 if k == sensor else 0 for k in range(6)) for sensor in range(1, 5)]
+WANDER, OVER = {"search_without_food": "wander"}, {"orienting": "lowered over food"}
+AS_IT_IS = {"arm_after_orienting": "as it is"}
+COMMANDS: list[tuple[dict[str, Any], Behaviour, RawData, tuple[float, float, int, int]]] = [
+    *(({"circle_speed": v}, B.SEARCH_FOR_FOOD, UNSEEN, (v - 5, v + 5, 215, 200)) for v in (0.0, 3.0, 5.0)),
+    (WANDER, B.SEARCH_FOR_FOOD, UNSEEN, (12, 12, 215, 200)),
+    *((WANDER, B.SEARCH_FOR_FOOD, UNSEEN._replace(proximity=near), (-5, 5, 215, 200)) for near in BESIDE),
+    (WANDER, B.SEARCH_FOR_FOOD, UNSEEN._replace(wall_distance=20.0, wall_bearing=-50.0), (-5, 5, 215, 200)),
+    (WANDER, B.SEARCH_FOR_FOOD, UNSEEN._replace(wall_distance=15.0, wall_bearing=10.0), (-8, -8, 215, 200)),
+    ({}, B.ORIENT_WITH_FOOD, food_at(19.5), (0, 0, 255, 200)),  # lowers the arm
+    ({}, B.ORIENT_WITH_FOOD, food_at(19.5, arm=255, object_presence=255), (0, 0, 255, 200)),
+    ({}, B.ORIENT_WITH_FOOD, food_at(15, arm=255, jaw=100), (-5, -5, 255, 0)),  # a closed jaw marks the missed try
+    *((OVER, B.ORIENT_WITH_FOOD, food_at(distance), (0, 0, 255, 200)) for distance in (12, 19)),  # around the food
+    (OVER, B.ORIENT_WITH_FOOD, food_at(15, 40), (-5, 5, 215, 200)),  # turns with the arm raised
+    (OVER, B.ORIENT_WITH_FOOD, food_at(15, -10), (1, -1, 215, 200)),
+    (OVER, B.ORIENT_WITH_FOOD, food_at(15, arm=255), (4, 4, 255, 200)),
+    (OVER, B.ORIENT_WITH_FOOD, food_at(15, -10, arm=255), (1, -1, 255, 200)),
+    (OVER, B.ORIENT_WITH_FOOD, food_at(15, 40, arm=255), (0, 0, 215, 200)),  # up before it turns that far
+    (OVER, B.ORIENT_WITH_FOOD, food_at(11.5, arm=255, object_presence=255), (0, 0, 255, 200)),
+    (OVER, B.ORIENT_WITH_FOOD, food_at(9), (-5, -5, 215, 200)),  # too near
+    ({}, B.MOVE_SLOWLY, food_at(25, arm=255), (-5, -5, 215, 200)),
+    (AS_IT_IS, B.MOVE_SLOWLY, food_at(25, arm=255), (8, 8, 255, 200)),
+    (AS_IT_IS, B.MOVE_SLOWLY, food_at(25), (8, 8, 215, 200)),
+    (AS_IT_IS, B.SEARCH_FOR_FOOD, food_at(25, arm=255), (-5, -5, 215, 200)),
+]
 
-    def motors(distance: float, degrees: float = 0.0, **changes: Any) -> Motors:
-        return command(B.ORIENT_WITH_FOOD, food_at(distance, degrees, **changes), over)
 
-    assert motors(19) == motors(12) == Motors(0, 0, 255, 200), "down around the food"
-    assert motors(15, 40) == Motors(-5, 5, 215, 200), "turns with the arm raised"
-    assert motors(15, -10) == Motors(1, -1, 215, 200)
-    assert motors(15, arm=255) == Motors(4, 4, 255, 200)
-    assert motors(15, -10, arm=255) == Motors(1, -1, 255, 200)
-    assert motors(15, 40, arm=255) == Motors(0, 0, 215, 200), "up before it turns that far"
-    assert motors(11.5, arm=255, object_presence=255) == Motors(0, 0, 255, 200)
-    assert motors(9) == Motors(-5, -5, 215, 200), "too near"
-
-
-def test_move_slowly_may_leave_the_arm_as_orient_left_it() -> None:
-    raw, as_it_is = food_at(25, arm=255), changed_to(arm_after_orienting="as it is")
-    assert command(B.MOVE_SLOWLY, raw, changed_to()) == Motors(-5, -5, 215, 200)
-    assert command(B.MOVE_SLOWLY, raw, as_it_is) == Motors(8, 8, 255, 200)
-    assert command(B.MOVE_SLOWLY, raw._replace(arm=215), as_it_is).arm == 215
-    assert command(B.SEARCH_FOR_FOOD, raw, as_it_is).arm == 215
+@pytest.mark.parametrize(("changes", "behaviour", "raw", "motors"), COMMANDS)
+def test_alternatives_command_other_motors(
+    changes: dict[str, Any], behaviour: Behaviour, raw: RawData, motors: tuple[float, float, int, int]
+) -> None:
+    assert command(behaviour, raw, changed_to(**changes)) == pytest.approx(motors)
