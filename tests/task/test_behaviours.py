@@ -141,24 +141,6 @@ def test_free_home_is_passed_on_the_side_of_the_food_and_left_by_the_shortest_wa
     assert left > 0
 
 
-def test_search_turns_away_from_obstacles_and_backs_off_when_blocked() -> None:
-    left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, placed(OPEN_FLOOR, proximity=(0, 400, 0, 0, 0, 0)))
-    assert left > right, "an obstacle on the left: turn right"
-    left, right, _, _ = motors_for(B.SEARCH_FOR_FOOD, placed(OPEN_FLOOR, proximity=(0, 0, 900, 900, 0, 0)))
-    assert left < 0
-    assert right < 0
-
-
-def test_turn_on_the_spot_keeps_the_gripper_off_a_wall() -> None:
-    """Home behind, a wall close on the left: left is the shorter turn, but the robot turns right."""
-    wall: dict[str, Any] = {"wall_distance": 10.0, "wall_bearing": 90.0}
-    raw = placed(OPEN_FLOOR, home_x=10.0, home_y=30.0, orientation=0, jaw=126, **wall)
-    left, right, _, _ = motors_for(B.GO_HOME, raw)
-    assert left > right
-    left, right, _, _ = motors_for(B.GO_HOME, raw._replace(wall_distance=60.0))
-    assert left < right
-
-
 # ---------------------------------------------------------------- decisions
 
 SPEEDS = [
@@ -222,26 +204,26 @@ def test_decision_moves_the_boundary_of_its_rule(name: str, values: tuple[float,
     assert below != above
 
 
-@pytest.mark.parametrize("behaviour", [B.SEARCH_FOR_FOOD, B.MOVE_SLOWLY])
-def test_robot_beside_food_backs_off_or_turns_away_or_drives_on(behaviour: Behaviour) -> None:
-    beside = food_at(11, proximity=(0, 0, 300, 200, 0, 0))
-    back, away, on = (
-        command(behaviour, beside, changed_to(beside_food=alternative))
-        for alternative in ("back off", "turn away", "drive on")
-    )
-    assert back[:2] == (-5, -5)
-    assert away.left > away.right, "the obstacle is further left"
-    assert on.left == on.right > 0
-
-
 UNSEEN = placed(OPEN_FLOOR, food_seen=False)
-BESIDE: list[Any] = [tuple(200 if k == sensor else 0 for k in range(6)) for sensor in range(1, 5)]
+AHEAD: list[Any] = [tuple(200 if k == sensor else 0 for k in range(6)) for sensor in range(1, 5)]
+BESIDE_FOOD = food_at(11, proximity=(0, 0, 300, 200, 0, 0))
+HOME_BEHIND = placed(OPEN_FLOOR, home_x=10.0, home_y=30.0, jaw=126)
 WANDER, OVER = {"search_without_food": "wander"}, {"orienting": "lowered over food"}
 AS_IT_IS = {"arm_after_orienting": "as it is"}
 COMMANDS: list[tuple[dict[str, Any], Behaviour, RawData, tuple[float, float, int, int]]] = [
+    ({}, B.SEARCH_FOR_FOOD, placed(OPEN_FLOOR, proximity=(0, 400, 0, 0, 0, 0)), (16, 0, 215, 200)),  # turns away
+    ({}, B.SEARCH_FOR_FOOD, placed(OPEN_FLOOR, proximity=(0, 0, 900, 900, 0, 0)), (-8, -8, 215, 200)),  # is blocked
+    *(
+        ({"beside_food": how}, behaviour, BESIDE_FOOD, (*wheels, 215, 200))
+        for behaviour, speed in ((B.SEARCH_FOR_FOOD, 12), (B.MOVE_SLOWLY, 8))
+        for how, wheels in (("back off", (-5, -5)), ("turn away", (16, 0)), ("drive on", (speed, speed)))
+    ),
+    # Left is the shorter turn, but with a wall there the gripper is kept off it.
+    ({}, B.GO_HOME, HOME_BEHIND._replace(wall_distance=60.0, wall_bearing=90.0), (-8, 8, 215, 0)),
+    ({}, B.GO_HOME, HOME_BEHIND._replace(wall_distance=10.0, wall_bearing=90.0), (8, -8, 215, 0)),
     *(({"circle_speed": v}, B.SEARCH_FOR_FOOD, UNSEEN, (v - 5, v + 5, 215, 200)) for v in (0.0, 3.0, 5.0)),
     (WANDER, B.SEARCH_FOR_FOOD, UNSEEN, (12, 12, 215, 200)),
-    *((WANDER, B.SEARCH_FOR_FOOD, UNSEEN._replace(proximity=near), (-5, 5, 215, 200)) for near in BESIDE),
+    *((WANDER, B.SEARCH_FOR_FOOD, UNSEEN._replace(proximity=near), (-5, 5, 215, 200)) for near in AHEAD),
     (WANDER, B.SEARCH_FOR_FOOD, UNSEEN._replace(wall_distance=20.0, wall_bearing=-50.0), (-5, 5, 215, 200)),
     (WANDER, B.SEARCH_FOR_FOOD, UNSEEN._replace(wall_distance=15.0, wall_bearing=10.0), (-8, -8, 215, 200)),
     ({}, B.ORIENT_WITH_FOOD, food_at(19.5), (0, 0, 255, 200)),  # lowers the arm
@@ -263,7 +245,7 @@ COMMANDS: list[tuple[dict[str, Any], Behaviour, RawData, tuple[float, float, int
 
 
 @pytest.mark.parametrize(("changes", "behaviour", "raw", "motors"), COMMANDS)
-def test_alternatives_command_other_motors(
+def test_behaviour_commands_these_motors(
     changes: dict[str, Any], behaviour: Behaviour, raw: RawData, motors: tuple[float, float, int, int]
 ) -> None:
     assert command(behaviour, raw, changed_to(**changes)) == pytest.approx(motors)
