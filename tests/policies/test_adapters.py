@@ -50,12 +50,6 @@ def test_learners_become_the_policy_of_their_kind() -> None:
     assert type(as_policy(Answer(0))) is AgentPolicy
 
 
-@pytest.mark.parametrize("learner", [Teacher, GaussianNB, 7, None, LinearSVC().fit(X, Y), lambda observation: 3])
-def test_objects_that_cannot_decide_are_refused(learner: Any) -> None:
-    with pytest.raises(TypeError, match=r"learner is .*; allowed: an instance with act\(observation\), "):
-        as_policy(learner)
-
-
 @pytest.mark.parametrize("answer", [2, np.int8(2), np.array(2), np.array([[2]])])
 def test_one_whole_number_in_any_form_is_a_behaviour(answer: Any) -> None:
     assert as_policy(Answer(answer)).act(X[0], None) is Behaviour.ORIENT_WITH_FOOD
@@ -80,22 +74,15 @@ def test_numbers_that_are_no_probabilities_are_refused(levels: tuple[float, ...]
         policy.act(X[0], np.random.default_rng(0))
 
 
-@pytest.mark.parametrize("labels", [[0, 2, 3], np.array([0.0, 2.0, 3.0])])
-def test_labels_may_be_a_list_or_floats(labels: Any) -> None:
+def labelled(labels: Any) -> Probabilities:
     classifier = Probabilities(0.0, 1.0, 0.0)
     classifier.classes_ = labels
-    assert as_policy(classifier).act(X[0], np.random.default_rng(0)) == 2
+    return classifier
 
 
-def test_classifier_without_classes_or_with_other_columns_is_refused() -> None:
-    classifier = Probabilities(1.0)
-    classifier.classes_ = np.array(["2", "50"])
-    with pytest.raises(ValueError, match=r"labels learned are \['2', '50'\]; allowed: behaviours, 0 to 10"):
-        as_policy(classifier)
-    with pytest.raises(ValueError, match="GaussianNB has no classes_; allowed: a fitted classifier"):
-        as_policy(GaussianNB())
-    with pytest.raises(ValueError, match="GaussianNB was fitted on 4 columns; allowed: 5"):
-        as_policy(GaussianNB().fit(X[:, :4], Y))
+@pytest.mark.parametrize("labels", [[0, 2, 3], np.array([0.0, 2.0, 3.0])])
+def test_labels_may_be_a_list_or_floats(labels: Any) -> None:
+    assert as_policy(labelled(labels)).act(X[0], np.random.default_rng(0)) == 2
 
 
 class OnlyContiguous(GaussianNB):  # type: ignore[misc]  # scikit-learn is untyped
@@ -142,11 +129,6 @@ def test_action_holds_for_its_rounds_and_its_generator() -> None:
     assert [int(policy.act(OBSERVATION, first)) for _ in range(5)] == [1, 1, 1, 2, 2]
     assert [int(policy.act(OBSERVATION, second)) for _ in range(2)] == [3, 3]
     assert int(policy.act(OBSERVATION, first)) == 4, "another generator means another episode"
-
-
-def test_sampling_without_a_generator_is_refused() -> None:
-    with pytest.raises(TypeError, match=r"rng is None; allowed: a numpy\.random\.Generator, to draw actions from"):
-        ModelPolicy(Model(), sample=True).act(OBSERVATION)
 
 
 class Recurrent:
@@ -206,18 +188,26 @@ CORRIDOR: Any = FlattenObservation(gym.make("khepera_forage/Corridor-v1"))
 AS_FLOATS = DtypeObservation(CORRIDOR, np.float32)
 
 
-@pytest.mark.parametrize(
-    "space",
-    [
-        RescaleObservation(AS_FLOATS, np.float32(0), np.float32(1)).observation_space,
-        spaces.Box(-np.inf, np.inf, (9,), np.float32),
-        spaces.Box(0, 138, (9,), np.float32),
-        spaces.Discrete(10),
-        spaces.Dict(arms_height=spaces.Box(215, 255, (1,), np.int64)),
-        spaces.Dict({**CORRIDOR.unwrapped.observation_space, "more": spaces.Discrete(2)}),
-    ],
-    ids=str,
+SPACES = (
+    RescaleObservation(AS_FLOATS, np.float32(0), np.float32(1)).observation_space,
+    *(spaces.Box(-np.inf, np.inf, (9,), np.float32), spaces.Box(0, 138, (9,), np.float32), spaces.Discrete(10)),
+    spaces.Dict(arms_height=spaces.Box(215, 255, (1,), np.int64)),
+    spaces.Dict({**CORRIDOR.unwrapped.observation_space, "more": spaces.Discrete(2)}),
 )
-def test_other_spaces_are_refused(space: spaces.Space[Any]) -> None:
-    with pytest.raises(ValueError, match=r"model was trained on observations .*; allowed: .*ModelPolicy\("):
-        as_policy(Model(space))
+UNDECIDED = (Teacher, GaussianNB, 7, None, LinearSVC().fit(X, Y), lambda observation: 3)
+REFUSED: list[tuple[Any, type[Exception], str]] = [
+    *((learner, TypeError, r"learner is .*; allowed: an instance with act\(observation\), ") for learner in UNDECIDED),
+    *(
+        (Model(space), ValueError, r"model was trained on observations .*; allowed: .*ModelPolicy\(")
+        for space in SPACES
+    ),
+    (labelled(np.array(["2", "50"])), ValueError, r"labels learned are \['2', '50'\]; allowed: behaviours, 0 to 10"),
+    (GaussianNB(), ValueError, "GaussianNB has no classes_; allowed: a fitted classifier"),
+    (GaussianNB().fit(X[:, :4], Y), ValueError, "GaussianNB was fitted on 4 columns; allowed: 5"),
+]
+
+
+@pytest.mark.parametrize(("learner", "error", "message"), REFUSED)
+def test_what_cannot_decide_is_refused(learner: Any, error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=message):
+        as_policy(learner)

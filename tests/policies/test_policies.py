@@ -16,6 +16,7 @@ from khepera_forage.policies import (
     ClassifierPolicy,
     GrowingMemory,
     KNearestImitator,
+    ModelPolicy,
     NearestNeighbourImitator,
     Policy,
     Teacher,
@@ -89,11 +90,13 @@ def test_learner_agrees_with_the_teacher(name: str) -> None:
     assert agreed > 0.65
 
 
-@pytest.mark.parametrize("name", ["imitator", "tree", "uniform"])
+@pytest.mark.parametrize(
+    "make", [*map(POLICIES.get, ("imitator", "tree", "uniform")), lambda: ModelPolicy(Constant(), sample=True)]
+)
 @pytest.mark.parametrize("rng", [None, 7, np.random.RandomState(7)])
-def test_drawing_without_a_generator_is_refused(name: str, rng: Any) -> None:
+def test_drawing_without_a_generator_is_refused(make: Any, rng: Any) -> None:
     with pytest.raises(TypeError, match=r"rng is .*; allowed: a numpy\.random\.Generator"):
-        POLICIES[name]().act(VECTOR, rng)
+        make().act(VECTOR, rng)
 
 
 @parametrize_with_checks(  # type: ignore[untyped-decorator]
