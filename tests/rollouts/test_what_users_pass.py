@@ -134,6 +134,7 @@ def test_confidence_levels_of_an_earlier_policy_are_not_shown() -> None:
 WRONG: list[tuple[Callable[..., Any], tuple[Any, ...], str]] = [
     (recall, (recall_env("corridor"), 3, 0), "learner is 3; allowed: an instance with act"),
     (recall, (recall_env("corridor"), Fixed(1.5), 0), "action of Fixed is 1.5; allowed: a whole"),
+    (recall, (recall_env("corridor"), ModelPolicy(Fixed(np.array([2.7]))), 0), "action of Fixed is .*; allowed: "),
     (recall, (recall_env("corridor"), Teacher(), 0.5), "seed is 0.5; allowed: a whole number"),
     (recall, (3, Teacher(), 0), "env is 3; allowed: Corridor-v1"),
     (recall, (gym.make("khepera_forage/CorridorWheels-v1"), Teacher(), 0), "env is <.*>; allowed: Corridor-v1, Rec"),
