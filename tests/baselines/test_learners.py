@@ -15,7 +15,7 @@ from gymnasium.vector import AutoresetMode
 from khepera_forage.policies import state_vector_of
 from khepera_forage.policies.learners import LEARNERS, ReinforcementLearner
 from khepera_forage.policies.models import algorithm_named
-from khepera_forage.rollouts.recall import recall, recall_env, recall_wheels, recall_wheels_env
+from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.reinforcement import COMPILED_MODE, TrainedPolicy, recall_envs, reinforce
 from khepera_forage.task.states import Behaviour
 
@@ -72,20 +72,6 @@ def test_pickled_policy_acts_the_same(name: str, trained: dict[str, list[Trained
         assert env.action_space.contains(action if FROM_STEPS[name].wheels else int(np.asarray(action)))
         observation, *_ = env.step(action)
     env.close()
-
-
-@pytest.mark.parametrize("name", ["ppo", "ppo_wheels", "sac_wheels"])
-def test_policy_forages_the_same_again(name: str, trained: dict[str, list[TrainedPolicy]]) -> None:
-    """Also if the last action of the first recall still held."""
-    if FROM_STEPS[name].wheels:
-        rows: list[Any] = [
-            recall_wheels(recall_wheels_env("corridor", limit=58), trained[name][-1].policy, 3) for _ in range(2)
-        ]
-    else:
-        env = recall_env("rectangle", limit=58)
-        rows = [recall(env, trained[name][-1].policy, 3, learner=name) for _ in range(2)]
-    assert rows[0] == rows[1]
-    assert rows[0].steps == 58
 
 
 def test_short_training_learns_one_right_behaviour() -> None:
