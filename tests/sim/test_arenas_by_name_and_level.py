@@ -16,12 +16,13 @@ from khepera_forage.robots.khepera import RADIUS
 from khepera_forage.sim.arena import Arena, copies
 from khepera_forage.sim.arena_file import arena_text
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES, Difficulty, checked_difficulty
-from khepera_forage.sim.arenas.named import FAMILY, HOME_RADIUS, family_arena
+from khepera_forage.sim.arenas.named import FAMILY, HOME_RADIUS, family_arena, named_arena
 from khepera_forage.sim.arenas.procedural import LEVELS, ProceduralArenas, procedural_arena
 from khepera_forage.sim.arenas.procedural_floor import PASSAGE
 from khepera_forage.sim.layout_checks import check_layout, check_seen
 from khepera_forage.sim.waypoints import check_paths, longest_path, too_narrow
 from khepera_forage.sim.world import Layout
+from tests.version_0_1 import SET_UP
 
 of_all_difficulties = pytest.mark.parametrize("difficulty", DIFFICULTIES)
 
@@ -46,6 +47,11 @@ def check_room(arena: Arena) -> None:
     check_seen(pair)
     for each in pair:
         check_layout((each,), Layout((each.start,), each.foods))
+
+
+def test_unknown_name_is_refused() -> None:
+    with pytest.raises(ValueError, match="arena is 'circle'; allowed: an Arena, or one of 'corridor', 'rectangle', "):
+        named_arena("circle", SET_UP)
 
 
 @pytest.mark.parametrize("name", FAMILY)
