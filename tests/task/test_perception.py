@@ -7,8 +7,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.layouts import arena_map_of
 from khepera_forage.sim.arena import Point
-from khepera_forage.vision.scene import MM_PER_PIXEL
+from khepera_forage.task.perception import own_region
+from khepera_forage.vision.scene import MM_PER_PIXEL, Scene
 from tests.version_0_1 import RECTANGLE, V0_1
 
 ENV = BehavioursEnv(arena="rectangle", foods=2, noise="none", decisions=V0_1)
@@ -46,3 +48,7 @@ def test_raw_data_and_state_vector_have_what_the_thesis_lists(
     distances = observation["robot_home_distance"][0], observation["robot_food_distance"][0]
     assert distances == pytest.approx((math.dist(start, home) / MM_PER_PIXEL, nearest / MM_PER_PIXEL), abs=0.5001)
     assert (observation["object_presence"], observation["food_type"], *observation["arms_height"]) == (0, 0, 215)
+
+
+def test_marker_that_was_never_seen_has_no_region() -> None:
+    assert own_region(Scene(()), arena_map_of(RECTANGLE), 2) is None
