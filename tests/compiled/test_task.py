@@ -29,10 +29,8 @@ def _close(one: Any, two: Any) -> bool:
 def _check_same(compiled: Any, python: Any) -> None:
     """The same perception, food tracker and state, to rounding."""
     mine, other = compiled.forager, python.forager
-    assert mine.vector == other.vector
-    assert mine.state == other.state
-    assert mine.senses == other.senses
-    assert mine.correct_behaviour == other.correct_behaviour
+    for name in ("vector", "state", "senses", "correct_behaviour"):
+        assert getattr(mine, name) == getattr(other, name), name
     assert mine.raw.proximity == other.raw.proximity
     assert _close(mine.raw[1:], other.raw[1:])
     for name in ("held", "type_in_gripper", "delivered", "poison_home", "deliverable", "food_seen"):
