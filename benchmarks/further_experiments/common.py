@@ -1,24 +1,25 @@
 """What all experiments have in common: training and recall with the rows that they leave, measures, claims, pages."""
 
 import math
-import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from itertools import product, repeat
+from itertools import chain, product, repeat
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from khepera_forage.envs.arguments import COMPILED, PYMUNK
+from khepera_forage.envs.arguments import COMPILED
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import Estimate, Measure, Table, Value, difference, mean, pick, table_of
 from khepera_forage.experience import Experience
-from khepera_forage.figures import COLOURS, MARKERS, entry, grid, legend, mark, panels
+from khepera_forage.figures import COLOURS, MARKERS, SMALL, entry, grid, legend, levels, mark, panels
 from khepera_forage.policies import NearestNeighbourImitator, Policy
 from khepera_forage.rollouts.recall import recall, recall_env
-from khepera_forage.rollouts.training import arrays, train
+from khepera_forage.rollouts.rows import STATES
+from khepera_forage.rollouts.training import IncompleteTrainingError, arrays, train
 from khepera_forage.study import Job, Page, Picture
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.states import FoodType, State, behaviour_for, classify
@@ -26,7 +27,6 @@ from khepera_forage.thesis.claims import Claim, Rule, Unit, above, points
 from khepera_forage.thesis.design import training_distance
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 ARENAS = ("corridor", "rectangle")
@@ -99,15 +99,17 @@ Row = EpisodeRow | RecallEpisode
 RowT = TypeVar("RowT", EpisodeRow, RecallEpisode)
 TABLES = {EpisodeRow: "trainings", RecallEpisode: "recalls"}
 
+
+def of_food(name: str, number: Callable[[RecallEpisode], int]) -> Measure[RecallEpisode]:
+    """Food objects of some kind, as a share of all."""
+    return Measure(name, lambda row: 100 * number(row), lambda row: row.foods)
+
+
 SCORE = Measure[RecallEpisode]("score (%)", lambda row: row.score)
 AGREEMENT = Measure[RecallEpisode]("steps as the teacher (%)", lambda row: 100 * row.correct / row.steps)
-DELIVERED = Measure[RecallEpisode]("food delivered (%)", lambda row: 100 * row.delivered, lambda row: row.foods)
-SETTLED = Measure[RecallEpisode](
-    "food settled (%)", lambda row: 100 * (row.delivered + row.avoided), lambda row: row.foods
-)
-POISON_HOME = Measure[RecallEpisode](
-    "poison brought home (%)", lambda row: 100 * row.poison_home, lambda row: row.foods
-)
+DELIVERED = of_food("food delivered (%)", lambda row: row.delivered)
+SETTLED = of_food("food settled (%)", lambda row: row.delivered + row.avoided)
+POISON_HOME = of_food("poison brought home (%)", lambda row: row.poison_home)
 STEPS = Measure[RecallEpisode]("steps", lambda row: row.steps, digits=0)
 VECTORS = Measure[RecallEpisode]("experience vectors", lambda row: row.vectors, digits=0)
 DISTINCT = Measure[RecallEpisode]("different experience vectors", lambda row: row.distinct, digits=0)
@@ -120,8 +122,7 @@ TRUE = Measure[EpisodeRow](
 )
 PERCENT = Unit("%", ".1f")
 FOOD_POINTS = Unit("points of food delivered", "+.1f")
-UNITS = {DELIVERED.name: FOOD_POINTS}
-"""Of differences; points by default."""
+POSITIVE = above(0.0)
 INTERVALS = "bars: 95 % interval over replications"
 EPISODES = "training episodes"
 
@@ -151,10 +152,9 @@ def amounts_of(rows: Iterable[RowT], least: int = 1) -> list[int]:
     return sorted({row.amount for row in rows if row.amount >= least})
 
 
-def occurring(rows: Sequence[RecallEpisode]) -> list[State]:
-    """The states that occur in these recalls."""
-    known = [state for state in State if state != State.UNKNOWN]
-    return [state for state in known if any(row.rounds_by_state[state] for row in rows)]
+def by_condition(rows: Sequence[RowT]) -> dict[str, list[RowT]]:
+    """The rows of each condition."""
+    return {name: pick(rows, condition=name) for name in dict.fromkeys(row.condition for row in rows)}
 
 
 class ExperimentSize(NamedTuple):
@@ -195,60 +195,59 @@ class Trial(NamedTuple):
         """Seeds of a replication's first training episodes; the same under every condition."""
         return np.random.SeedSequence(self.seed, spawn_key=(self.replication, 0)).spawn(number)
 
-    def env(self, **kwargs: Any) -> TrainingEnv:
+    def env(self, backend: str = COMPILED, **kwargs: Any) -> TrainingEnv:
         """The paired corridors with the size's time limit."""
-        backend = PYMUNK if "world" in kwargs else COMPILED
         return TrainingEnv(max_cycles=self.size.rounds, backend=backend, **kwargs)
 
-    def alone(self, arena: str, **kwargs: Any) -> BehavioursEnv:
+    def alone(self, arena: str, backend: str = COMPILED, **kwargs: Any) -> BehavioursEnv:
         """An arena for recalls with the size's time limit."""
-        backend = PYMUNK if "world" in kwargs else COMPILED
         return recall_env(arena, limit=self.size.steps, backend=backend, **kwargs)
+
+    def by_amount(self, files: Files) -> dict[int, Files]:
+        """No files, and the first ones of these, for each of the size's amounts that there are."""
+        return {amount: files[:amount] for amount in (0, *self.size.amounts) if amount <= len(files)}
 
 
 def train_files(
-    env: TrainingEnv,
     trial: Trial,
-    seeds: Sequence[np.random.SeedSequence],
+    env: TrainingEnv | None = None,
+    seeds: Sequence[np.random.SeedSequence] = (),
     amount: int = 1,
-    teacher: Policy | None = None,
     setups: Iterable[Mapping[str, Any] | None] = repeat(None),
-    callback: Callable[[], object] | None = None,
-) -> Iterator[tuple[Experience, EpisodeRow]]:
-    """Training episodes, one a seed; by default of the teacher of section 4.4, in the set-up of figure 5.1.
-
-    Raises:
-        IncompleteTrainingError: One episode failed in as many attempts as the size allows.
-    """
-    radius, decisions = env.home_radius, env.decisions.values()
-    for file, (seed, options) in enumerate(zip(seeds, setups, strict=False), 1):
-        experience, attempts = train(
-            env, seed, teacher=teacher, options=options, attempts=trial.size.attempts, callback=callback
-        )
-        chosen = [behaviour_for(classify(vector, radius, decisions)) for vector, _ in experience]
-        yield (
-            experience,
-            EpisodeRow(
-                replication=trial.replication,
-                condition=trial.condition,
-                amount=amount,
-                file=file,
-                attempts=len(attempts),
-                rounds=attempts[-1].rounds,
-                all_rounds=sum(row.rounds for row in attempts),
-                vectors=len(experience),
-                true=sum(own == heard for own, (_, heard) in zip(chosen, experience, strict=True)),
-                separations=attempts[-1].separations,
-            ),
-        )
-
-
-def all_files(
-    trial: Trial, env: TrainingEnv | None = None, seeds: Sequence[np.random.SeedSequence] = (), **how: Any
+    may_fail: bool = False,
+    **how: Any,
 ) -> tuple[list[Experience], list[EpisodeRow]]:
-    """All episodes of `train_files`; by default as many as the size says."""
-    trained = list(train_files(env or trial.env(), trial, seeds or trial.seeds(trial.size.files), **how))
-    return [experience for experience, _ in trained], [row for _, row in trained]
+    """Training episodes, by default as many as the size says, of the teacher of section 4.4, as in figure 5.1.
+
+    An episode that fails in as many attempts as the size allows is an error, or the end, if it `may_fail`. The amount
+    is for the rows; `setups` are options of the environment's resets, and `how` are further arguments of `train`.
+    """
+    env, seeds = env or trial.env(), seeds or trial.seeds(trial.size.files)
+    files: list[Experience] = []
+    rows: list[EpisodeRow] = []
+    for file, (seed, options) in enumerate(zip(seeds, setups, strict=False), 1):
+        try:
+            experience, attempts = train(env, seed, options=options, attempts=trial.size.attempts, **how)
+        except IncompleteTrainingError:
+            if may_fail:
+                break
+            raise
+        states = [classify(vector, env.home_radius, env.decisions.values()) for vector in experience.vectors]
+        row = EpisodeRow(
+            replication=trial.replication,
+            condition=trial.condition,
+            amount=amount,
+            file=file,
+            attempts=len(attempts),
+            rounds=attempts[-1].rounds,
+            all_rounds=sum(row.rounds for row in attempts),
+            vectors=len(experience),
+            true=sum(behaviour_for(state) == heard for state, (_, heard) in zip(states, experience, strict=True)),
+            separations=attempts[-1].separations,
+        )
+        files.append(experience)
+        rows.append(row)
+    return files, rows
 
 
 def imitator(files: Files, diagonal: int, threshold: float = 0.0) -> NearestNeighbourImitator:
@@ -290,13 +289,33 @@ def recall_all(
     return rows
 
 
-def recall_imitators(env: BehavioursEnv, trial: Trial, files: Files) -> list[RecallEpisode]:
-    """Recalls of the thesis's learner after every number of training episodes for which there are files."""
+Learner = tuple[str, Policy, Files]
+"""Condition (by default the trial's), policy, and the experience that it has."""
+Learners = Callable[[BehavioursEnv, Files], Iterable[Learner]]
+"""The learners in an arena with some training files, or without any."""
+
+
+def imitators(env: BehavioursEnv, files: Files, untrained: Policy | None = None) -> Iterator[Learner]:
+    """The thesis's learner; without files another policy, if there is one."""
+    if files:
+        yield "", imitator(files, env.diagonal), files
+    elif untrained:
+        yield "", untrained, files
+
+
+def recall_learners(
+    trial: Trial,
+    experience: Mapping[int, Files],
+    learners: Learners = imitators,
+    alone: Callable[[str], BehavioursEnv] | None = None,
+) -> list[RecallEpisode]:
+    """Recalls in both arenas with each amount of experience; `alone` makes the environment of an arena."""
     return [
         row
-        for amount in trial.size.amounts
-        if amount <= len(files)
-        for row in recall_all(env, imitator(files[:amount], env.diagonal), trial, amount, files[:amount])
+        for env in map(alone or trial.alone, ARENAS)
+        for amount, files in experience.items()
+        for condition, policy, own in learners(env, files)
+        for row in recall_all(env, policy, trial, amount, own, condition)
     ]
 
 
@@ -332,55 +351,35 @@ class Analysis:
         rows: Sequence[RowT],
         others: Sequence[RowT],
         measure: Measure[RowT],
-        rule: Rule = above(0.0),  # noqa: B008 (never changed)
+        rule: Rule = POSITIVE,
         unit: Unit | None = None,
     ) -> Claim:
         """A claim on how much greater a mean is in `rows` than in `others`; by default, that it is greater."""
-        effect = self.difference(rows, others, measure)
-        return Claim(name, "", effect, rule, unit or UNITS.get(measure.name, points))
+        usual = FOOD_POINTS if measure == DELIVERED else points
+        return Claim(name, "", self.difference(rows, others, measure), rule, unit or usual)
 
-    def recall_table(self, note: str, measures: Sequence[Measure[RecallEpisode]], amount: str = "episodes") -> Table:
-        """Means by condition, arena and amount."""
-        return self._means_table("recalls", "Recall", note, self.recalls, measures, ("condition", "arena"), amount)
-
-    def training_table(self, note: str, measures: Sequence[Measure[EpisodeRow]], amount: str = "files") -> Table:
-        """Means by condition and amount."""
-        return self._means_table("trainings", "Training", note, self.trainings, measures, ("condition",), amount)
-
-    def places_table(self, amount: int) -> Table:
-        """Score and food delivered of every condition after some number of episodes, by where the food lay."""
-        shown = [
-            replace(row, condition=f"{condition}; food {place}")
-            for condition in dict.fromkeys(row.condition for row in self.recalls)
-            for place in PLACES
-            for row in at(pick(self.recalls, condition=condition, amount=amount), place)
-        ]
-        note = (
-            "Recall in the corridor by how far from home the food lay: more than 5 pixels of 5 mm nearer than the mark "
-            "of figure 5.1, at least 15 pixels further out, or between."
-        )
-        by, measures = ("condition", "arena"), (SCORE, DELIVERED)
-        return self._means_table("places", "By place of the food", note, shown, measures, by, "episodes")
-
-    def _means_table(
-        self,
-        stem: str,
-        title: str,
-        note: str,
-        rows: Sequence[RowT],
-        measures: Sequence[Measure[RowT]],
-        by: tuple[str, ...],
-        amount: str,
+    def means(
+        self, stem: str, title: str, means: "Means", rows: Sequence[RowT], by: tuple[str, ...], amount: str
     ) -> Table:
-        """Means for every combination of the fields `by`, in the order of the rows, and of the amounts."""
-        rng, lines = self.rng, list[dict[str, Value]]()
+        """A table for every combination of the fields `by`, in the order of the rows, and of the amounts."""
+        (note, measures), rng, lines = means, self.rng, list[dict[str, Value]]()
         known = [dict.fromkeys(getattr(row, name) for row in rows) for name in by]
         for *names, count in product(*known, amounts_of(rows, 0)):
             about = dict(zip(by, names, strict=True))
             if own := pick(rows, **about, amount=count):
-                means = {measure.name: mean(own, measure, rng) for measure in measures}
-                lines.append({**about, amount: count, "rows": len(own), **means})
+                values = {measure.name: mean(own, measure, rng) for measure in measures}
+                lines.append({**about, amount: count, "rows": len(own), **values})
         return table_of(stem, title, note, lines, {measure.name: measure.digits for measure in measures})
+
+    def places(self) -> list[RecallEpisode]:
+        """The recalls in the corridor after most episodes, with the place of the food in their condition."""
+        recalls = by_condition(pick(self.recalls, amount=self.amounts[-1]))
+        return [
+            replace(row, condition=f"{condition}; food {place}")
+            for condition, rows in recalls.items()
+            for place in PLACES
+            for row in at(rows, place)
+        ]
 
     def states_table(
         self,
@@ -393,24 +392,33 @@ class Analysis:
             {"arena": arena, "state": state.name, "condition": condition}
             | {one.name: self.mean(rows, one) for one in (measure(state) for measure in measures)}
             for arena, conditions in groups.items()
-            for state in State
+            for state in list(State)[:STATES]
             for condition, rows in conditions.items()
-            if state in occurring(rows)
+            if any(row.rounds_by_state[state] for row in rows)
         ]
         return table_of("states", "By state", note, lines)
 
 
-Report = tuple[Sequence[Claim], Sequence[Table], "Figure"]
-"""Claims with their verdicts, the values behind them, and the picture."""
+Means = tuple[str, Sequence[Measure[Any]]]
+"""Note and columns of a table of means."""
+BY_PLACE = (
+    "Recall in the corridor by how far from home the food lay: more than 5 pixels of 5 mm nearer than the mark of "
+    "figure 5.1, at least 15 pixels further out, or between."
+)
 
 
 class Experiment(NamedTuple):
-    """One item of the thesis's further work.
+    """One item of the thesis's further work, and how its page is made.
 
     Attributes:
         section: Of the thesis, where the question stands.
         conditions: One trial each in every replication.
-        report: Turns all rows into a report.
+        claims: Each with its verdict.
+        recalls: Means by condition, arena and amount.
+        trainings: Means by condition and amount.
+        amount: What the amount is, where it is no number of training episodes.
+        places: Whether there is a table by place of the food.
+        states: The table by state.
     """
 
     name: str
@@ -420,7 +428,13 @@ class Experiment(NamedTuple):
     method: str
     conditions: tuple[str, ...]
     run: Callable[[Trial], list[Row]]
-    report: Callable[[Analysis], Report]
+    claims: Callable[[Analysis], Iterable[Claim]]
+    figure: Callable[[Analysis], "Figure"]
+    recalls: Means | None = None
+    trainings: Means | None = None
+    amount: str = ""
+    places: bool = False
+    states: Callable[[Analysis], Table] | None = None
 
     def jobs(self, seed: int, replications: int, size: ExperimentSize) -> list[Job]:
         """All work, replication by replication."""
@@ -432,77 +446,111 @@ class Experiment(NamedTuple):
 
     def page(self, found: Analysis) -> Page:
         """Question, method, picture, claims and tables."""
-        claims, tables, figure = self.report(found)
-        table = table_of(
-            "claims",
-            "Claims",
-            "The rule of each claim was fixed before there were data. A claim is undecided if its interval reaches "
-            "across the threshold, or if there are too few replications for an interval.",
-            [
-                {
-                    "claim": c.name,
-                    "effect": c.effect,
-                    **c.estimate._asdict(),
-                    "rule": c.rule.words(c.unit),
-                    "verdict": str(c.verdict),
-                }
-                for c in claims
-            ],
-            hidden=Estimate._fields,
-        )
         question = f"**{self.question}** (section {self.section} of the thesis)"
-        picture = Picture(self.name, self.title, figure)
-        return Page(self.title, [question, self.method, picture, table, *tables])
+        picture = Picture(self.name, self.title, self.figure(found))
+        return Page(self.title, [question, self.method, picture, *self._tables(found)])
 
-
-def curves(
-    axes: "Axes",
-    found: Analysis,
-    rows: Sequence[RowT],
-    measure: Measure[RowT],
-    amount: str,
-    title: str = "",
-    share: bool = True,
-    amounts: Sequence[int] = (),
-) -> None:
-    """Draw the mean of a measure against the amount, one curve a condition.
-
-    `amount` is the label of the amounts. `share` says whether the measure goes from 0 to 100. `amounts` are shown with
-    rows or without; by default those that occur.
-    """
-    conditions = list(dict.fromkeys(row.condition for row in rows))
-    amounts = amounts or amounts_of(rows, 0)
-    for i, condition in enumerate(conditions):
-        colour, marker = COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]
-        shift = 0.12 * (i - (len(conditions) - 1) / 2)
-        points = [
-            (place + shift, found.mean(cell, measure))
-            for place, count in enumerate(amounts)
-            if (cell := pick(rows, condition=condition, amount=count))
+    def _tables(self, found: Analysis) -> Iterator[Table]:
+        lines = [
+            {
+                "claim": c.name,
+                "effect": c.effect,
+                **c.estimate._asdict(),
+                "rule": c.rule.words(c.unit),
+                "verdict": str(c.verdict),
+            }
+            for c in self.claims(found)
         ]
-        axes.plot([x for x, _ in points], [e.value for _, e in points], color=colour, lw=1)
-        entry(axes, condition, colour, marker, "-")
-        for x, estimate in points:
-            mark(axes, x, estimate.value, estimate, colour, marker=marker)
-    axes.set_xticks(range(len(amounts)), [str(count) for count in amounts])
-    axes.set_xlim(-0.5, len(amounts) - 0.5)
-    axes.set_xlabel(amount)
-    axes.set_ylabel(textwrap.fill(measure.name, 30))
-    axes.set_title(title, fontsize=10)
-    grid(axes)
-    if share:
-        axes.set_ylim(min(-4.0, axes.get_ylim()[0]), 104)  # scores go down to -20
-    else:
-        highest = max(1.0, axes.get_ylim()[1])
-        axes.set_ylim(-0.03 * highest, highest)  # marks at 0 are shown whole
+        note = (
+            "The rule of each claim was fixed before there were data. A claim is undecided if its interval reaches "
+            "across the threshold, or if there are too few replications for an interval."
+        )
+        yield table_of("claims", "Claims", note, lines, hidden=Estimate._fields)
+        by = ("condition", "arena")
+        if self.recalls:
+            yield found.means("recalls", "Recall", self.recalls, found.recalls, by, self.amount or "episodes")
+        if self.trainings:
+            amount = self.amount or "files"
+            yield found.means("trainings", "Training", self.trainings, found.trainings, ("condition",), amount)
+        if self.places:
+            means = BY_PLACE, (SCORE, DELIVERED)
+            yield found.means("places", "By place of the food", means, found.places(), by, "episodes")
+        if self.states:
+            yield self.states(found)
+
+
+Panel = tuple[str, Measure[Any], Mapping[str, Sequence[Any]]]
+"""Title, measure, and the rows of each curve."""
+
+
+def curves_figure(
+    found: Analysis, title: str, label: str, shown: Sequence[Panel], along: str = "amount", values: Sequence[Any] = ()
+) -> "Figure":
+    """Panels with means along a field of the rows: the amount, with curves, or the condition, without.
+
+    The label is that of the field; its values are by default the amounts that occur.
+    """
+    figure, axes = panels(len(shown), title)
+    for panel, (heading, measure, groups) in zip(axes, shown, strict=True):
+        ticks = values or amounts_of(chain(*groups.values()), 0)
+        line = "-" if along == "amount" else ""
+        for i, (name, rows) in enumerate(groups.items()):
+            colour, marker = COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]
+            shift = 0.12 * (i - (len(groups) - 1) / 2)
+            cells = [pick(rows, **{along: value}) for value in ticks]
+            known = [(place + shift, found.mean(cell, measure)) for place, cell in enumerate(cells) if cell]
+            panel.plot([x for x, _ in known], [estimate.value for _, estimate in known], color=colour, ls=line, lw=1)
+            entry(panel, name, colour, marker, line)
+            for x, estimate in known:
+                mark(panel, x, estimate.value, estimate, colour, marker=marker)
+        panel.set_xticks(range(len(ticks)), [str(value) for value in ticks], fontsize=SMALL)
+        panel.set_xlim(-0.5, len(ticks) - 0.5)
+        panel.set_xlabel(label)
+        panel.set_ylabel(fill(measure.name, 30))
+        panel.set_title(heading, fontsize=10)
+        grid(panel)
+        if measure.name.endswith("(%)"):
+            panel.set_ylim(min(-4.0, panel.get_ylim()[0]), 104)  # scores go down to -20
+        else:
+            highest = max(1.0, panel.get_ylim()[1])
+            panel.set_ylim(-0.03 * highest, highest)  # marks at 0 are shown whole
+        if along != "amount":
+            panel.legend(fontsize=SMALL)
+    if along == "amount":
+        legend(figure, axes[0], INTERVALS)
+    return figure
 
 
 def score_and_food(found: Analysis, title: str, second: Measure[RecallEpisode] = DELIVERED) -> "Figure":
     """Score and another measure in each arena, against the number of training episodes."""
-    figure, axes = panels(4, title)
-    for i, arena in enumerate(ARENAS):
+    shown: list[Panel] = []
+    for arena in ARENAS:
         own = pick(found.recalls, arena=arena)
-        curves(axes[2 * i], found, [row for row in own if row.amount], SCORE, EPISODES, arena)
-        curves(axes[2 * i + 1], found, own, second, EPISODES, arena)
+        shown.append((arena, SCORE, by_condition([row for row in own if row.amount])))
+        shown.append((arena, second, by_condition(own)))
+    return curves_figure(found, title, EPISODES, shown)
+
+
+def levels_figure(
+    found: Analysis,
+    title: str,
+    measures: Sequence[Measure[RecallEpisode]],
+    amounts: Mapping[int, str],
+    conditions: Sequence[str],
+) -> "Figure":
+    """Means by condition of every measure in both arenas, for some amounts with their names."""
+    shown = list(product(ARENAS, measures))
+    figure, axes = panels(len(shown), title)
+    figure.set_figheight(1.2 + 0.4 * len(measures) * len(conditions))
+    for i, (panel, (arena, measure)) in enumerate(zip(axes, shown, strict=True)):
+        own = pick(found.recalls, arena=arena)
+        estimates = {
+            name: [found.mean(pick(own, condition=name, amount=amount), measure) for amount in amounts]
+            for name in conditions
+        }
+        levels(panel, estimates, f"{measure.name}, {arena}", list(amounts.values()))
+        panel.set_xlim(-24 if measure is SCORE else -4, 104)
+        if i % 2:
+            panel.set_yticklabels([])
     legend(figure, axes[0], INTERVALS)
     return figure

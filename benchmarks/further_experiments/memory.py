@@ -1,17 +1,17 @@
 """Two experiments on what the learner does with its records: attribute weights, and rejected alternatives."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import groupby
+from functools import partial
+from itertools import groupby, product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 import further_experiments.common as fw
 from khepera_forage.envs.behaviours_env import BehavioursEnv
-from khepera_forage.estimates import UNKNOWN, Measure, pick
+from khepera_forage.estimates import pick
 from khepera_forage.experience import Experience
-from khepera_forage.figures import COLOURS, MARKERS, SMALL, entry, grid, legend, levels, mark, panels
 from khepera_forage.policies import ClassifierPolicy, Observation, Policy, Teacher, WeightedImitator
 from khepera_forage.policies.policy import state_vector_of
 from khepera_forage.rollouts.training import arrays
@@ -20,7 +20,6 @@ from khepera_forage.task.states import BEHAVIOURS, Behaviour, FoodType, StateVec
 from khepera_forage.thesis.claims import Claim, within
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 SAME = 10.0
@@ -40,97 +39,56 @@ TESTED = ("food ×2", "food ×4", "food ×8", LEARNED)
 
 def run_weights(trial: fw.Trial) -> list[fw.Row]:
     """The same training files for all weights, and the same recalls."""
-    files, trainings = fw.all_files(trial)
-    rows: list[fw.Row] = [*trainings]
-    for arena in fw.ARENAS:
-        env = trial.alone(arena)
-        for amount in trial.size.amounts:
-            for name, policy in _weighted(files[:amount], env.diagonal, trial.replication):
-                rows += fw.recall_all(env, policy, trial, amount, files[:amount], name)
-    return rows
+    files, trainings = fw.train_files(trial)
+    return [*trainings, *fw.recall_learners(trial, trial.by_amount(files), partial(weighted, trial.replication))]
 
 
-def _weighted(files: fw.Files, diagonal: int, seed: int) -> Iterator[tuple[str, Policy]]:
+def weighted(seed: int, env: BehavioursEnv, files: fw.Files) -> Iterator[fw.Learner]:
     """One learner for each set of weights."""
+    if not files:
+        return
     vectors, behaviours = arrays(list(files))
     for name, weights in FIXED.items():
-        if name == EQUAL:
-            yield name, fw.imitator(files, diagonal)
-        else:
-            weighted = WeightedImitator(diagonal, weights).fit(vectors, behaviours)
-            yield name, ClassifierPolicy(weighted, remember=True)
+        fixed = WeightedImitator(env.diagonal, weights).fit(vectors, behaviours)
+        own = fw.imitator(files, env.diagonal) if name == EQUAL else ClassifierPolicy(fixed, remember=True)
+        yield name, own, files
     # Cross-validation leaves out whole episodes. Of a single episode nothing would be left, so it leaves out vectors.
     groups = np.repeat(np.arange(len(files)), [len(file) for file in files]) if len(files) > 1 else None
-    learned = WeightedImitator(diagonal, random_state=seed).fit(vectors, behaviours, groups)
-    yield LEARNED, ClassifierPolicy(learned, remember=True)
+    learned = WeightedImitator(env.diagonal, random_state=seed).fit(vectors, behaviours, groups)
+    yield LEARNED, ClassifierPolicy(learned, remember=True), files
 
 
-def report_weights(found: fw.Analysis) -> fw.Report:
+def weight_claims(found: fw.Analysis) -> Iterator[Claim]:
     """Whether weights solve area 1, and their effect on the whole task."""
-    last = max(found.amounts)
-    note = "Noise of the laboratory; the same training files and the same recalls for all weights."
-    tables = (found.recall_table(note, (fw.SCORE, fw.DELIVERED, fw.STEPS)), found.places_table(last))
-    return list(_weight_claims(found, last)), tables, _weight_figure(found, last)
-
-
-def _weight_figure(found: fw.Analysis, last: int) -> "Figure":
-    figure, axes = panels(4, "Attribute weights in the distance of 4.6.1")
-    for panel, arena in zip(axes, fw.ARENAS, strict=False):
-        own = pick(found.recalls, arena=arena)
-        lines = {
-            f"{amount} training episode{'s' * (amount > 1)}": pick(own, amount=amount)
-            for amount in dict.fromkeys((min(found.amounts), last))
-        }
-        _weight_curves(panel, found, lines, fw.SCORE)
-        panel.set_title(arena, fontsize=10)
-    own = pick(found.recalls, amount=last)
-    _weight_curves(axes[2], found, {f"food {place}": fw.at(own, place) for place in fw.PLACES}, fw.DELIVERED)
-    _weight_curves(axes[3], found, {"both food objects": pick(own, arena="rectangle")}, fw.DELIVERED)
-    for panel, arena in zip(axes[2:], fw.ARENAS, strict=True):
-        panel.set_title(f"{arena}, {last} episodes", fontsize=10)
-        panel.set_xlabel(f"weight; {fw.INTERVALS}")
-    return figure
-
-
-def _weight_curves(
-    axes: "Axes",
-    found: fw.Analysis,
-    lines: Mapping[str, Sequence[fw.RecallEpisode]],
-    measure: Measure[fw.RecallEpisode],
-) -> None:
-    """For each group of recalls a curve over the fixed weights, and a point for the learned ones."""
-    for i, (name, rows) in enumerate(lines.items()):
-        means = [found.mean(pick(rows, condition=condition), measure) for condition in CONDITIONS]
-        places = [place + 0.14 * (i - (len(lines) - 1) / 2) for place in range(len(means))]
-        fixed = slice(len(FIXED))
-        axes.plot(places[fixed], [e.value for e in means[fixed]], color=COLOURS[i], lw=1)
-        entry(axes, name, COLOURS[i], MARKERS[i], "-")
-        for place, estimate in zip(places, means, strict=True):
-            mark(axes, place, estimate.value, estimate, COLOURS[i], marker=MARKERS[i])
-    axes.set_xticks(range(len(CONDITIONS)), CONDITIONS, fontsize=SMALL)
-    axes.set_ylim(-10 if measure is fw.SCORE else -4, 104)
-    axes.set_ylabel(measure.name)
-    grid(axes)
-    axes.legend(fontsize=SMALL)
-
-
-def _weight_claims(found: fw.Analysis, last: int) -> Iterator[Claim]:
-    def rows(name: str, arena: str = "corridor", place: str = "") -> list[fw.RecallEpisode]:
-        own = pick(found.recalls, condition=name, amount=last, arena=arena)
-        return fw.at(own, place) if place else own
-
+    recalls = {arena: pick(found.recalls, amount=found.amounts[-1], arena=arena) for arena in fw.ARENAS}
+    further, about = (fw.at(recalls["corridor"], place) for place in (fw.FURTHER, fw.ABOUT))
     for name in TESTED:
-        further, equal = (rows(one, place=fw.FURTHER) for one in (name, EQUAL))
+        rows, equal = (pick(further, condition=one) for one in (name, EQUAL))
         statement = f"corridor, food further out: {name} delivers more than equal weights"
-        yield found.compared(statement, further, equal, fw.DELIVERED)
+        yield found.compared(statement, rows, equal, fw.DELIVERED)
     for name in TESTED:
-        further, about = (rows(name, place=place) for place in (fw.FURTHER, fw.ABOUT))
         statement = f"corridor: with {name} food further out is delivered as often as where it lay in training"
-        yield found.compared(statement, further, about, fw.DELIVERED, within(SAME))
-    for arena in fw.ARENAS:
-        for name in TESTED:
-            statement = f"{arena}: {name} scores more than equal weights"
-            yield found.compared(statement, rows(name, arena), rows(EQUAL, arena), fw.SCORE)
+        rows, others = (pick(place, condition=name) for place in (further, about))
+        yield found.compared(statement, rows, others, fw.DELIVERED, within(SAME))
+    for arena, name in product(fw.ARENAS, TESTED):
+        rows, equal = (pick(recalls[arena], condition=one) for one in (name, EQUAL))
+        yield found.compared(f"{arena}: {name} scores more than equal weights", rows, equal, fw.SCORE)
+
+
+def weight_figure(found: fw.Analysis) -> "Figure":
+    """Scores after one episode and after all, and the food delivered after all, by place."""
+    first, last = found.amounts[0], found.amounts[-1]
+    recalls = {arena: pick(found.recalls, arena=arena) for arena in fw.ARENAS}
+    shown: list[fw.Panel] = [
+        (arena, fw.SCORE, {f"{n} training episodes": pick(rows, amount=n) for n in (first, last)})
+        for arena, rows in recalls.items()
+    ]
+    corridor, rectangle = (pick(rows, amount=last) for rows in recalls.values())
+    by_place = {f"food {place}": fw.at(corridor, place) for place in fw.PLACES}
+    shown.append((f"corridor, {last} episodes", fw.DELIVERED, by_place))
+    shown.append((f"rectangle, {last} episodes", fw.DELIVERED, {"both food objects": rectangle}))
+    title = "Attribute weights in the distance of 4.6.1"
+    return fw.curves_figure(found, title, f"weight; {fw.INTERVALS}", shown, "condition", CONDITIONS)
 
 
 ATTRIBUTE_WEIGHTS = fw.Experiment(
@@ -145,7 +103,13 @@ ATTRIBUTE_WEIGHTS = fw.Experiment(
     "the training files, which contain only one set-up.",
     ("all",),
     run_weights,
-    report_weights,
+    weight_claims,
+    weight_figure,
+    recalls=(
+        "Noise of the laboratory; the same training files and the same recalls for all weights.",
+        (fw.SCORE, fw.DELIVERED, fw.STEPS),
+    ),
+    places=True,
 )
 
 DECISIONS = Decisions().values()
@@ -231,21 +195,17 @@ LEARNERS = (THESIS, HIGHEST, *THRESHOLDS, GOAL, GOAL_ALL, LABELS)
 
 def run_alternatives(trial: fw.Trial) -> list[fw.Row]:
     """The same training files for all learners, and the same recalls."""
-    files, trainings = fw.all_files(trial)
-    rows: list[fw.Row] = [*trainings]
-    for arena in fw.ARENAS:
-        env = trial.alone(arena)
+    files, trainings = fw.train_files(trial)
+    return [*trainings, *fw.recall_learners(trial, trial.by_amount(files), alternatives)]
+
+
+def alternatives(env: BehavioursEnv, files: fw.Files) -> Iterator[fw.Learner]:
+    """Every learner, and without files the teachers."""
+    if not files:
         teacher = Teacher.of(env)
-        rows += fw.recall_all(env, teacher, trial, condition=TEACHER)
-        rows += fw.recall_all(env, UntilGoal(teacher, env.home_radius), trial, condition=TEACHER_GOAL)
-        for amount in trial.size.amounts:
-            for name, policy, experience in _policies(files[:amount], env):
-                rows += fw.recall_all(env, policy, trial, amount, experience, name)
-    return rows
-
-
-def _policies(files: fw.Files, env: BehavioursEnv) -> Iterator[tuple[str, Policy, fw.Files]]:
-    """Every learner with its name and its experience."""
+        yield TEACHER, teacher, files
+        yield TEACHER_GOAL, UntilGoal(teacher, env.home_radius), files
+        return
     thesis = fw.imitator(files, env.diagonal)
     yield THESIS, thesis, files
     yield HIGHEST, ClassifierPolicy(thesis, sample=False, remember=True), files
@@ -258,49 +218,28 @@ def _policies(files: fw.Files, env: BehavioursEnv) -> Iterator[tuple[str, Policy
     yield LABELS, StateLabels(env.home_radius, heard), files
 
 
-def report_alternatives(found: fw.Analysis) -> fw.Report:
+def alternative_claims(found: fw.Analysis) -> Iterator[Claim]:
     """Whether the thesis chose well."""
+    for arena in fw.ARENAS:
+        rows = fw.by_condition(pick(found.recalls, arena=arena, amount=found.amounts[-1]))
+        for better, worse, statement in (
+            (HIGHEST, THESIS, "the highest confidence is better than a random draw"),
+            *((THESIS, name, f"a {name.replace(' ', ' of ')} is worse than exact ties") for name in THRESHOLDS),
+            (THESIS, GOAL, "deciding at every step is better than running until the goal"),
+            (THESIS, GOAL_ALL, "deciding at every step is better with the same vectors, too"),
+        ):
+            yield found.compared(f"{arena}: {statement}", rows[better], rows[worse], fw.SCORE)
+        teacher = pick(found.recalls, condition=TEACHER, arena=arena)
+        name = f"{arena}: with state labels the learner is a copy of the teacher"
+        yield found.compared(name, rows[LABELS], teacher, fw.SCORE, within(COPY))
+
+
+def alternative_figure(found: fw.Analysis) -> "Figure":
+    """Score and food of every learner after one episode and after all, and of the teachers."""
     first, last = found.amounts[0], found.amounts[-1]
-    claims = [made for arena in fw.ARENAS for made in _alternative_claims(found, arena, last)]
-    note = (
-        "Noise of the laboratory; the same training files and the same recalls for all. Teachers have no training "
-        "episodes."
-    )
-    figure, axes = panels(4, "Alternatives that the thesis names")
-    figure.set_figheight(1.2 + 0.68 * (len(LEARNERS) + 2))  # a line for each learner and both teachers
-    kinds = [*(f"{n} episode{'s' * (n > 1)}" for n in (first, last)), "no learning"]
-    for i, measure in enumerate((fw.SCORE, fw.DELIVERED)):
-        for j, arena in enumerate(fw.ARENAS):
-            own = pick(found.recalls, arena=arena)
-            shown = {
-                name: [found.mean(pick(own, condition=name, amount=n), measure) for n in (first, last)]
-                for name in LEARNERS
-            }
-            for name in (TEACHER, TEACHER_GOAL):
-                shown[name] = [UNKNOWN, UNKNOWN, found.mean(pick(own, condition=name, amount=0), measure)]
-            panel = axes[2 * j + i]
-            levels(panel, shown, f"{measure.name}, {arena}", kinds)
-            panel.set_xlim(-24 if measure is fw.SCORE else -4, 104)
-            if i:
-                panel.set_yticklabels([])
-    legend(figure, axes[0], fw.INTERVALS)
-    return claims, [found.recall_table(note, (fw.SCORE, fw.DELIVERED, fw.STEPS))], figure
-
-
-def _alternative_claims(found: fw.Analysis, arena: str, last: int) -> Iterator[Claim]:
-    def rows(name: str) -> list[fw.RecallEpisode]:
-        amount = 0 if name == TEACHER else last
-        return pick(found.recalls, condition=name, amount=amount, arena=arena)
-
-    for better, worse, statement in (
-        (HIGHEST, THESIS, "the highest confidence is better than a random draw"),
-        *((THESIS, name, f"a {name.replace(' ', ' of ')} is worse than exact ties") for name in THRESHOLDS),
-        (THESIS, GOAL, "deciding at every step is better than running until the goal"),
-        (THESIS, GOAL_ALL, "deciding at every step is better with the same vectors, too"),
-    ):
-        yield found.compared(f"{arena}: {statement}", rows(better), rows(worse), fw.SCORE)
-    name = f"{arena}: with state labels the learner is a copy of the teacher"
-    yield found.compared(name, rows(LABELS), rows(TEACHER), fw.SCORE, within(COPY))
+    kinds = {first: f"{first} episode{'s' * (first > 1)}", last: f"{last} episodes", 0: "no learning"}
+    conditions = (*LEARNERS, TEACHER, TEACHER_GOAL)
+    return fw.levels_figure(found, "Alternatives that the thesis names", (fw.SCORE, fw.DELIVERED), kinds, conditions)
 
 
 ALTERNATIVES = fw.Experiment(
@@ -315,5 +254,11 @@ ALTERNATIVES = fw.Experiment(
     "*State labels*: the learner has the tree of figure 4.2 and learns only which behaviour was heard in which state.",
     ("all",),
     run_alternatives,
-    report_alternatives,
+    alternative_claims,
+    alternative_figure,
+    recalls=(
+        "Noise of the laboratory; the same training files and the same recalls for all. Teachers have no training "
+        "episodes.",
+        (fw.SCORE, fw.DELIVERED, fw.STEPS),
+    ),
 )

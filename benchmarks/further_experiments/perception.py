@@ -1,9 +1,8 @@
 """Two experiments on what the learner perceives and drives: a redesigned state vector, and learned behaviours."""
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
-from itertools import chain, repeat
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from itertools import accumulate, chain, product
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from sklearn.ensemble import ExtraTreesRegressor
@@ -13,9 +12,8 @@ from further_experiments.training import ALL, ONE, setups
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TEACHER as TRAINER
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.estimates import pick
+from khepera_forage.estimates import Table, pick
 from khepera_forage.experience import Experience
-from khepera_forage.figures import legend, levels, panels
 from khepera_forage.geometry.plane import bearing_of, length, turn_to
 from khepera_forage.policies import NearestNeighbourImitator, Observation, Teacher
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, FINGER_TIP, JAW_CLOSED, JAW_OPEN, Motors
@@ -24,6 +22,9 @@ from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.thesis.claims import Claim, above, within
 from khepera_forage.vision.scene import MM_PER_PIXEL
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SAME = 10.0
 """Points of food delivered, or of score, within which two arenas or robots count as equal. Our decision."""
@@ -40,17 +41,17 @@ class Moment(NamedTuple):
 class ObservingTeacher:
     """The teacher of section 4.4, which records the steps of its first learner: `teacher` and `callback` of `train`.
 
-    `moments` are the steps of the last attempt in which the learner heard a behaviour.
+    `attempts` are the steps of each attempt in which the learner heard a behaviour.
     """
 
     def __init__(self, env: TrainingEnv) -> None:
         self._env, self._teacher = env, Teacher.of(env)
-        self.moments: list[Moment] = []
+        self.attempts: list[list[Moment]] = []
 
     def act(self, observation: Observation, rng: np.random.Generator | None = None) -> Behaviour:
         """The teacher's behaviour; called before anything else in a round."""
         if self._env.infos[TRAINER]["steps"] == 0:
-            self.moments = []
+            self.attempts.append([])
         self._perceived = self._env.foragers[1].raw
         self._heard = self._teacher.act(observation, rng)
         return self._heard
@@ -58,16 +59,16 @@ class ObservingTeacher:
     def __call__(self) -> None:
         """Record the round."""
         if self._heard != Behaviour.WAIT:
-            self.moments.append(Moment(self._perceived, self._heard, self._env.foragers[1].applied))
+            self.attempts[-1].append(Moment(self._perceived, self._heard, self._env.foragers[1].applied))
 
 
 def observe(
-    env: TrainingEnv, trial: fw.Trial, seeds: Sequence[np.random.SeedSequence], setups: Iterable[Any] = repeat(None)
-) -> list[tuple[Experience, fw.EpisodeRow, list[Moment]]]:
-    """Complete training episodes, with every step in which the learner heard a behaviour; see `train_files`."""
+    trial: fw.Trial, env: TrainingEnv, seeds: Sequence[np.random.SeedSequence] = (), **how: Any
+) -> tuple[list[Experience], list[fw.EpisodeRow], list[list[Moment]]]:
+    """As `train_files`, with every step of the complete attempts in which the learner heard a behaviour."""
     teacher = ObservingTeacher(env)
-    episodes = fw.train_files(env, trial, seeds, teacher=teacher, setups=setups, callback=teacher)
-    return [(experience, row, teacher.moments) for experience, row in episodes]
+    files, rows = fw.train_files(trial, env, seeds, teacher=teacher, callback=teacher, **how)
+    return files, rows, [teacher.attempts[number - 1] for number in accumulate(row.attempts for row in rows)]
 
 
 OLD, NEW = "the thesis's state vector", "redesigned state vector"
@@ -110,63 +111,38 @@ class RedesignedImitator:
 
 def run_vectors(trial: fw.Trial) -> list[fw.Row]:
     """The same training episodes for both state vectors, and the same recalls."""
-    experience, trainings, moments = zip(*observe(trial.env(), trial, trial.seeds(trial.size.files)), strict=True)
-    rows: list[fw.Row] = [*trainings]
-    for arena in fw.ARENAS:
-        env = trial.alone(arena)
-        for amount in trial.size.amounts:
-            files = experience[:amount]
-            rows += fw.recall_all(env, fw.imitator(files, env.diagonal), trial, amount, files, OLD)
-            learner = RedesignedImitator(list(chain(*moments[:amount])), env)
-            rows += fw.recall_all(env, learner, trial, amount, files, NEW)
-    return rows
+    files, trainings, moments = observe(trial, trial.env())
+
+    def learners(env: BehavioursEnv, some: fw.Files) -> Iterator[fw.Learner]:
+        if some:
+            yield OLD, fw.imitator(some, env.diagonal), some
+            yield NEW, RedesignedImitator(list(chain(*moments[: len(some)])), env), some
+
+    return [*trainings, *fw.recall_learners(trial, trial.by_amount(files), learners)]
 
 
-def report_vectors(found: fw.Analysis) -> fw.Report:
+def vector_claims(found: fw.Analysis) -> Iterator[Claim]:
     """Which failures the redesign removes, and which it does not."""
-    last = max(found.amounts)
-    own = {
-        arena: {name: pick(found.recalls, condition=name, amount=last, arena=arena) for name in (OLD, NEW)}
-        for arena in fw.ARENAS
-    }
-    tables = (
-        found.recall_table(
-            "Noise of the laboratory; the same training episodes and the same recalls for both.",
-            (fw.SCORE, fw.DELIVERED, fw.STEPS),
-        ),
-        found.places_table(last),
-        found.states_table(
-            f"By the state that the teacher would classify, after {last} episodes: share of all steps, and of wrong "
-            "steps in the state.",
-            own,
-            (fw.spent, fw.wrong),
-        ),
-    )
-    figure, axes = panels(6, "The thesis's state vector, and a redesigned one")
-    for i, arena in enumerate(fw.ARENAS):
-        rows = pick(found.recalls, arena=arena)
-        fw.curves(axes[i], found, rows, fw.SCORE, fw.EPISODES, arena)
-        fw.curves(axes[2 + i], found, rows, fw.DELIVERED, fw.EPISODES, arena)
-        shown = {
-            state.name.replace("_", " ").lower(): [found.mean(some, fw.wrong(state)) for some in own[arena].values()]
-            for state in fw.occurring(pick(rows, amount=last))
-        }
-        levels(axes[4 + i], shown, f"wrong steps (%), {arena}", (OLD, NEW))
-        axes[4 + i].set_xlim(-4, 104)
-    axes[5].set_yticklabels([])
-    legend(figure, axes[0], fw.INTERVALS)
-    claims = [
-        found.compared(f"{arena}: the redesigned vector {verb} more", own[arena][NEW], own[arena][OLD], measure)
-        for arena in fw.ARENAS
-        for measure, verb in ((fw.SCORE, "scores"), (fw.DELIVERED, "delivers"))
-    ]
-    new, old = (fw.at(own["corridor"][name], fw.FURTHER) for name in (NEW, OLD))
+    old, new = (pick(found.recalls, condition=name, amount=found.amounts[-1]) for name in (OLD, NEW))
+    for arena, (measure, verb) in product(fw.ARENAS, ((fw.SCORE, "scores"), (fw.DELIVERED, "delivers"))):
+        name = f"{arena}: the redesigned vector {verb} more"
+        yield found.compared(name, pick(new, arena=arena), pick(old, arena=arena), measure)
     name = "corridor: the redesigned vector delivers more of the food that lies further out"
-    claims.append(found.compared(name, new, old, fw.DELIVERED))
+    yield found.compared(name, fw.at(new, fw.FURTHER), fw.at(old, fw.FURTHER), fw.DELIVERED)
     name = "what is solved in the training arena is solved in the rectangle"
-    there, here = own["rectangle"][NEW], own["corridor"][NEW]
-    claims.append(found.compared(name, there, here, fw.SCORE, within(SAME)))
-    return claims, tables, figure
+    here, there = (pick(new, arena=arena) for arena in fw.ARENAS)
+    yield found.compared(name, there, here, fw.SCORE, within(SAME))
+
+
+def vector_states(found: fw.Analysis) -> Table:
+    """Where both vectors fail."""
+    last = found.amounts[-1]
+    note = (
+        f"By the state that the teacher would classify, after {last} episodes: share of all steps, and of wrong steps "
+        "in the state."
+    )
+    groups = {arena: fw.by_condition(pick(found.recalls, amount=last, arena=arena)) for arena in fw.ARENAS}
+    return found.states_table(note, groups, (fw.spent, fw.wrong))
 
 
 STATE_VECTOR = fw.Experiment(
@@ -181,7 +157,14 @@ STATE_VECTOR = fw.Experiment(
     "tried. The effects of its two changes are not separated.",
     ("all",),
     run_vectors,
-    report_vectors,
+    vector_claims,
+    lambda found: fw.score_and_food(found, "The thesis's state vector, and a redesigned one"),
+    recalls=(
+        "Noise of the laboratory; the same training episodes and the same recalls for both.",
+        (fw.SCORE, fw.DELIVERED, fw.STEPS),
+    ),
+    places=True,
+    states=vector_states,
 )
 
 PROGRAM, BEHAVIOURS, BOTH = "learned program", "learned behaviours", "both learned"
@@ -290,8 +273,7 @@ def run_actions(trial: fw.Trial) -> list[fw.Row]:
     seeds, places = trial.seeds(2)
     marks = setups(trial.condition, np.random.default_rng(places))
     env = CopiedMotorsEnv(max_cycles=trial.size.rounds)
-    trained = observe(env, trial, seeds.spawn(trial.size.files), marks)
-    files, trainings, moments = zip(*trained, strict=True)
+    files, trainings, moments = observe(trial, env, seeds.spawn(trial.size.files), setups=marks)
     rows: list[fw.Row] = [*trainings]
     learned = {}
     for amount in trial.size.amounts:
@@ -302,8 +284,7 @@ def run_actions(trial: fw.Trial) -> list[fw.Row]:
         own = LearnedBehavioursEnv(arena=arena, foods=given.foods, limit=given.limit)
         teacher = Teacher.of(given)
         rows += fw.recall_all(given, teacher, trial, condition=f"{trial.condition}: {TEACHER}")
-        for amount, behaviours in learned.items():
-            own.command = behaviours
+        for amount, own.command in learned.items():
             program = fw.imitator(files[:amount], given.diagonal)
             for what, alone, policy in ((PROGRAM, given, program), (BEHAVIOURS, own, teacher), (BOTH, own, program)):
                 condition = f"{trial.condition}: {what}"
@@ -311,59 +292,50 @@ def run_actions(trial: fw.Trial) -> list[fw.Row]:
     return rows
 
 
-def report_actions(found: fw.Analysis) -> fw.Report:
+def action_rows(found: fw.Analysis, setup: str, what: str, arena: str) -> list[fw.RecallEpisode]:
+    """Recalls after most training episodes; the teacher has none."""
+    amount = 0 if what == TEACHER else found.amounts[-1]
+    return pick(found.recalls, condition=f"{setup}: {what}", amount=amount, arena=arena)
+
+
+def action_claims(found: fw.Analysis) -> Iterator[Claim]:
     """Which part of the system can be learned, and from which set-ups."""
-    last = max(found.amounts)
-
-    def rows(setup: str, what: str, arena: str) -> list[fw.RecallEpisode]:
-        amount = 0 if what == TEACHER else last
-        return pick(found.recalls, condition=f"{setup}: {what}", amount=amount, arena=arena)
-
-    tables = (
-        found.recall_table(
-            "Noise of the laboratory; random places, the same for every line of an arena. 0 episodes: the teacher's "
-            "program and the hand-coded behaviours. The score tells how good the program is, the food how good the "
-            "behaviours are.",
-            (fw.DELIVERED, fw.SCORE, fw.STEPS),
-        ),
-        found.training_table(
-            "The learner drives the motor commands that it receives, bent by following.",
-            (fw.ATTEMPTS, fw.ROUNDS, fw.SEPARATIONS, fw.TRUE),
-        ),
-        found.states_table(
-            f"With the teacher's program, which is never wrong, after {last} episodes: share of all steps.",
-            {
-                arena: {TEACHER: rows(ONE, TEACHER, arena)}
-                | {f"{setup}: {BEHAVIOURS}": rows(setup, BEHAVIOURS, arena) for setup in (ONE, ALL)}
-                for arena in fw.ARENAS
-            },
-            (fw.spent,),
-        ),
-    )
-    figure, axes = panels(4, "Action level: food delivered with a learned program, learned behaviours, and both")
-    for i, setup in enumerate((ONE, ALL)):
-        for j, arena in enumerate(fw.ARENAS):
-            own = [
-                replace(row, condition=what)
-                for what in (PROGRAM, BEHAVIOURS, BOTH)
-                for row in pick(found.recalls, condition=f"{setup}: {what}", arena=arena)
-            ]
-            title = f"{arena}, training with {setup}"
-            fw.curves(axes[2 * i + j], found, own, fw.DELIVERED, fw.EPISODES, title)
-    legend(figure, axes[0], fw.INTERVALS)
-    claims = []
     for arena in fw.ARENAS:
         for setup in (ONE, ALL):
-            learned, taught = (rows(setup, what, arena) for what in (BEHAVIOURS, TEACHER))
+            learned, taught, both = (action_rows(found, setup, what, arena) for what in (BEHAVIOURS, TEACHER, BOTH))
             name = f"{arena}, {setup}: learned behaviours are as good as hand-coded ones"
-            claims.append(found.compared(name, learned, taught, fw.DELIVERED, within(SAME)))
-            effect = found.mean(rows(setup, BOTH, arena), fw.DELIVERED)
+            yield found.compared(name, learned, taught, fw.DELIVERED, within(SAME))
             name = f"{arena}, {setup}: the complete imitation learning system delivers most of the food"
-            claims.append(Claim(name, "", effect, above(MOST), fw.PERCENT))
-        various, same = (rows(setup, BOTH, arena) for setup in (ALL, ONE))
+            yield Claim(name, "", found.mean(both, fw.DELIVERED), above(MOST), fw.PERCENT)
+        various, same = (action_rows(found, setup, BOTH, arena) for setup in (ALL, ONE))
         name = f"{arena}: variety of the episodes helps the complete system"
-        claims.append(found.compared(name, various, same, fw.DELIVERED))
-    return claims, tables, figure
+        yield found.compared(name, various, same, fw.DELIVERED)
+
+
+def action_figure(found: fw.Analysis) -> "Figure":
+    """Food delivered by number of training episodes."""
+    shown: list[fw.Panel] = []
+    for setup, arena in product((ONE, ALL), fw.ARENAS):
+        rows = pick(found.recalls, arena=arena)
+        groups = {what: pick(rows, condition=f"{setup}: {what}") for what in (PROGRAM, BEHAVIOURS, BOTH)}
+        shown.append((f"{arena}, training with {setup}", fw.DELIVERED, groups))
+    title = "Action level: food delivered with a learned program, learned behaviours, and both"
+    return fw.curves_figure(found, title, fw.EPISODES, shown)
+
+
+def action_states(found: fw.Analysis) -> Table:
+    """Where learned behaviours take longer than the hand-coded ones."""
+    shown = ((ONE, TEACHER), (ONE, BEHAVIOURS), (ALL, BEHAVIOURS))
+    groups = {
+        arena: {
+            TEACHER if what == TEACHER else f"{setup}: {what}": action_rows(found, setup, what, arena)
+            for setup, what in shown
+        }
+        for arena in fw.ARENAS
+    }
+    last = found.amounts[-1]
+    note = f"With the teacher's program, which is never wrong, after {last} episodes: share of all steps."
+    return found.states_table(note, groups, (fw.spent,))
 
 
 ACTION_LEVEL = fw.Experiment(
@@ -379,5 +351,17 @@ ACTION_LEVEL = fw.Experiment(
     "never heard means to stand still. Training has the set-up of figure 5.1, or random places in each episode.",
     (ONE, ALL),
     run_actions,
-    report_actions,
+    action_claims,
+    action_figure,
+    recalls=(
+        "Noise of the laboratory; random places, the same for every line of an arena. 0 episodes: the teacher's "
+        "program and the hand-coded behaviours. The score tells how good the program is, the food how good the "
+        "behaviours are.",
+        (fw.DELIVERED, fw.SCORE, fw.STEPS),
+    ),
+    trainings=(
+        "The learner drives the motor commands that it receives, bent by following.",
+        (fw.ATTEMPTS, fw.ROUNDS, fw.SEPARATIONS, fw.TRUE),
+    ),
+    states=action_states,
 )

@@ -3,21 +3,24 @@
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 import further_experiments.common as fw
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.estimates import Measure, pick
-from khepera_forage.experience import Experience
-from khepera_forage.figures import SMALL, legend, panels
+from khepera_forage.figures import SMALL
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Observation, Policy
 from khepera_forage.policies.policy import SEPARATED, is_training, state_vector_of
-from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.states import BEHAVIOURS, Behaviour, behaviour_for, classify
 from khepera_forage.thesis.claims import Claim, Unit, points, within
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 LENGTHS = {"1 episode": 1, "5 episodes": 5}
 """Training episodes of a generation."""
@@ -39,68 +42,52 @@ class SilentWhenSeparated:
 
 
 def run_chain(trial: fw.Trial) -> list[fw.Row]:
-    """One chain: each generation is trained by the one before it, the first by the teacher."""
+    """One chain: each generation is trained by the one before it, the first by the teacher.
+
+    A chain ends where the last generation cannot teach.
+    """
     env = trial.env()
-    recall_envs = {arena: trial.alone(arena) for arena in fw.ARENAS}
     rows: list[fw.Row] = []
     teacher: Policy | None = None
     episodes = min(LENGTHS[trial.condition], trial.size.files)
-    seeds = trial.seeds(trial.size.generations)
-    try:
-        for generation, seed in enumerate(seeds, 1):
-            files: list[Experience] = []
-            for experience, row in fw.train_files(env, trial, seed.spawn(episodes), generation, teacher):
-                files.append(experience)
-                rows.append(row)
-            for alone in recall_envs.values():
-                rows += fw.recall_all(alone, fw.imitator(files, alone.diagonal), trial, generation, files)
-            teacher = SilentWhenSeparated(fw.imitator(files, recall_envs["corridor"].diagonal))
-    except IncompleteTrainingError:
-        pass  # The chain ends: its last generation cannot teach. Later generations have no rows.
+    for generation, seed in enumerate(trial.seeds(trial.size.generations), 1):
+        files, trainings = fw.train_files(
+            trial, env, seed.spawn(episodes), amount=generation, teacher=teacher, may_fail=True
+        )
+        rows += trainings
+        if len(files) < episodes:
+            break
+        rows += fw.recall_learners(trial, {generation: files})
+        teacher = SilentWhenSeparated(fw.imitator(files, trial.alone("corridor").diagonal))
     return rows
 
 
-def report_chains(found: fw.Analysis) -> fw.Report:
-    """How much of the first generation's performance the last one has kept."""
-    note = (
-        "Generation 1 was trained by the teacher, generation 2 by generation 1, and so on. Steps as the teacher: steps "
-        "in which the learner does what the original teacher would have done. Chains that ended early have no rows for "
-        "later generations."
-    )
-    tables = (
-        found.recall_table(note, (fw.AGREEMENT, fw.DELIVERED, fw.VECTORS, fw.DISTINCT), "generation"),
-        found.training_table(
-            "With the generation before as the teacher.", (fw.ATTEMPTS, fw.ROUNDS, fw.TRUE), "generation"
-        ),
-    )
-    figure, axes = panels(4, "Chains: the trained learner becomes the teacher of the next")
-    own = pick(found.recalls, arena="corridor")
-    fw.curves(axes[0], found, own, fw.AGREEMENT, "generation", "corridor")
-    fw.curves(axes[1], found, own, fw.DELIVERED, "generation", "corridor")
-    fw.curves(axes[2], found, own, fw.DISTINCT, "generation", "experience", share=False)
-    fw.curves(axes[3], found, found.trainings, fw.TRUE, "generation", "training")
-    legend(figure, axes[0], fw.INTERVALS)
-    return [made for condition in LENGTHS for made in _chain_claims(found, condition)], tables, figure
+def chain_claims(found: fw.Analysis) -> Iterator[Claim]:
+    """How much of the first generation's performance the last one has kept, in the corridor."""
+    kept, vectors = within(KEPT_POINTS), Unit("different vectors", "+.0f")
+    for condition in LENGTHS:
+        recalls = pick(found.recalls, condition=condition, arena="corridor")
+        trainings = pick(found.trainings, condition=condition)
+        first, last = (pick(recalls, amount=n) for n in (1, max(fw.amounts_of(recalls))))
+        variety = within(KEPT_SHARE * found.mean(first, fw.DISTINCT).value)
+        name = f"{condition} a generation:"
+        yield found.compared(f"{name} agreement with the teacher is kept", last, first, fw.AGREEMENT, kept)
+        yield found.compared(f"{name} food delivered is kept", last, first, fw.DELIVERED, kept, points)
+        yield found.compared(f"{name} variety of the experience is kept", last, first, fw.DISTINCT, variety, vectors)
+        early, late = (pick(trainings, amount=n) for n in (1, max(fw.amounts_of(trainings))))
+        yield found.compared(f"{name} correctness of the vectors is kept", late, early, fw.TRUE, kept)
 
 
-def _chain_claims(found: fw.Analysis, condition: str) -> Iterator[Claim]:
-    """The last generation against the first, in the corridor."""
-    recalls = pick(found.recalls, condition=condition, arena="corridor")
-    trainings = pick(found.trainings, condition=condition)
-    variety = KEPT_SHARE * found.mean(pick(recalls, amount=1), fw.DISTINCT).value
-    last, kept = max(fw.amounts_of(recalls)), within(KEPT_POINTS)
-    vectors = Unit("different vectors", "+.0f")
-    for name, measure, rule, unit in (
-        ("agreement with the teacher", fw.AGREEMENT, kept, None),
-        ("food delivered", fw.DELIVERED, kept, points),
-        ("variety of the experience", fw.DISTINCT, within(variety), vectors),
-    ):
-        name = f"{condition} a generation: {name} is kept"
-        few, many = pick(recalls, amount=1), pick(recalls, amount=last)
-        yield found.compared(name, many, few, measure, rule, unit)
-    last = max(fw.amounts_of(trainings))
-    name = f"{condition} a generation: correctness of the vectors is kept"
-    yield found.compared(name, pick(trainings, amount=last), pick(trainings, amount=1), fw.TRUE, kept)
+def chain_figure(found: fw.Analysis) -> "Figure":
+    """What the generations do, and what they learned from."""
+    recalls = fw.by_condition(pick(found.recalls, arena="corridor"))
+    shown: list[fw.Panel] = [
+        ("corridor", fw.AGREEMENT, recalls),
+        ("corridor", fw.DELIVERED, recalls),
+        ("experience", fw.DISTINCT, recalls),
+        ("training", fw.TRUE, fw.by_condition(found.trainings)),
+    ]
+    return fw.curves_figure(found, "Chains: the trained learner becomes the teacher of the next", "generation", shown)
 
 
 CHAINS_OF_LEARNERS = fw.Experiment(
@@ -113,7 +100,16 @@ CHAINS_OF_LEARNERS = fw.Experiment(
     "Training episodes are repeated until they are complete, so a generation passes on only its successes.",
     tuple(LENGTHS),
     run_chain,
-    report_chains,
+    chain_claims,
+    chain_figure,
+    recalls=(
+        "Generation 1 was trained by the teacher, generation 2 by generation 1, and so on. Steps as the teacher: steps "
+        "in which the learner does what the original teacher would have done. Chains that ended early have no rows for "
+        "later generations.",
+        (fw.AGREEMENT, fw.DELIVERED, fw.VECTORS, fw.DISTINCT),
+    ),
+    trainings=("With the generation before as the teacher.", (fw.ATTEMPTS, fw.ROUNDS, fw.TRUE)),
+    amount="generation",
 )
 
 DELAYS = (0, 2, 3, 5)
@@ -162,53 +158,23 @@ class SimulatedPerson:
 
 
 def run_person(trial: fw.Trial) -> list[fw.Row]:
-    """One learner for each delay, all with the same share of wrong keys."""
+    """One learner for each delay, all with the same share of wrong keys.
+
+    A delay with which a training episode was never complete has no rows.
+    """
     trial = trial._replace(size=trial.size._replace(attempts=trial.size.patience))
     env = trial.env()
-    recall_envs = [trial.alone(arena) for arena in fw.ARENAS]
     rows: list[fw.Row] = []
     for delay in DELAYS:
         person = SimulatedPerson(env, delay, WRONG[trial.condition])
         seeds = trial.seeds(min(LESSONS, trial.size.files))
-        try:
-            files, trainings = fw.all_files(trial, env, seeds, amount=delay, teacher=person)
-        except IncompleteTrainingError:
-            continue  # No learner can be trained like this: the delay has no rows.
-        rows += trainings
-        for alone in recall_envs:
-            rows += fw.recall_all(alone, fw.imitator(files, alone.diagonal), trial, delay, files)
+        files, trainings = fw.train_files(trial, env, seeds, amount=delay, teacher=person, may_fail=True)
+        if len(files) == len(seeds):
+            rows += [*trainings, *fw.recall_learners(trial, {delay: files})]
     return rows
 
 
-def report_person(found: fw.Analysis) -> fw.Report:
-    """What a learner loses through its teacher's faults."""
-    note = (
-        f"Learners of {LESSONS} training episodes in the corridor. Delay: {ROUNDS_OF} by which the simulated person "
-        "reacts late. Delay 0 without wrong keys is the hand-coded teacher. Teachers with whom some episode is never "
-        "complete have no rows."
-    )
-    tables = (
-        found.recall_table(note, (fw.SCORE, fw.AGREEMENT, fw.DELIVERED, fw.VECTORS, fw.DISTINCT), "delay"),
-        found.training_table(
-            "The last column refers to the learner's own state vectors.", (fw.ATTEMPTS, fw.ROUNDS, fw.TRUE), "delay"
-        ),
-    )
-    figure, axes = panels(4, "A simulated person as the teacher: late, and with wrong keys")
-    corridor, rectangle = (pick(found.recalls, arena=arena) for arena in fw.ARENAS)
-    label = f"delay ({ROUNDS_OF})"
-    fw.curves(axes[0], found, corridor, fw.SCORE, label, "corridor", amounts=DELAYS)
-    fw.curves(axes[1], found, corridor, fw.DELIVERED, label, "corridor", amounts=DELAYS)
-    fw.curves(axes[2], found, rectangle, fw.DELIVERED, label, "rectangle", amounts=DELAYS)
-    fw.curves(axes[3], found, found.trainings, fw.TRUE, label, "training", amounts=DELAYS)
-    for panel in axes:
-        for place, delay in enumerate(DELAYS):
-            if not pick(found.trainings, amount=delay):
-                panel.text(place, 50, "no complete\ntraining", ha="center", va="center", fontsize=SMALL)
-    legend(figure, axes[0], fw.INTERVALS)
-    return list(_person_claims(found)), tables, figure
-
-
-def _person_claims(found: fw.Analysis) -> Iterator[Claim]:
+def person_claims(found: fw.Analysis) -> Iterator[Claim]:
     """The learner of a faulty teacher against that of the hand-coded one, in the corridor."""
     corridor = pick(found.recalls, arena="corridor")
     usual = pick(corridor, condition=NO_WRONG_KEYS, amount=0)
@@ -219,6 +185,23 @@ def _person_claims(found: fw.Analysis) -> Iterator[Claim]:
     ):
         own = pick(corridor, condition=condition, amount=delay)
         yield found.compared(f"{faults}: the learner is as good", own, usual, fw.SCORE, within(MARGIN))
+
+
+def person_figure(found: fw.Analysis) -> "Figure":
+    """What a learner loses through its teacher's faults."""
+    corridor, rectangle = (fw.by_condition(pick(found.recalls, arena=arena)) for arena in fw.ARENAS)
+    shown: list[fw.Panel] = [
+        ("corridor", fw.SCORE, corridor),
+        ("corridor", fw.DELIVERED, corridor),
+        ("rectangle", fw.DELIVERED, rectangle),
+        ("training", fw.TRUE, fw.by_condition(found.trainings)),
+    ]
+    title = "A simulated person as the teacher: late, and with wrong keys"
+    figure = fw.curves_figure(found, title, f"delay ({ROUNDS_OF})", shown, values=DELAYS)
+    for panel, (place, delay) in product(figure.axes, enumerate(DELAYS)):
+        if not pick(found.trainings, amount=delay):
+            panel.text(place, 50, "no complete\ntraining", ha="center", va="center", fontsize=SMALL)
+    return figure
 
 
 HUMAN_TEACHER = fw.Experiment(
@@ -232,7 +215,16 @@ HUMAN_TEACHER = fw.Experiment(
     "who judges distances by eye, is not simulated.",
     tuple(WRONG),
     run_person,
-    report_person,
+    person_claims,
+    person_figure,
+    recalls=(
+        f"Learners of {LESSONS} training episodes in the corridor. Delay: {ROUNDS_OF} by which the simulated person "
+        "reacts late. Delay 0 without wrong keys is the hand-coded teacher. Teachers with whom some episode is never "
+        "complete have no rows.",
+        (fw.SCORE, fw.AGREEMENT, fw.DELIVERED, fw.VECTORS, fw.DISTINCT),
+    ),
+    trainings=("The last column refers to the learner's own state vectors.", (fw.ATTEMPTS, fw.ROUNDS, fw.TRUE)),
+    amount="delay",
 )
 
 LEARNERS = (1, 2, 3, 4)
@@ -258,25 +250,11 @@ def run_together(trial: fw.Trial) -> list[fw.Row]:
     learners = int(number)
     trial = trial._replace(condition=noise, size=trial.size._replace(attempts=MOST_ATTEMPTS))
     env = trial.env(num_learners=learners, noise=NOISES[noise])
-    return [*fw.all_files(trial, env, amount=learners)[1]]
+    return [*fw.train_files(trial, env, amount=learners)[1]]
 
 
-def report_together(found: fw.Analysis) -> fw.Report:
-    """What an episode with several learners costs."""
-    note = (
-        "Rounds, waiting and separations are those of the complete attempt. The cost of an experience file is the "
-        "rounds of all attempts at an episode, divided by the number of learners. Long losses: markers are lost ten "
-        "times as often as in the laboratory, and ten times as long."
-    )
-    measures = (fw.ATTEMPTS, fw.ROUNDS, fw.WAITED, fw.SEPARATIONS, COST, fw.TRUE)
-    figure, axes = panels(4, "Several learners with one teacher")
-    for panel, measure in zip(axes, (fw.WAITED, fw.ROUNDS, fw.ATTEMPTS, COST), strict=True):
-        fw.curves(panel, found, found.trainings, measure, "learners", share=False)
-    legend(figure, axes[0], fw.INTERVALS)
-    return list(_waiting_claims(found)), [found.training_table(note, measures, "learners")], figure
-
-
-def _waiting_claims(found: fw.Analysis) -> Iterator[Claim]:
+def together_claims(found: fw.Analysis) -> Iterator[Claim]:
+    """What an episode with most learners costs more than one with a single learner."""
     rounds, attempts = Unit("rounds", ".1f"), Unit("attempts", ".2f")
     for noise in NOISES:
         few, most = (pick(found.trainings, condition=noise, amount=n) for n in (LEARNERS[0], LEARNERS[-1]))
@@ -290,6 +268,13 @@ def _waiting_claims(found: fw.Analysis) -> Iterator[Claim]:
             yield found.compared(name, most, few, measure, unit=unit)
 
 
+def together_figure(found: fw.Analysis) -> "Figure":
+    """Costs by the number of learners."""
+    rows = fw.by_condition(found.trainings)
+    shown: list[fw.Panel] = [("", measure, rows) for measure in (fw.WAITED, fw.ROUNDS, fw.ATTEMPTS, COST)]
+    return fw.curves_figure(found, "Several learners with one teacher", "learners", shown)
+
+
 SEVERAL_LEARNERS = fw.Experiment(
     "several_learners",
     "Several learners at once",
@@ -299,5 +284,13 @@ SEVERAL_LEARNERS = fw.Experiment(
     "learner is separated. An episode is complete when all robots have delivered and left home.",
     tuple(f"{number} {noise}" for noise in NOISES for number in LEARNERS),
     run_together,
-    report_together,
+    together_claims,
+    together_figure,
+    trainings=(
+        "Rounds, waiting and separations are those of the complete attempt. The cost of an experience file is the "
+        "rounds of all attempts at an episode, divided by the number of learners. Long losses: markers are lost ten "
+        "times as often as in the laboratory, and ten times as long.",
+        (fw.ATTEMPTS, fw.ROUNDS, fw.WAITED, fw.SEPARATIONS, COST, fw.TRUE),
+    ),
+    amount="learners",
 )
