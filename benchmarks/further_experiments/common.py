@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from itertools import chain, product, repeat
+from itertools import product, repeat
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -15,7 +15,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import Estimate, Measure, Table, Value, difference, mean, pick, table_of
 from khepera_forage.experience import Experience
-from khepera_forage.figures import COLOURS, MARKERS, SMALL, entry, grid, legend, levels, mark, panels
+from khepera_forage.figures import COLOURS, MARKERS, entry, grid, legend, mark, panels
 from khepera_forage.policies import NearestNeighbourImitator, Policy
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import STATES
@@ -27,6 +27,7 @@ from khepera_forage.thesis.claims import Claim, Rule, Unit, above, points
 from khepera_forage.thesis.design import training_distance
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 ARENAS = ("corridor", "rectangle")
@@ -96,7 +97,7 @@ AS_IN_RECALL_ROW = (
     *("rounds_by_state", "wrong_by_state"),
 )
 Row = EpisodeRow | RecallEpisode
-RowT = TypeVar("RowT", EpisodeRow, RecallEpisode)
+RowT = TypeVar("RowT", bound=EpisodeRow | RecallEpisode)
 TABLES = {EpisodeRow: "trainings", RecallEpisode: "recalls"}
 
 
@@ -123,8 +124,6 @@ TRUE = Measure[EpisodeRow](
 PERCENT = Unit("%", ".1f")
 FOOD_POINTS = Unit("points of food delivered", "+.1f")
 POSITIVE = above(0.0)
-INTERVALS = "bars: 95 % interval over replications"
-EPISODES = "training episodes"
 
 NEARER, ABOUT, FURTHER = "nearer home", "about as in training", "further out"
 PLACES = {NEARER: (-math.inf, -5.0), ABOUT: (-5.0, 15.0), FURTHER: (15.0, math.inf)}
@@ -319,6 +318,14 @@ def recall_learners(
     ]
 
 
+def train_and_recall(
+    trial: Trial, learners: Learners = imitators, alone: Callable[[str], BehavioursEnv] | None = None, **training: Any
+) -> list[Row]:
+    """Train as `train_files`, and recall after each of the size's numbers of training episodes."""
+    files, trainings = train_files(trial, **training)
+    return [*trainings, *recall_learners(trial, trial.by_amount(files), learners, alone)]
+
+
 @dataclass(frozen=True, slots=True)
 class Analysis:
     """All rows of an experiment. Every interval has the same seed, so that it does not depend on the others."""
@@ -414,6 +421,7 @@ class Experiment(NamedTuple):
         section: Of the thesis, where the question stands.
         conditions: One trial each in every replication.
         claims: Each with its verdict.
+        picture: Measures that are drawn against the amount, of the recalls in both arenas, if there are any.
         recalls: Means by condition, arena and amount.
         trainings: Means by condition and amount.
         amount: What the amount is, where it is no number of training episodes.
@@ -429,7 +437,7 @@ class Experiment(NamedTuple):
     conditions: tuple[str, ...]
     run: Callable[[Trial], list[Row]]
     claims: Callable[[Analysis], Iterable[Claim]]
-    figure: Callable[[Analysis], "Figure"]
+    picture: Sequence[Measure[Any]]
     recalls: Means | None = None
     trainings: Means | None = None
     amount: str = ""
@@ -447,7 +455,7 @@ class Experiment(NamedTuple):
     def page(self, found: Analysis) -> Page:
         """Question, method, picture, claims and tables."""
         question = f"**{self.question}** (section {self.section} of the thesis)"
-        picture = Picture(self.name, self.title, self.figure(found))
+        picture = Picture(self.name, self.title, self._figure(found))
         return Page(self.title, [question, self.method, picture, *self._tables(found)])
 
     def _tables(self, found: Analysis) -> Iterator[Table]:
@@ -478,79 +486,39 @@ class Experiment(NamedTuple):
         if self.states:
             yield self.states(found)
 
-
-Panel = tuple[str, Measure[Any], Mapping[str, Sequence[Any]]]
-"""Title, measure, and the rows of each curve."""
-
-
-def curves_figure(
-    found: Analysis, title: str, label: str, shown: Sequence[Panel], along: str = "amount", values: Sequence[Any] = ()
-) -> "Figure":
-    """Panels with means along a field of the rows: the amount, with curves, or the condition, without.
-
-    The label is that of the field; its values are by default the amounts that occur.
-    """
-    figure, axes = panels(len(shown), title)
-    for panel, (heading, measure, groups) in zip(axes, shown, strict=True):
-        ticks = values or amounts_of(chain(*groups.values()), 0)
-        line = "-" if along == "amount" else ""
-        for i, (name, rows) in enumerate(groups.items()):
-            colour, marker = COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]
-            shift = 0.12 * (i - (len(groups) - 1) / 2)
-            cells = [pick(rows, **{along: value}) for value in ticks]
-            known = [(place + shift, found.mean(cell, measure)) for place, cell in enumerate(cells) if cell]
-            panel.plot([x for x, _ in known], [estimate.value for _, estimate in known], color=colour, ls=line, lw=1)
-            entry(panel, name, colour, marker, line)
-            for x, estimate in known:
-                mark(panel, x, estimate.value, estimate, colour, marker=marker)
-        panel.set_xticks(range(len(ticks)), [str(value) for value in ticks], fontsize=SMALL)
-        panel.set_xlim(-0.5, len(ticks) - 0.5)
-        panel.set_xlabel(label)
-        panel.set_ylabel(fill(measure.name, 30))
-        panel.set_title(heading, fontsize=10)
-        grid(panel)
-        if measure.name.endswith("(%)"):
-            panel.set_ylim(min(-4.0, panel.get_ylim()[0]), 104)  # scores go down to -20
-        else:
-            highest = max(1.0, panel.get_ylim()[1])
-            panel.set_ylim(-0.03 * highest, highest)  # marks at 0 are shown whole
-        if along != "amount":
-            panel.legend(fontsize=SMALL)
-    if along == "amount":
-        legend(figure, axes[0], INTERVALS)
-    return figure
+    def _figure(self, found: Analysis) -> "Figure":
+        groups: list[tuple[str, Sequence[Row]]] = [
+            (arena, pick(found.recalls, arena=arena)) for arena in ARENAS if found.recalls
+        ]
+        shown = list(product(groups or [("", found.trainings)], self.picture))
+        figure, axes = panels(len(shown), self.title)
+        for panel, ((heading, rows), measure) in zip(axes, shown, strict=True):
+            draw_curves(panel, found, rows, measure)
+            panel.set_title(heading, fontsize=10)
+            panel.set_xlabel(self.amount or "training episodes")
+        legend(figure, axes[0], "bars: 95 % interval over replications")
+        return figure
 
 
-def score_and_food(found: Analysis, title: str, second: Measure[RecallEpisode] = DELIVERED) -> "Figure":
-    """Score and another measure in each arena, against the number of training episodes."""
-    shown: list[Panel] = []
-    for arena in ARENAS:
-        own = pick(found.recalls, arena=arena)
-        shown.append((arena, SCORE, by_condition([row for row in own if row.amount])))
-        shown.append((arena, second, by_condition(own)))
-    return curves_figure(found, title, EPISODES, shown)
-
-
-def levels_figure(
-    found: Analysis,
-    title: str,
-    measures: Sequence[Measure[RecallEpisode]],
-    amounts: Mapping[int, str],
-    conditions: Sequence[str],
-) -> "Figure":
-    """Means by condition of every measure in both arenas, for some amounts with their names."""
-    shown = list(product(ARENAS, measures))
-    figure, axes = panels(len(shown), title)
-    figure.set_figheight(1.2 + 0.4 * len(measures) * len(conditions))
-    for i, (panel, (arena, measure)) in enumerate(zip(axes, shown, strict=True)):
-        own = pick(found.recalls, arena=arena)
-        estimates = {
-            name: [found.mean(pick(own, condition=name, amount=amount), measure) for amount in amounts]
-            for name in conditions
-        }
-        levels(panel, estimates, f"{measure.name}, {arena}", list(amounts.values()))
-        panel.set_xlim(-24 if measure is SCORE else -4, 104)
-        if i % 2:
-            panel.set_yticklabels([])
-    legend(figure, axes[0], INTERVALS)
-    return figure
+def draw_curves(axes: "Axes", found: Analysis, rows: Sequence[Row], measure: Measure[Any]) -> None:
+    """Draw the mean of a measure against the amount, one curve a condition."""
+    conditions, amounts = by_condition(rows), amounts_of(rows, 0)
+    for i, (condition, own) in enumerate(conditions.items()):
+        # More conditions than colours have other pairs of colour and marker.
+        colour, marker = COLOURS[i % len(COLOURS)], MARKERS[(i + i // len(COLOURS)) % len(MARKERS)]
+        shift = 0.7 * ((i + 0.5) / len(conditions) - 0.5)
+        cells = [(place + shift, pick(own, amount=amount)) for place, amount in enumerate(amounts)]
+        points = [(x, found.mean(cell, measure)) for x, cell in cells if cell]
+        axes.plot([x for x, _ in points], [estimate.value for _, estimate in points], color=colour, lw=1)
+        entry(axes, condition, colour, marker, "-")
+        for x, estimate in points:
+            mark(axes, x, estimate.value, estimate, colour, marker=marker)
+    axes.set_xticks(range(len(amounts)), [str(amount) for amount in amounts])
+    axes.set_xlim(-0.5, len(amounts) - 0.5)
+    axes.set_ylabel(fill(measure.name, 30))
+    grid(axes)
+    if measure.name.endswith("(%)"):
+        axes.set_ylim(min(-4.0, axes.get_ylim()[0]), 104)  # scores go down to -20
+    else:
+        highest = max(1.0, axes.get_ylim()[1])
+        axes.set_ylim(-0.03 * highest, highest)  # marks at 0 are shown whole

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby, product
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,9 +17,6 @@ from khepera_forage.rollouts.training import arrays
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import BEHAVIOURS, Behaviour, FoodType, StateVector, behaviour_for, classify, is_raised
 from khepera_forage.thesis.claims import Claim, within
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SAME = 10.0
 """Points of food delivered within which two places count as equal. Our decision."""
@@ -39,8 +35,7 @@ TESTED = ("food ×2", "food ×4", "food ×8", LEARNED)
 
 def run_weights(trial: fw.Trial) -> list[fw.Row]:
     """The same training files for all weights, and the same recalls."""
-    files, trainings = fw.train_files(trial)
-    return [*trainings, *fw.recall_learners(trial, trial.by_amount(files), partial(weighted, trial.replication))]
+    return fw.train_and_recall(trial, partial(weighted, trial.replication))
 
 
 def weighted(seed: int, env: BehavioursEnv, files: fw.Files) -> Iterator[fw.Learner]:
@@ -75,22 +70,6 @@ def weight_claims(found: fw.Analysis) -> Iterator[Claim]:
         yield found.compared(f"{arena}: {name} scores more than equal weights", rows, equal, fw.SCORE)
 
 
-def weight_figure(found: fw.Analysis) -> "Figure":
-    """Scores after one episode and after all, and the food delivered after all, by place."""
-    first, last = found.amounts[0], found.amounts[-1]
-    recalls = {arena: pick(found.recalls, arena=arena) for arena in fw.ARENAS}
-    shown: list[fw.Panel] = [
-        (arena, fw.SCORE, {f"{n} training episodes": pick(rows, amount=n) for n in (first, last)})
-        for arena, rows in recalls.items()
-    ]
-    corridor, rectangle = (pick(rows, amount=last) for rows in recalls.values())
-    by_place = {f"food {place}": fw.at(corridor, place) for place in fw.PLACES}
-    shown.append((f"corridor, {last} episodes", fw.DELIVERED, by_place))
-    shown.append((f"rectangle, {last} episodes", fw.DELIVERED, {"both food objects": rectangle}))
-    title = "Attribute weights in the distance of 4.6.1"
-    return fw.curves_figure(found, title, f"weight; {fw.INTERVALS}", shown, "condition", CONDITIONS)
-
-
 ATTRIBUTE_WEIGHTS = fw.Experiment(
     "attribute_weights",
     "Attribute weights",
@@ -104,7 +83,7 @@ ATTRIBUTE_WEIGHTS = fw.Experiment(
     ("all",),
     run_weights,
     weight_claims,
-    weight_figure,
+    (fw.SCORE, fw.DELIVERED),
     recalls=(
         "Noise of the laboratory; the same training files and the same recalls for all weights.",
         (fw.SCORE, fw.DELIVERED, fw.STEPS),
@@ -193,12 +172,6 @@ COPY = 5.0
 LEARNERS = (THESIS, HIGHEST, *THRESHOLDS, GOAL, GOAL_ALL, LABELS)
 
 
-def run_alternatives(trial: fw.Trial) -> list[fw.Row]:
-    """The same training files for all learners, and the same recalls."""
-    files, trainings = fw.train_files(trial)
-    return [*trainings, *fw.recall_learners(trial, trial.by_amount(files), alternatives)]
-
-
 def alternatives(env: BehavioursEnv, files: fw.Files) -> Iterator[fw.Learner]:
     """Every learner, and without files the teachers."""
     if not files:
@@ -234,14 +207,6 @@ def alternative_claims(found: fw.Analysis) -> Iterator[Claim]:
         yield found.compared(name, rows[LABELS], teacher, fw.SCORE, within(COPY))
 
 
-def alternative_figure(found: fw.Analysis) -> "Figure":
-    """Score and food of every learner after one episode and after all, and of the teachers."""
-    first, last = found.amounts[0], found.amounts[-1]
-    kinds = {first: f"{first} episode{'s' * (first > 1)}", last: f"{last} episodes", 0: "no learning"}
-    conditions = (*LEARNERS, TEACHER, TEACHER_GOAL)
-    return fw.levels_figure(found, "Alternatives that the thesis names", (fw.SCORE, fw.DELIVERED), kinds, conditions)
-
-
 ALTERNATIVES = fw.Experiment(
     "alternatives",
     "Alternatives that the thesis rejected",
@@ -253,9 +218,9 @@ ALTERNATIVES = fw.Experiment(
     "passed; the learner keeps one vector for every behaviour that the teacher began, or, as a control, all vectors. "
     "*State labels*: the learner has the tree of figure 4.2 and learns only which behaviour was heard in which state.",
     ("all",),
-    run_alternatives,
+    partial(fw.train_and_recall, learners=alternatives),
     alternative_claims,
-    alternative_figure,
+    (fw.SCORE, fw.DELIVERED),
     recalls=(
         "Noise of the laboratory; the same training files and the same recalls for all. Teachers have no training "
         "episodes.",

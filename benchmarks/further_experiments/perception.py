@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import accumulate, chain, product
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from sklearn.ensemble import ExtraTreesRegressor
@@ -22,9 +22,6 @@ from khepera_forage.task.perception import RawData
 from khepera_forage.task.states import Behaviour, StateVector
 from khepera_forage.thesis.claims import Claim, above, within
 from khepera_forage.vision.scene import MM_PER_PIXEL
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SAME = 10.0
 """Points of food delivered, or of score, within which two arenas or robots count as equal. Our decision."""
@@ -158,7 +155,7 @@ STATE_VECTOR = fw.Experiment(
     ("all",),
     run_vectors,
     vector_claims,
-    lambda found: fw.score_and_food(found, "The thesis's state vector, and a redesigned one"),
+    (fw.SCORE, fw.DELIVERED),
     recalls=(
         "Noise of the laboratory; the same training episodes and the same recalls for both.",
         (fw.SCORE, fw.DELIVERED, fw.STEPS),
@@ -312,17 +309,6 @@ def action_claims(found: fw.Analysis) -> Iterator[Claim]:
         yield found.compared(name, various, same, fw.DELIVERED)
 
 
-def action_figure(found: fw.Analysis) -> "Figure":
-    """Food delivered by number of training episodes."""
-    shown: list[fw.Panel] = []
-    for setup, arena in product((ONE, ALL), fw.ARENAS):
-        rows = pick(found.recalls, arena=arena)
-        groups = {what: pick(rows, condition=f"{setup}: {what}") for what in (PROGRAM, BEHAVIOURS, BOTH)}
-        shown.append((f"{arena}, training with {setup}", fw.DELIVERED, groups))
-    title = "Action level: food delivered with a learned program, learned behaviours, and both"
-    return fw.curves_figure(found, title, fw.EPISODES, shown)
-
-
 def action_states(found: fw.Analysis) -> Table:
     """Where learned behaviours take longer than the hand-coded ones."""
     shown = ((ONE, TEACHER), (ONE, BEHAVIOURS), (ALL, BEHAVIOURS))
@@ -352,7 +338,7 @@ ACTION_LEVEL = fw.Experiment(
     (ONE, ALL),
     run_actions,
     action_claims,
-    action_figure,
+    (fw.DELIVERED, fw.SCORE),
     recalls=(
         "Noise of the laboratory; random places, the same for every line of an arena. 0 episodes: the teacher's "
         "program and the hand-coded behaviours. The score tells how good the program is, the food how good the "

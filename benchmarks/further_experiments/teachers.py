@@ -3,24 +3,18 @@
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 import further_experiments.common as fw
 from khepera_forage.envs.training import TEACHER, TrainingEnv
 from khepera_forage.estimates import Measure, pick
-from khepera_forage.figures import SMALL
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Observation, Policy
 from khepera_forage.policies.policy import SEPARATED, is_training, state_vector_of
 from khepera_forage.task.decisions import DEFAULT_DECISIONS
 from khepera_forage.task.states import BEHAVIOURS, Behaviour, behaviour_for, classify
 from khepera_forage.thesis.claims import Claim, Unit, points, within
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 LENGTHS = {"1 episode": 1, "5 episodes": 5}
 """Training episodes of a generation."""
@@ -78,18 +72,6 @@ def chain_claims(found: fw.Analysis) -> Iterator[Claim]:
         yield found.compared(f"{name} correctness of the vectors is kept", late, early, fw.TRUE, kept)
 
 
-def chain_figure(found: fw.Analysis) -> "Figure":
-    """What the generations do, and what they learned from."""
-    recalls = fw.by_condition(pick(found.recalls, arena="corridor"))
-    shown: list[fw.Panel] = [
-        ("corridor", fw.AGREEMENT, recalls),
-        ("corridor", fw.DELIVERED, recalls),
-        ("experience", fw.DISTINCT, recalls),
-        ("training", fw.TRUE, fw.by_condition(found.trainings)),
-    ]
-    return fw.curves_figure(found, "Chains: the trained learner becomes the teacher of the next", "generation", shown)
-
-
 CHAINS_OF_LEARNERS = fw.Experiment(
     "chains_of_learners",
     "Chains of learners",
@@ -101,7 +83,7 @@ CHAINS_OF_LEARNERS = fw.Experiment(
     tuple(LENGTHS),
     run_chain,
     chain_claims,
-    chain_figure,
+    (fw.AGREEMENT, fw.DELIVERED, fw.DISTINCT),
     recalls=(
         "Generation 1 was trained by the teacher, generation 2 by generation 1, and so on. Steps as the teacher: steps "
         "in which the learner does what the original teacher would have done. Chains that ended early have no rows for "
@@ -187,23 +169,6 @@ def person_claims(found: fw.Analysis) -> Iterator[Claim]:
         yield found.compared(f"{faults}: the learner is as good", own, usual, fw.SCORE, within(MARGIN))
 
 
-def person_figure(found: fw.Analysis) -> "Figure":
-    """What a learner loses through its teacher's faults."""
-    corridor, rectangle = (fw.by_condition(pick(found.recalls, arena=arena)) for arena in fw.ARENAS)
-    shown: list[fw.Panel] = [
-        ("corridor", fw.SCORE, corridor),
-        ("corridor", fw.DELIVERED, corridor),
-        ("rectangle", fw.DELIVERED, rectangle),
-        ("training", fw.TRUE, fw.by_condition(found.trainings)),
-    ]
-    title = "A simulated person as the teacher: late, and with wrong keys"
-    figure = fw.curves_figure(found, title, f"delay ({ROUNDS_OF})", shown, values=DELAYS)
-    for panel, (place, delay) in product(figure.axes, enumerate(DELAYS)):
-        if not pick(found.trainings, amount=delay):
-            panel.text(place, 50, "no complete\ntraining", ha="center", va="center", fontsize=SMALL)
-    return figure
-
-
 HUMAN_TEACHER = fw.Experiment(
     "human_teacher",
     "A human teacher",
@@ -216,7 +181,7 @@ HUMAN_TEACHER = fw.Experiment(
     tuple(WRONG),
     run_person,
     person_claims,
-    person_figure,
+    (fw.SCORE, fw.DELIVERED),
     recalls=(
         f"Learners of {LESSONS} training episodes in the corridor. Delay: {ROUNDS_OF} by which the simulated person "
         "reacts late. Delay 0 without wrong keys is the hand-coded teacher. Teachers with whom some episode is never "
@@ -268,13 +233,6 @@ def together_claims(found: fw.Analysis) -> Iterator[Claim]:
             yield found.compared(name, most, few, measure, unit=unit)
 
 
-def together_figure(found: fw.Analysis) -> "Figure":
-    """Costs by the number of learners."""
-    rows = fw.by_condition(found.trainings)
-    shown: list[fw.Panel] = [("", measure, rows) for measure in (fw.WAITED, fw.ROUNDS, fw.ATTEMPTS, COST)]
-    return fw.curves_figure(found, "Several learners with one teacher", "learners", shown)
-
-
 SEVERAL_LEARNERS = fw.Experiment(
     "several_learners",
     "Several learners at once",
@@ -285,7 +243,7 @@ SEVERAL_LEARNERS = fw.Experiment(
     tuple(f"{number} {noise}" for noise in NOISES for number in LEARNERS),
     run_together,
     together_claims,
-    together_figure,
+    (fw.WAITED, fw.ROUNDS, fw.ATTEMPTS, COST),
     trainings=(
         "Rounds, waiting and separations are those of the complete attempt. The cost of an experience file is the "
         "rounds of all attempts at an episode, divided by the number of learners. Long losses: markers are lost ten "

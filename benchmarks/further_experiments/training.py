@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import count, product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -25,9 +25,6 @@ from khepera_forage.task.placement import layout_key
 from khepera_forage.thesis.claims import Claim, at_most, percent_change, points
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 FOOD: dict[str, FoodOdds] = {
     "pickable": "PICKABLE",
     "pushable": "PUSHABLE",
@@ -41,10 +38,9 @@ MAX_POISON_HOME = 5.0
 def train_with_food(trial: fw.Trial) -> list[fw.Row]:
     """Training and recall with one kind of food. The policy with 0 episodes draws behaviours at random."""
     odds = FOOD[trial.condition]
-    files, trainings = fw.train_files(trial, trial.env(food_types=odds))
     learners = partial(fw.imitators, untrained=UniformPolicy())
     alone = partial(trial.alone, food_types=odds)
-    return [*trainings, *fw.recall_learners(trial, trial.by_amount(files), learners, alone)]
+    return fw.train_and_recall(trial, learners, alone, env=trial.env(food_types=odds))
 
 
 def food_claims(found: fw.Analysis) -> Iterator[Claim]:
@@ -89,7 +85,7 @@ PUSH_AND_AVOID = fw.Experiment(
     tuple(FOOD),
     train_with_food,
     food_claims,
-    lambda found: fw.score_and_food(found, "Pushing and avoiding food", fw.SETTLED),
+    (fw.SCORE, fw.SETTLED),
     recalls=(
         "Noise of the laboratory. Settled: delivered, or known to be poisonous and not brought home. 0 episodes: every "
         "behaviour drawn at random. A recall ends when all food is settled or was brought home as poison.",
@@ -125,8 +121,7 @@ def train_with_setups(trial: fw.Trial) -> list[fw.Row]:
     """Training episodes of one kind, and recalls after some of them and after all."""
     seeds, places = trial.seeds(2)
     marks = setups(trial.condition, np.random.default_rng(places))
-    files, trainings = fw.train_files(trial, seeds=seeds.spawn(trial.size.files), setups=marks)
-    return [*trainings, *fw.recall_learners(trial, trial.by_amount(files))]
+    return fw.train_and_recall(trial, seeds=seeds.spawn(trial.size.files), setups=marks)
 
 
 def setup_claims(found: fw.Analysis) -> Iterator[Claim]:
@@ -153,7 +148,7 @@ SPATIAL_VARIETY = fw.Experiment(
     (ONE, MOVED, ALL),
     train_with_setups,
     setup_claims,
-    lambda found: fw.score_and_food(found, "Training episodes from one set-up, and from several"),
+    (fw.SCORE, fw.DELIVERED),
     recalls=(
         "Noise of the laboratory; random places, the same for every line of an arena.",
         (fw.SCORE, fw.DELIVERED, fw.STEPS, fw.VECTORS, fw.DISTINCT),
@@ -185,9 +180,8 @@ def train_robot(trial: fw.Trial) -> list[fw.Row]:
         return trial.alone(arena, **world([checked_arena(arena, decisions)], [decisions.recall_marker], robot))
 
     pair = world(copies(checked_arena(CORRIDOR, decisions), 2), (1, 2), RobotParameters(), robot)
-    files, trainings = fw.train_files(trial, trial.env(**pair), may_fail=True)
     learners = partial(fw.imitators, untrained=Teacher())
-    return [*trainings, *fw.recall_learners(trial, trial.by_amount(files), learners, alone)]
+    return fw.train_and_recall(trial, learners, alone, env=trial.env(**pair), may_fail=True)
 
 
 def robot_claims(found: fw.Analysis) -> Iterator[Claim]:
@@ -197,14 +191,6 @@ def robot_claims(found: fw.Analysis) -> Iterator[Claim]:
         last = max(fw.amounts_of(rows), default=None)  # there is none for a robot that was never trained
         copied, imitated = (pick(rows, amount=amount) for amount in (0, last))
         yield found.compared(f"{robot}, {arena}: imitating delivers more than copying", imitated, copied, fw.DELIVERED)
-
-
-def robot_figure(found: fw.Analysis) -> "Figure":
-    """The food delivered by a copy, and after most training episodes."""
-    last = max(found.amounts, default=0)
-    kinds = {0: "copied", last: f"imitated, {last} episodes"}
-    title = "Different robots: the teacher's program copied, and imitated"
-    return fw.levels_figure(found, title, [fw.DELIVERED], kinds, list(ROBOTS))
 
 
 DIFFERENT_ROBOTS = fw.Experiment(
@@ -218,7 +204,7 @@ DIFFERENT_ROBOTS = fw.Experiment(
     tuple(ROBOTS),
     train_robot,
     robot_claims,
-    robot_figure,
+    (fw.DELIVERED, fw.SCORE),
     recalls=(
         "0 episodes: the teacher's program, copied. A copy always scores 100 % less its penalty, because the score "
         "compares it with the same program. Compare the food delivered.",
