@@ -9,7 +9,6 @@ vectorised over worlds that share one maze, looped inside JAX, compiled, and wit
 math makes it a quarter faster and changes no reading by more than 0.001 mm. Needs an otherwise idle machine.
 """
 
-import argparse
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -23,11 +22,11 @@ import numpy as np
 
 from khepera_forage.estimates import UNKNOWN, Column, Table, Value, extremes, pick
 from khepera_forage.figures import OURS, SMALL, THESIS, grid, new_figure
-from khepera_forage.option_values import whole_number
 from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.study import Count, Job, Page, Picture, collect, finish, parse
 
 WORLDS, QUICK_WORLDS = (64, 256, 1024, 4096, 16384), (64, 256)
+"""Numbers of worlds that are stepped together."""
 SETTINGS = {
     "Kheperax, with its noise": "noise",
     "Kheperax, no noise": "none",
@@ -203,26 +202,13 @@ def page(rows: Sequence[Timed]) -> Page:
     return Page("Comparison with Kheperax", [Picture("kheperax", "robot-steps a second", figure), table])
 
 
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    numbers, quick = (" ".join(map(str, worlds)) for worlds in (WORLDS, QUICK_WORLDS))
-    text = f"numbers of worlds to step together ({numbers}; with --quick {quick})"
-    parser.add_argument("--worlds", type=whole_number(1), nargs="+", metavar="N", help=text)
-
-
 def main() -> int:
     """Run the benchmark."""
-    given = parse(
-        "kheperax",
-        __doc__,
-        Count("repeats", 7, 2, "repeats, of which the median counts"),
-        jobs=None,
-        add=_add_arguments,
-    )
-    worlds = tuple(sorted(set(given.worlds or (QUICK_WORLDS if given.quick else WORLDS))))
+    given = parse("kheperax", __doc__, Count("repeats", 7, 2, "repeats, of which the median counts"), jobs=None)
     sys.path[:] = [folder for folder in sys.path if Path(folder) != Path(__file__).parent]  # this file has its name
     os.environ["JAX_PLATFORMS"] = "cpu"
     os.environ["XLA_FLAGS"] = f"--xla_force_host_platform_device_count={CORES} --xla_cpu_enable_fast_math=true"
-    at_least = 0.05 if given.quick else 0.25
+    worlds, at_least = (QUICK_WORLDS, 0.05) if given.quick else (WORLDS, 0.25)
     units = [Job(str(k), timed, (k, worlds, at_least, given.seed)) for k in range(-1, given.repeats)]
     try:
         rows = collect(given, units, {Timed: "rows"}).of(Timed)

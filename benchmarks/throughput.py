@@ -196,7 +196,6 @@ class Case(NamedTuple):
     goal: float  # of this checkout
     target: float | None = None  # of the ratio to a0e33ed; without, --beside leaves the case out
     first_call: bool = False  # the value is the time of it all, import and compilation included
-    one_core: bool = False  # one thread, so that both processes of a pair can run on the same core
 
     def met(self, value: float, bound: float) -> bool:
         """Whether a value is as good as a goal or target."""
@@ -205,12 +204,12 @@ class Case(NamedTuple):
 
 one_world = partial(pymunk, act=lambda _, info: info["correct_behaviour"], backend="compiled")
 CASES = (
-    Case("pymunk", pymunk, "Corridor-v1 on pymunk", "steps/s", 30_000, 400, 1e4, 0.6, one_core=True),
+    Case("pymunk", pymunk, "Corridor-v1 on pymunk", "steps/s", 30_000, 400, 1e4, 0.6),
     Case("make_vec", make_vec, f"make_vec, {WORLDS:,} worlds", "steps/s", 200, 5, 2e6, 0.35),
     Case("kernel", kernel, "teacher in the kernel", "steps/s", 32_768, 128, 4e6, 0.3),
     Case("imitators", imitators, "imitators in the kernel", "steps/s", 32_768, 128, 1e6, 0.3),
     Case("trainings", trainings, "trainings in the kernel", "rounds/s", 8_192, 128, 1e6, 0.3),
-    Case("one_world", one_world, "one compiled world", "steps/s", 100_000, 1_000, 6e4, 0.6, one_core=True),
+    Case("one_world", one_world, "one compiled world", "steps/s", 100_000, 1_000, 6e4, 0.6),
     Case("procedural_recalls", procedural_recalls, "recalls, procedural/corridor", "", 2_000, 50, 0.5),
     Case("procedural_make_vec", procedural_make_vec, "make_vec, procedural/corridor", "", 2_000, 50, 0.5),
     Case("first_make_vec", make_vec, "first make_vec", "s", 1, 1, 45, 0.8, first_call=True),
@@ -218,28 +217,24 @@ CASES = (
     Case("first_train_learners", trainings, "first train_learners", "s", 128, 128, 45, 0.8, first_call=True),
     Case("design", design, "{:,} replications of the design", "s", 1_000, 2, 60, 4.0),
     Case("import", import_alone, "import khepera_forage", "s", 1, 1, 0.5),
-    Case("paired", paired, "paired corridors", "rounds/s", 10_000, 100, 4_000, one_core=True),
-    Case("decisions", decisions, "imitator in Python", "decisions/s", 20_000, 200, 4e4, one_core=True),
+    Case("paired", paired, "paired corridors", "rounds/s", 10_000, 100, 4_000),
+    Case("decisions", decisions, "imitator in Python", "decisions/s", 20_000, 200, 4e4),
     Case("memory", memory, "memory of a world", "bytes", 128, 128, 2_000),
 )
 BY_NAME = {case.name: case for case in CASES}
-Pairs = list[dict[str, float]]  # the repeats of a case: the value of each checkout
 
 
-def measure_here(name: str, size: str, seed: str, core: str) -> None:
+def measure_here(name: str, size: str, seed: str) -> None:
     """In a fresh process: print the value of a case, and where its package is."""
-    if core:
-        os.sched_setaffinity(0, [int(core)])
     case, start = BY_NAME[name], perf_counter()
     value = case.measure(int(size), int(seed))
     print(perf_counter() - start if case.first_call else value, __import__(PACKAGE).__file__, sep="\n")
 
 
-def measure(case: Case, folder: Path, size: int, seed: int, core: str) -> float:
+def measure(case: Case, folder: Path, size: int, seed: int) -> float:
     """The value of a case for the package in a folder, measured in a process of its own."""
     code = "import sys; sys.path.append(sys.argv[1]); import throughput as t; t.measure_here(*sys.argv[2:])"
-    command = [sys.executable, "-P", "-c", code, str(ROOT / "benchmarks"), case.name]
-    command += [str(size), str(seed), core]
+    command = [sys.executable, "-P", "-c", code, str(ROOT / "benchmarks"), case.name, str(size), str(seed)]
     with TemporaryDirectory(dir=folder) as empty:
         kernels = empty if case.first_call else str(folder / "kernels")
         kept = {"NUMBA_CACHE_DIR": kernels, "XDG_CACHE_HOME": kernels, "PYTHONPATH": str(folder)}
@@ -265,13 +260,12 @@ class CaseValue:
 
 
 def repeated(case: str, number: int, size: int, seed: int, found: dict[str, Path]) -> list[CaseValue]:
-    """A case, once in each checkout; each repeat with another seed, core and order of the checkouts."""
-    measured = BY_NAME[case]
-    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
-    core = str(cores[number % len(cores)]) if measured.one_core and cores else ""
-    names = list(found)[:: 1 if number % 2 else -1]
-    values = [measure(measured, found[name], size, seed + number, core) for name in names]
-    return [CaseValue(case, measured.unit, number, *one) for one in zip(names, values, strict=True)]
+    """A case, once in each checkout; each repeat with another seed and order of the checkouts."""
+    measured, names = BY_NAME[case], list(found)[:: 1 if number % 2 else -1]
+    return [
+        CaseValue(case, measured.unit, number, name, measure(measured, found[name], size, seed + number))
+        for name in names
+    ]
 
 
 def git(*arguments: str) -> str:
@@ -305,14 +299,13 @@ def spread(values: Sequence[float], text: Callable[[float], str]) -> str:
     return f"{text(median(values))} [{text(min(values))}, {text(max(values))}]"
 
 
-def line(case: Case, size: int, pairs: Pairs, commit: str | None) -> tuple[str, ...]:
-    """The case's line in the table."""
-    now = [pair["here"] for pair in pairs]
+def line(case: Case, size: int, now: Sequence[float], before: Sequence[float] = ()) -> tuple[str, ...]:
+    """The case's line in the table, from its repeats in this checkout and in the other one, if there is one."""
     sign = "≤" if case.unit in ("s", "bytes") else "≥"
     cells, bounds, met = [spread(now, short)], f"{sign} {short(case.goal)}", case.met(median(now), case.goal)
-    if commit and case.target:
-        ratios = [pair["here"] / pair[commit] for pair in pairs]
-        cells = [short(median(pair[commit] for pair in pairs)), short(median(now)), spread(ratios, "{:.2f}".format)]
+    if before and case.target:
+        ratios = [new / old for new, old in zip(now, before, strict=True)]
+        cells = [short(median(before)), short(median(now)), spread(ratios, "{:.2f}".format)]
         bounds, met = f"{sign} {case.target}; {bounds}", met and case.met(median(ratios), case.target)
     label = case.label.format(size) + (case.unit and f", {case.unit}")
     return label, *cells, bounds, "yes" if met else "no"
@@ -325,7 +318,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main() -> int:
     """Measure, print the table, and write page and rows."""
-    from khepera_forage.estimates import Column, Table
+    from khepera_forage.estimates import Column, Table, pick
     from khepera_forage.study import Count, Job, Page, collect, finish, parse
 
     count = Count("repeats", 5, 1, "repeats; of seconds 3 at most")
@@ -350,10 +343,10 @@ def main() -> int:
             rows = collect(given, units, {CaseValue: "rows"}).of(CaseValue)
         except RuntimeError as error:
             given.refuse(str(error))
-    values: dict[str, Pairs] = {case.name: [{} for _ in range(given.repeats)] for case in sizes}
-    for row in rows:
-        values[row.case][row.repeat][row.checkout] = row.value
-    lines = [line(case, size, list(filter(None, values[case.name])), commit) for case, size in sizes.items()]
+    values = {
+        case: [[row.value for row in pick(rows, case=case.name, checkout=name)] for name in found] for case in sizes
+    }
+    lines = [line(case, size, *values[case]) for case, size in sizes.items()]
     note = (
         f"Speed of this checkout ({git('describe', '--always', '--dirty') or 'not in git'}): median [lowest, highest]. "
         "Targets are of the ratio, goals of this checkout. Only first calls include import and compilation."

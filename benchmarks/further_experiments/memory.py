@@ -29,7 +29,6 @@ FIXED = {
     "food ×8": (1, 1, 1, 1, 8),
 }
 """Weights of ObjectPresence, RobotHomeDistance, FoodType, ArmsHeight and RobotFoodDistance."""
-CONDITIONS = (*FIXED, LEARNED)
 TESTED = ("food ×2", "food ×4", "food ×8", LEARNED)
 
 
@@ -169,7 +168,6 @@ TEACHER, TEACHER_GOAL = "teacher", "teacher until the goal"
 THRESHOLDS = {f"threshold {threshold:g}": threshold for threshold in (0.01, 0.05, 0.2)}
 COPY = 5.0
 """Points of score within which two policies count as equal. Our decision."""
-LEARNERS = (THESIS, HIGHEST, *THRESHOLDS, GOAL, GOAL_ALL, LABELS)
 
 
 def alternatives(env: BehavioursEnv, files: fw.Files) -> Iterator[fw.Learner]:

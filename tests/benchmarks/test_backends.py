@@ -64,13 +64,19 @@ def test_both_backends_have_the_same_recalls_and_lines_share_their_starts(out: P
         assert len(set(map(tuple, seeds.values()))) == 1
 
 
+def sides_of(line: dict[str, str], rows: list[dict[str, str]]) -> list[list[dict[str, str]]]:
+    """The rows of a line in a table, on each backend."""
+    arena = line.get("arena") or line["arenas"]
+    arenas = list(DIFFICULTIES) if arena == "all procedural" else [arena]
+    keys = [key for key in ("policy", "food") if key in line]
+    own = [row for row in rows if row["arena"] in arenas and all(row[key] == line[key] for key in keys)]
+    return [[row for row in own if row["backend"] == backend] for backend in BACKENDS]
+
+
 def test_tables_count_what_the_rows_hold(out: Path) -> None:
     rows = read(out / "recalls.csv")
     for line in read(out / "table_deliveries.csv"):
-        groups = list(DIFFICULTIES) if line["arenas"] == "all procedural" else [line["arenas"]]
-        for backend in BACKENDS:
-            known = (line["policy"], line["food"], backend)
-            own = [r for r in rows if (r["policy"], r["food"], r["backend"]) == known and r["arena"] in groups]
+        for backend, own in zip(BACKENDS, sides_of(line, rows), strict=True):
             assert len(own) == int(line["recalls"])
             deliverable = sum(int(row["deliverable"]) for row in own)
             if deliverable:
@@ -84,13 +90,9 @@ def ended(row: dict[str, str]) -> bool:
 
 
 def test_episodes_are_compared_pair_by_pair(out: Path) -> None:
-    for table, rows, keys in (("backends", "recalls", ("policy", "food")), ("trainings", "trainings", ())):
+    for table, rows in (("backends", "recalls"), ("trainings", "trainings")):
         for line in read(out / f"table_{table}.csv"):
-            arena = line.get("arena") or line["arenas"]
-            groups = list(DIFFICULTIES) if arena == "all procedural" else [arena]
-            own = [row for row in read(out / f"{rows}.csv") if row["arena"] in groups]
-            own = [row for row in own if all(row[key] == line[key] for key in keys)]
-            sides = [[row for row in own if row["backend"] == backend] for backend in BACKENDS]
+            sides = sides_of(line, read(out / f"{rows}.csv"))
             same = sum(row["same"] == "1" for row in sides[0])
             assert float(line["the same (%)"]) == pytest.approx(100 * same / len(sides[0]), abs=0.01)
             pairs = [(ended(one), ended(other)) for one, other in zip(*sides, strict=True)]

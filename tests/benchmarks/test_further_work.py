@@ -107,6 +107,15 @@ def test_trainings_agree_with_themselves(out: Path) -> None:
             assert (int(row["attempts"]) == 1) is (rounds == everything)
 
 
+def test_a_person_with_whom_an_episode_is_never_complete_has_no_rows(out: Path) -> None:
+    files: dict[tuple[str, str], list[str]] = {}
+    for row in rows_of(out, "human_teacher", "trainings"):
+        files.setdefault((row["condition"], row["amount"]), []).append(row["file"])
+    assert 0 < len(files) < 3 * 4
+    assert all(numbers == ["1", "2"] for numbers in files.values())
+    assert {(row["condition"], row["amount"]) for row in rows_of(out, "human_teacher")} == set(files)
+
+
 def test_action_level_has_every_pair_of_program_and_behaviours(out: Path) -> None:
     rows = read(out / "action_level" / "recalls.csv")
     assert {row["condition"] for row in rows} == {
@@ -292,7 +301,7 @@ def test_recorded_moments_are_those_of_the_experience_file() -> None:
     for seed in (1, 2):
         experience, rows = train(env, np.random.SeedSequence(seed), teacher=teacher, callback=teacher)
         assert len(rows) > 1
-        moments = teacher.moments
+        moments = teacher.attempts[-1]
         assert rows[-1].complete
         assert [state_vector(moment.raw, -1.0, DIAGONAL, DEFAULT_VALUES) for moment in moments] == list(
             experience.vectors
@@ -315,7 +324,7 @@ def test_without_noise_copied_motors_are_the_teachers() -> None:
     env.close()
     assert len(told) > 50
     assert [learner for _, learner in told] == [teacher for teacher, _ in told]
-    assert [moment.motors for moment in teacher.moments] == [learner for _, learner in told]
+    assert [moment.motors for moment in teacher.attempts[-1]] == [learner for _, learner in told]
 
 
 def test_recall_with_the_given_behaviours_is_recall() -> None:

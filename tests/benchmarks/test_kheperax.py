@@ -15,7 +15,7 @@ RATES = {NOISY: 0.5e6, FAST: 4e6}
 
 
 def test_mistakes_are_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "'0'; allowed: a whole number of at least 1" in refused("kheperax", "--worlds", "64", "0")
+    assert "'0'; allowed: a whole number of at least 1" in refused("kheperax", "--repeats", "0")
     monkeypatch.setitem(sys.modules, "jax", None)
     told = refused("kheperax", "--out", str(tmp_path))
     assert "pip install kheperax==0.2.0 jax" in told

@@ -48,14 +48,13 @@ def test_both_checkouts_are_measured_written_and_printed(tmp_path: Path) -> None
     ],
 )
 def test_line_compares_medians_with_target_and_goal(name: str, pairs: list[tuple[float, float]], cells: str) -> None:
-    values = [{"a0e33ed": before, "here": now} for before, now in pairs]
-    assert "|".join(line(BY_NAME[name], 1, values, "a0e33ed")[1:]) == cells
+    before, now = zip(*pairs, strict=True)
+    assert "|".join(line(BY_NAME[name], 1, now, before)[1:]) == cells
 
 
 def test_line_without_a_commit_compares_with_the_goal() -> None:
-    values = [{"here": value} for value in (12_345.0, 9_000.0, 20_000.0)]
     told = ("Corridor-v1 on pymunk, steps/s", "12.3 k [9,000, 20 k]", "≥ 10 k", "yes")
-    assert line(BY_NAME["pymunk"], 1, values, None) == told
+    assert line(BY_NAME["pymunk"], 1, (12_345.0, 9_000.0, 20_000.0)) == told
 
 
 def test_mistakes_are_one_line() -> None:
@@ -72,11 +71,11 @@ def test_mistakes_are_one_line() -> None:
 
 def test_case_that_fails_or_measures_another_package_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RuntimeError, match="case pymunk measured the package in "):
-        measure(BY_NAME["pymunk"], tmp_path, 10, 0, "")
+        measure(BY_NAME["pymunk"], tmp_path, 10, 0)
     (tmp_path / "khepera_forage").mkdir()
     (tmp_path / "khepera_forage" / "__init__.py").touch()
     with pytest.raises(RuntimeError, match=f"case pymunk failed in {tmp_path.name}: "):
-        measure(BY_NAME["pymunk"], tmp_path, 10, 0, "")
+        measure(BY_NAME["pymunk"], tmp_path, 10, 0)
 
 
 @in_a_checkout
