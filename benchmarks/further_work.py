@@ -8,29 +8,25 @@ name.
 
 import argparse
 import sys
-from shutil import get_terminal_size
 
+from further_experiments import memory, perception, teachers, training
 from further_experiments.common import TABLES, Analysis, EpisodeRow, ExperimentSize, RecallEpisode
-from further_experiments.memory import ALTERNATIVES, ATTRIBUTE_WEIGHTS
-from further_experiments.perception import ACTION_LEVEL, STATE_VECTOR
-from further_experiments.teachers import CHAINS_OF_LEARNERS, HUMAN_TEACHER, SEVERAL_LEARNERS
-from further_experiments.training import DIFFERENT_ROBOTS, PUSH_AND_AVOID, SPATIAL_VARIETY
 
-from khepera_forage.study import Count, collect, parse, write
+from khepera_forage.study import Count, collect, finish, parse
 
 EXPERIMENTS = {
     experiment.name: experiment
     for experiment in (
-        PUSH_AND_AVOID,
-        ATTRIBUTE_WEIGHTS,
-        SPATIAL_VARIETY,
-        STATE_VECTOR,
-        ACTION_LEVEL,
-        DIFFERENT_ROBOTS,
-        CHAINS_OF_LEARNERS,
-        HUMAN_TEACHER,
-        ALTERNATIVES,
-        SEVERAL_LEARNERS,
+        training.PUSH_AND_AVOID,
+        memory.ATTRIBUTE_WEIGHTS,
+        training.SPATIAL_VARIETY,
+        perception.STATE_VECTOR,
+        perception.ACTION_LEVEL,
+        training.DIFFERENT_ROBOTS,
+        teachers.CHAINS_OF_LEARNERS,
+        teachers.HUMAN_TEACHER,
+        memory.ALTERNATIVES,
+        teachers.SEVERAL_LEARNERS,
     )
 }
 """In the order of the pages. To add an experiment, add it to a file of the folder, and a line here."""
@@ -52,14 +48,10 @@ def main() -> int:
     size = QUICK if given.quick else ExperimentSize()
     results = given.out
     for name in given.only or EXPERIMENTS:
-        experiment = EXPERIMENTS[name]
-        given.out = results / name
+        experiment, given.name, given.out = EXPERIMENTS[name], name, results / name
         rows = collect(given, experiment.jobs(given.seed, given.replications, size), TABLES)
-        written = experiment.page(Analysis(rows.of(EpisodeRow), rows.of(RecallEpisode), given.seed))
-        write(given.out, name, written)
         print(f"# {experiment.title}: {experiment.question}\n")
-        print("\n".join(table.text(get_terminal_size().columns) for table in written.tables))
-    print(f"Pages, pictures, tables and rows are in {results}")
+        finish(given, experiment.page(Analysis(rows.of(EpisodeRow), rows.of(RecallEpisode), given.seed)))
     return 0
 
 

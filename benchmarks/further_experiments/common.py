@@ -487,13 +487,13 @@ class Experiment(NamedTuple):
             yield self.states(found)
 
     def _figure(self, found: Analysis) -> "Figure":
-        groups: list[tuple[str, Sequence[Row]]] = [
-            (arena, pick(found.recalls, arena=arena)) for arena in ARENAS if found.recalls
-        ]
-        shown = list(product(groups or [("", found.trainings)], self.picture))
+        rows: dict[str, Sequence[Row]] = {"": found.trainings}
+        if found.recalls:
+            rows = {arena: pick(found.recalls, arena=arena) for arena in ARENAS}
+        shown = list(product(self.picture, rows))
         figure, axes = panels(len(shown), self.title)
-        for panel, ((heading, rows), measure) in zip(axes, shown, strict=True):
-            draw_curves(panel, found, rows, measure)
+        for panel, (measure, heading) in zip(axes, shown, strict=True):
+            draw_curves(panel, found, rows[heading], measure)
             panel.set_title(heading, fontsize=10)
             panel.set_xlabel(self.amount or "training episodes")
         legend(figure, axes[0], "bars: 95 % interval over replications")
@@ -508,10 +508,10 @@ def draw_curves(axes: "Axes", found: Analysis, rows: Sequence[Row], measure: Mea
         colour, marker = COLOURS[i % len(COLOURS)], MARKERS[(i + i // len(COLOURS)) % len(MARKERS)]
         shift = 0.7 * ((i + 0.5) / len(conditions) - 0.5)
         cells = [(place + shift, pick(own, amount=amount)) for place, amount in enumerate(amounts)]
-        points = [(x, found.mean(cell, measure)) for x, cell in cells if cell]
-        axes.plot([x for x, _ in points], [estimate.value for _, estimate in points], color=colour, lw=1)
+        means = [(x, found.mean(cell, measure)) for x, cell in cells if cell]
+        axes.plot([x for x, _ in means], [estimate.value for _, estimate in means], color=colour, lw=1)
         entry(axes, condition, colour, marker, "-")
-        for x, estimate in points:
+        for x, estimate in means:
             mark(axes, x, estimate.value, estimate, colour, marker=marker)
     axes.set_xticks(range(len(amounts)), [str(amount) for amount in amounts])
     axes.set_xlim(-0.5, len(amounts) - 0.5)
