@@ -496,7 +496,9 @@ class Experiment(NamedTuple):
             draw_curves(panel, found, rows[heading], measure)
             panel.set_title(heading, fontsize=10)
             panel.set_xlabel(self.amount or "training episodes")
-        legend(figure, axes[0], "bars: 95 % interval over replications")
+        longest = max(len(row.condition) for own in rows.values() for row in own)
+        columns = min(4, 130 // (longest + 7))  # about as many letters fit in a line
+        legend(figure, axes[0], "bars: 95 % interval over replications", columns)
         return figure
 
 
