@@ -9,8 +9,15 @@ import numpy as np
 import pytest
 from further_experiments import memory
 from further_experiments import perception as new
+from further_experiments.common import ExperimentSize, Trial
 from further_experiments.memory import FIXED, PATIENCE, StateLabels, UntilGoal, goal_reached
-from further_experiments.perception import CopiedMotorsEnv, LearnedBehavioursEnv, ObservingTeacher, learned_command
+from further_experiments.perception import (
+    CopiedMotorsEnv,
+    LearnedBehavioursEnv,
+    ObservingTeacher,
+    learned_command,
+    observe,
+)
 from further_experiments.teachers import SimulatedPerson
 
 from khepera_forage.envs.training import TEACHER, TrainingEnv
@@ -19,7 +26,7 @@ from khepera_forage.policies import Teacher, WeightedImitator
 from khepera_forage.policies.distance import distance
 from khepera_forage.robots.khepera import ARM_RAISED, JAW_CLOSED, applicable
 from khepera_forage.rollouts.recall import recall, recall_env
-from khepera_forage.rollouts.training import attempt, train
+from khepera_forage.rollouts.training import attempt
 from khepera_forage.task.behaviours import command
 from khepera_forage.task.decisions import DEFAULT_VALUES
 from khepera_forage.task.perception import RawData, state_vector
@@ -297,16 +304,13 @@ def test_redesigned_vector_and_its_distances_by_hand() -> None:
 def test_recorded_moments_are_those_of_the_experience_file() -> None:
     """Those of failed attempts are dropped."""
     env = TrainingEnv(decisions=V0_1, max_cycles=90)  # whose vectors follow from the raw data alone
-    teacher = ObservingTeacher(env)
-    for seed in (1, 2):
-        experience, rows = train(env, np.random.SeedSequence(seed), teacher=teacher, callback=teacher)
-        assert len(rows) > 1
-        moments = teacher.attempts[-1]
-        assert rows[-1].complete
-        assert [state_vector(moment.raw, -1.0, DIAGONAL, DEFAULT_VALUES) for moment in moments] == list(
-            experience.vectors
-        )
-        assert [moment.heard for moment in moments] == list(experience.behaviours)
+    trial = Trial(seed=0, replication=0, condition="all", size=ExperimentSize())
+    files, rows, moments = observe(trial, env, [np.random.SeedSequence(seed) for seed in (1, 2)])
+    assert all(row.attempts > 1 for row in rows)
+    for experience, own in zip(files, moments, strict=True):
+        vectors = [state_vector(moment.raw, -1.0, DIAGONAL, DEFAULT_VALUES) for moment in own]
+        assert vectors == list(experience.vectors)
+        assert [moment.heard for moment in own] == list(experience.behaviours)
     env.close()
 
 
