@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from khepera_forage.estimates import UNKNOWN, Column, Table, Value, extremes, pick
+from khepera_forage.estimates import UNKNOWN, Value, extremes, pick, table_of
 from khepera_forage.figures import OURS, SMALL, THESIS, grid, new_figure
 from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.study import Count, Job, Page, Picture, collect, finish, parse
@@ -161,27 +161,23 @@ def _config(setting: str) -> Any:
 def page(rows: Sequence[Timed]) -> Page:
     """Robot-steps a second by line and number of worlds, and how many times as fast ours are."""
     worlds = sorted({row.worlds for row in rows})
-    lines: list[tuple[Value, ...]] = []
+    speeds = {
+        (name, count): [row.steps / row.seconds / 1e6 for row in pick(rows, line=name, worlds=count)]
+        for name in NAMES
+        for count in worlds
+    }
+    lines: list[dict[str, Value]] = []
+    for (name, count), own in speeds.items():
+        ratios = [speed / other for speed, other in zip(own, speeds[NOISY, count], strict=True)]
+        times = UNKNOWN if name in SETTINGS else extremes(ratios)
+        lines.append({"line": name, "worlds": count, "million robot-steps/s": extremes(own), "times Kheperax": times})
     figure = new_figure(6.4, 4.4)
     axes = figure.subplots()
     for number, name in enumerate(NAMES):
-        rates = []
-        for count in worlds:
-            speeds, others = (
-                [row.steps / row.seconds / 1e6 for row in pick(rows, line=line, worlds=count)] for line in (name, NOISY)
-            )
-            rates.append(extremes(speeds))
-            ratios = [speed / other for speed, other in zip(speeds, others, strict=True)]
-            lines.append((name, count, rates[-1], UNKNOWN if name in SETTINGS else extremes(ratios)))
-        axes.errorbar(
-            worlds,
-            [rate.value for rate in rates],
-            [[rate.value - rate.low for rate in rates], [rate.high - rate.value for rate in rates]],
-            label=name,
-            color=THESIS if name in SETTINGS else OURS,
-            ls=("-", "--", ":")[number % len(SETTINGS)],
-            capsize=3,
-        )
+        rates = np.array([extremes(speeds[name, count]) for count in worlds]).T
+        colour, style = THESIS if name in SETTINGS else OURS, ("-", "--", ":")[number % len(SETTINGS)]
+        bars = np.abs(rates[1:] - rates[0])
+        axes.errorbar(worlds, rates[0], bars, label=name, color=colour, ls=style, capsize=3)
     axes.set_xscale("log", base=2)
     axes.set_yscale("log", base=2)
     axes.yaxis.set_major_formatter("{x:g}")
@@ -194,11 +190,7 @@ def page(rows: Sequence[Timed]) -> Page:
         "Median [lowest, highest] of the repeats. The ratio to Kheperax with its noise is taken in each repeat. "
         "Compilation does not count. Processor only."
     )
-    columns = (
-        *(Column("line"), Column("worlds"), Column("million robot-steps/s", 2, estimate=True)),
-        Column("times Kheperax", 1, estimate=True),
-    )
-    table = Table("robot_steps", "Robot-steps a second", note, columns, lines)
+    table = table_of("robot_steps", "Robot-steps a second", note, lines, {"million robot-steps/s": 2})
     return Page("Comparison with Kheperax", [Picture("kheperax", "robot-steps a second", figure), table])
 
 
