@@ -79,10 +79,10 @@ ATTRIBUTE_WEIGHTS = fw.Experiment(
     "the home breaks this tie in favour of ORIENT. The distance from the food counts twice, four and eight times; as "
     "a control, the distance from home four times. *Learned*: the weights with the smallest leave-one-out error on "
     "the training files, which contain only one set-up.",
-    ("all",),
-    run_weights,
-    weight_claims,
-    (fw.SCORE, fw.DELIVERED),
+    conditions=("all",),
+    run=run_weights,
+    claims=weight_claims,
+    picture=(fw.SCORE, fw.DELIVERED),
     recalls=(
         "Noise of the laboratory; the same training files and the same recalls for all weights.",
         (fw.SCORE, fw.DELIVERED, fw.STEPS),
@@ -215,10 +215,10 @@ ALTERNATIVES = fw.Experiment(
     "threshold vote. *Until the goal*: a behaviour runs until its hand-written goal is reached or ten seconds have "
     "passed; the learner keeps one vector for every behaviour that the teacher began, or, as a control, all vectors. "
     "*State labels*: the learner has the tree of figure 4.2 and learns only which behaviour was heard in which state.",
-    ("all",),
-    partial(fw.train_and_recall, learners=alternatives),
-    alternative_claims,
-    (fw.SCORE, fw.DELIVERED),
+    conditions=("all",),
+    run=partial(fw.train_and_recall, learners=alternatives),
+    claims=alternative_claims,
+    picture=(fw.SCORE, fw.DELIVERED),
     recalls=(
         "Noise of the laboratory; the same training files and the same recalls for all. Teachers have no training "
         "episodes.",

@@ -152,10 +152,10 @@ STATE_VECTOR = fw.Experiment(
     "gripper, 0 with no food in sight, otherwise r / (r + distance), where r is the reach of the robot's fingers, "
     "75 mm. The distance of 4.6.1, votes and draws stay. The vector was fixed before it was tried, and no other was "
     "tried. The effects of its two changes are not separated.",
-    ("all",),
-    run_vectors,
-    vector_claims,
-    (fw.SCORE, fw.DELIVERED),
+    conditions=("all",),
+    run=run_vectors,
+    claims=vector_claims,
+    picture=(fw.SCORE, fw.DELIVERED),
     recalls=(
         "Noise of the laboratory; the same training episodes and the same recalls for both.",
         (fw.SCORE, fw.DELIVERED, fw.STEPS),
@@ -335,10 +335,10 @@ ACTION_LEVEL = fw.Experiment(
     "own raw data, the behaviour, and its own motors. From these it learns its program as the thesis's learner does, "
     "and for each behaviour a regression from raw data to motors: ten extremely randomised trees. A behaviour that was "
     "never heard means to stand still. Training has the set-up of figure 5.1, or random places in each episode.",
-    (ONE, ALL),
-    run_actions,
-    action_claims,
-    (fw.DELIVERED, fw.SCORE),
+    conditions=(ONE, ALL),
+    run=run_actions,
+    claims=action_claims,
+    picture=(fw.DELIVERED, fw.SCORE),
     recalls=(
         "Noise of the laboratory; random places, the same for every line of an arena. 0 episodes: the teacher's "
         "program and the hand-coded behaviours. The score tells how good the program is, the food how good the "

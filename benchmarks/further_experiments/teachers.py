@@ -80,10 +80,10 @@ CHAINS_OF_LEARNERS = fw.Experiment(
     "The teacher trains generation 1 in the corridor, generation 1 trains generation 2, and so on. A learner that "
     "teaches draws its behaviours with their confidence levels, and waits for a separated learner as the teacher does. "
     "Training episodes are repeated until they are complete, so a generation passes on only its successes.",
-    tuple(LENGTHS),
-    run_chain,
-    chain_claims,
-    (fw.AGREEMENT, fw.DELIVERED, fw.DISTINCT),
+    conditions=tuple(LENGTHS),
+    run=run_chain,
+    claims=chain_claims,
+    picture=(fw.AGREEMENT, fw.DELIVERED, fw.DISTINCT),
     recalls=(
         "Generation 1 was trained by the teacher, generation 2 by generation 1, and so on. Steps as the teacher: steps "
         "in which the learner does what the original teacher would have done. Chains that ended early have no rows for "
@@ -178,10 +178,10 @@ HUMAN_TEACHER = fw.Experiment(
     "the key is the right one of some rounds ago, and in some rounds any of the nine other keys is pressed. Delays and "
     "shares of wrong keys are assumptions without a source. A person who has less information than the teacher, or "
     "who judges distances by eye, is not simulated.",
-    tuple(WRONG),
-    run_person,
-    person_claims,
-    (fw.SCORE, fw.DELIVERED),
+    conditions=tuple(WRONG),
+    run=run_person,
+    claims=person_claims,
+    picture=(fw.SCORE, fw.DELIVERED),
     recalls=(
         f"Learners of {LESSONS} training episodes in the corridor. Delay: {ROUNDS_OF} by which the simulated person "
         "reacts late. Delay 0 without wrong keys is the hand-coded teacher. Teachers with whom some episode is never "
@@ -240,10 +240,10 @@ SEVERAL_LEARNERS = fw.Experiment(
     "What does it cost to wait for the slowest of several learners?",
     "One teacher and 1, 2, 3 or 4 learners, each in a copy of the corridor. The teacher waits in silence while any "
     "learner is separated. An episode is complete when all robots have delivered and left home.",
-    tuple(f"{number} {noise}" for noise in NOISES for number in LEARNERS),
-    run_together,
-    together_claims,
-    (fw.WAITED, fw.ROUNDS, fw.ATTEMPTS, COST),
+    conditions=tuple(f"{number} {noise}" for noise in NOISES for number in LEARNERS),
+    run=run_together,
+    claims=together_claims,
+    picture=(fw.WAITED, fw.ROUNDS, fw.ATTEMPTS, COST),
     trainings=(
         "Rounds, waiting and separations are those of the complete attempt. The cost of an experience file is the "
         "rounds of all attempts at an episode, divided by the number of learners. Long losses: markers are lost ten "

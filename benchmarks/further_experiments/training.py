@@ -82,10 +82,10 @@ PUSH_AND_AVOID = fw.Experiment(
     "Do the thesis's conclusions about picking up hold for pushing and avoiding, too?",
     "Training in the corridor and recall in both arenas: with each type of food alone, and with the type of every "
     "object drawn at equal odds. A training episode with poison is complete when both robots have left it.",
-    tuple(FOOD),
-    train_with_food,
-    food_claims,
-    (fw.SCORE, fw.SETTLED),
+    conditions=tuple(FOOD),
+    run=train_with_food,
+    claims=food_claims,
+    picture=(fw.SCORE, fw.SETTLED),
     recalls=(
         "Noise of the laboratory. Settled: delivered, or known to be poisonous and not brought home. 0 episodes: every "
         "behaviour drawn at random. A recall ends when all food is settled or was brought home as poison.",
@@ -145,10 +145,10 @@ SPATIAL_VARIETY = fw.Experiment(
     "Three learners with the same number of training episodes in the corridor: with the set-up of figure 5.1, with the "
     "food at a random place ahead, and with start and food at random places. A failed attempt is repeated with the "
     "same set-up.",
-    (ONE, MOVED, ALL),
-    train_with_setups,
-    setup_claims,
-    (fw.SCORE, fw.DELIVERED),
+    conditions=(ONE, MOVED, ALL),
+    run=train_with_setups,
+    claims=setup_claims,
+    picture=(fw.SCORE, fw.DELIVERED),
     recalls=(
         "Noise of the laboratory; random places, the same for every line of an arena.",
         (fw.SCORE, fw.DELIVERED, fw.STEPS, fw.VECTORS, fw.DISTINCT),
@@ -201,10 +201,10 @@ DIFFERENT_ROBOTS = fw.Experiment(
     "The learner differs from the teacher in one parameter. Copied: the teacher's decision tree runs on that robot. "
     "Imitated: that robot is trained beside a standard teacher, and recalls. An arm that reads 231 when it is raised "
     "changes what the robot perceives, because figure 4.2 expects 225 or less; the others change what behaviours do.",
-    tuple(ROBOTS),
-    train_robot,
-    robot_claims,
-    (fw.DELIVERED, fw.SCORE),
+    conditions=tuple(ROBOTS),
+    run=train_robot,
+    claims=robot_claims,
+    picture=(fw.DELIVERED, fw.SCORE),
     recalls=(
         "0 episodes: the teacher's program, copied. A copy always scores 100 % less its penalty, because the score "
         "compares it with the same program. Compare the food delivered.",
