@@ -23,15 +23,15 @@ def test_mistakes_are_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_ratios_are_taken_within_repeats() -> None:
-    """The second repeat is twice as fast for both sides."""
+    """And with the same number of worlds; the second repeat is twice as fast for both sides."""
     rows = [
-        Timed(line, worlds, repeat, round(RATES.get(line, 1e6) * speed), 1.0)
+        Timed(line, worlds, repeat, round(RATES.get(line, 1e6) * speed * worlds / 256), 1.0)
         for repeat, speed in enumerate((1.0, 2.0, 1.1))
         for line in NAMES
         for worlds in (256, 1024)
     ]
     (table,) = page(rows).tables
     lines = {(str(line[0]), line[1]): line for line in table.rows}
-    assert lines[FAST, 256][3] == pytest.approx((8, 8, 8))
-    assert lines[FAST, 1024][2] == pytest.approx((4.4, 4, 8))
+    assert lines[FAST, 1024][3] == pytest.approx((8, 8, 8))
+    assert lines[FAST, 1024][2] == pytest.approx((4 * 4.4, 4 * 4, 4 * 8))
     assert "| 8.0 [8.0, 8.0] |" in table.markdown()
