@@ -84,6 +84,18 @@ def test_table_is_that_of_the_rows(out: Path, name: str) -> None:
     assert sum(int(line["rows"]) for line in table) == len(rows_of(out, name))
 
 
+def test_effects_are_differences_of_the_rows(out: Path) -> None:
+    def score(condition: str, arena: str) -> float:
+        rows = rows_of(out, "spatial_variety", condition=condition, arena=arena, amount="2")
+        return float(np.mean([float(row["score"]) for row in rows]))
+
+    claims = {line["claim"]: line["value"] for line in read(out / "spatial_variety" / "table_claims.csv")}
+    for arena in ("corridor", "rectangle"):
+        for condition in ("food moved", "start and food moved"):
+            effect = score(condition, arena) - score("one set-up", arena)
+            assert float(claims[f"{condition}, {arena}: variety helps"]) == pytest.approx(effect, rel=1e-4)
+
+
 def seeds_of(out: Path, name: str) -> dict[tuple[str, str], set[tuple[str, ...]]]:
     """The seeds of the recalls in each replication and arena, under every condition and after every amount."""
     groups: dict[tuple[str, ...], list[str]] = {}
