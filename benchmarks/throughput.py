@@ -196,6 +196,7 @@ class Case(NamedTuple):
     goal: float  # of this checkout
     target: float | None = None  # of the ratio to a0e33ed; without, --beside leaves the case out
     first_call: bool = False  # the value is the time of it all, import and compilation included
+    one_core: bool = False  # one thread, so that both processes of a pair can run on the same core
 
     def met(self, value: float, bound: float) -> bool:
         """Whether a value is as good as a goal or target."""
@@ -204,12 +205,12 @@ class Case(NamedTuple):
 
 one_world = partial(pymunk, act=lambda _, info: info["correct_behaviour"], backend="compiled")
 CASES = (
-    Case("pymunk", pymunk, "Corridor-v1 on pymunk", "steps/s", 30_000, 400, 1e4, 0.6),
+    Case("pymunk", pymunk, "Corridor-v1 on pymunk", "steps/s", 30_000, 400, 1e4, 0.6, one_core=True),
     Case("make_vec", make_vec, f"make_vec, {WORLDS:,} worlds", "steps/s", 200, 5, 2e6, 0.35),
     Case("kernel", kernel, "teacher in the kernel", "steps/s", 32_768, 128, 4e6, 0.3),
     Case("imitators", imitators, "imitators in the kernel", "steps/s", 32_768, 128, 1e6, 0.3),
     Case("trainings", trainings, "trainings in the kernel", "rounds/s", 8_192, 128, 1e6, 0.3),
-    Case("one_world", one_world, "one compiled world", "steps/s", 100_000, 1_000, 6e4, 0.6),
+    Case("one_world", one_world, "one compiled world", "steps/s", 100_000, 1_000, 6e4, 0.6, one_core=True),
     Case("procedural_recalls", procedural_recalls, "recalls, procedural/corridor", "", 2_000, 50, 0.5),
     Case("procedural_make_vec", procedural_make_vec, "make_vec, procedural/corridor", "", 2_000, 50, 0.5),
     Case("first_make_vec", make_vec, "first make_vec", "s", 1, 1, 45, 0.8, first_call=True),
@@ -217,24 +218,26 @@ CASES = (
     Case("first_train_learners", trainings, "first train_learners", "s", 128, 128, 45, 0.8, first_call=True),
     Case("design", design, "{:,} replications of the design", "s", 1_000, 2, 60, 4.0),
     Case("import", import_alone, "import khepera_forage", "s", 1, 1, 0.5),
-    Case("paired", paired, "paired corridors", "rounds/s", 10_000, 100, 4_000),
-    Case("decisions", decisions, "imitator in Python", "decisions/s", 20_000, 200, 4e4),
+    Case("paired", paired, "paired corridors", "rounds/s", 10_000, 100, 4_000, one_core=True),
+    Case("decisions", decisions, "imitator in Python", "decisions/s", 20_000, 200, 4e4, one_core=True),
     Case("memory", memory, "memory of a world", "bytes", 128, 128, 2_000),
 )
 BY_NAME = {case.name: case for case in CASES}
 
 
-def measure_here(name: str, size: str, seed: str) -> None:
+def measure_here(name: str, size: str, seed: str, core: str) -> None:
     """In a fresh process: print the value of a case, and where its package is."""
+    if core:
+        os.sched_setaffinity(0, [int(core)])
     case, start = BY_NAME[name], perf_counter()
     value = case.measure(int(size), int(seed))
     print(perf_counter() - start if case.first_call else value, __import__(PACKAGE).__file__, sep="\n")
 
 
-def measure(case: Case, folder: Path, size: int, seed: int) -> float:
+def measure(case: Case, folder: Path, size: int, seed: int, core: str) -> float:
     """The value of a case for the package in a folder, measured in a process of its own."""
     code = "import sys; sys.path.append(sys.argv[1]); import throughput as t; t.measure_here(*sys.argv[2:])"
-    command = [sys.executable, "-P", "-c", code, str(ROOT / "benchmarks"), case.name, str(size), str(seed)]
+    command = [sys.executable, "-P", "-c", code, str(ROOT / "benchmarks"), case.name, str(size), str(seed), core]
     with TemporaryDirectory(dir=folder) as empty:
         kernels = empty if case.first_call else str(folder / "kernels")
         kept = {"NUMBA_CACHE_DIR": kernels, "XDG_CACHE_HOME": kernels, "PYTHONPATH": str(folder)}
@@ -260,12 +263,12 @@ class CaseValue:
 
 
 def repeated(case: str, number: int, size: int, seed: int, found: dict[str, Path]) -> list[CaseValue]:
-    """A case, once in each checkout; each repeat with another seed and order of the checkouts."""
+    """A case, once in each checkout; each repeat with another seed, core and order of the checkouts."""
     measured, names = BY_NAME[case], list(found)[:: 1 if number % 2 else -1]
-    return [
-        CaseValue(case, measured.unit, number, name, measure(measured, found[name], size, seed + number))
-        for name in names
-    ]
+    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    core = str(cores[number % len(cores)]) if measured.one_core and cores else ""
+    values = [measure(measured, found[name], size, seed + number, core) for name in names]
+    return [CaseValue(case, measured.unit, number, *one) for one in zip(names, values, strict=True)]
 
 
 def git(*arguments: str) -> str:

@@ -15,7 +15,7 @@ from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import Estimate, Measure, Table, Value, difference, mean, pick, table_of
 from khepera_forage.experience import Experience
-from khepera_forage.figures import COLOURS, MARKERS, entry, grid, legend, mark, panels
+from khepera_forage.figures import COLOURS, MARKERS, entry, grid, legend, levels, mark, panels
 from khepera_forage.policies import NearestNeighbourImitator, Policy
 from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.rollouts.rows import STATES
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ARENAS = ("corridor", "rectangle")
+MOST_CURVES = 6
+"""Conditions in a picture of curves; more have a line each."""
 Files = Sequence[Experience]
 
 
@@ -492,14 +494,28 @@ class Experiment(NamedTuple):
             rows = {arena: pick(found.recalls, arena=arena) for arena in ARENAS}
         shown = list(product(self.picture, rows))
         figure, axes = panels(len(shown), self.title)
+        amount = self.amount or "training episodes"
+        conditions = {row.condition for own in rows.values() for row in own}
         for panel, (measure, heading) in zip(axes, shown, strict=True):
-            draw_curves(panel, found, rows[heading], measure)
             panel.set_title(heading, fontsize=10)
-            panel.set_xlabel(self.amount or "training episodes")
-        longest = max(len(row.condition) for own in rows.values() for row in own)
-        columns = min(4, 130 // (longest + 7))  # about as many letters fit in a line
+            if len(conditions) > MOST_CURVES:
+                draw_levels(panel, found, rows[heading], measure, amount)
+                continue
+            draw_curves(panel, found, rows[heading], measure)
+            panel.set_xlabel(amount)
+        columns = min(4, 130 // (max(map(len, conditions)) + 7))  # about as many letters fit in a line
         legend(figure, axes[0], "bars: 95 % interval over replications", columns)
         return figure
+
+
+def draw_levels(axes: "Axes", found: Analysis, rows: Sequence[Row], measure: Measure[Any], amount: str) -> None:
+    """Draw the means of a measure, one line a condition, with marks for none, the least and most of the amount."""
+    amounts = [number for number in amounts_of(rows, 0) if number in (0, found.amounts[0], found.amounts[-1])]
+    lines = {
+        condition: [found.mean(pick(own, amount=number), measure) for number in amounts]
+        for condition, own in by_condition(rows).items()
+    }
+    levels(axes, lines, measure.name, [f"{number} {amount}" for number in amounts])
 
 
 def draw_curves(axes: "Axes", found: Analysis, rows: Sequence[Row], measure: Measure[Any]) -> None:

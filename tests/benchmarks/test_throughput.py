@@ -71,11 +71,11 @@ def test_mistakes_are_one_line() -> None:
 
 def test_case_that_fails_or_measures_another_package_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RuntimeError, match="case pymunk measured the package in "):
-        measure(BY_NAME["pymunk"], tmp_path, 10, 0)
+        measure(BY_NAME["pymunk"], tmp_path, 10, 0, "")
     (tmp_path / "khepera_forage").mkdir()
     (tmp_path / "khepera_forage" / "__init__.py").touch()
     with pytest.raises(RuntimeError, match=f"case pymunk failed in {tmp_path.name}: "):
-        measure(BY_NAME["pymunk"], tmp_path, 10, 0)
+        measure(BY_NAME["pymunk"], tmp_path, 10, 0, "")
 
 
 @in_a_checkout
