@@ -149,14 +149,6 @@ def test_interrupt_ends_the_command_and_its_threads(tmp_path: Path, capsys: pyte
     assert left == []
 
 
-def test_training_of_one_robot_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "lab.toml"
-    path.write_text('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\n')
-    assert main(f"train --out {tmp_path / 'out'} --episodes 1 --lab {path}".split()) == 2
-    message = f"{path}: robots has one entry; allowed: a teacher and at least one learner"
-    assert message in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("period", [0.05, 0.18, 0.2, 0.5])
 def test_rounds_set_up_and_arm_follow_the_decisions(period: float) -> None:
     decisions = replace(V0_1, round_duration=period, arm_travel_time=0.8, food_to_home=200, start_to_wall=120)

@@ -214,11 +214,6 @@ def test_faults_occur_at_their_rates() -> None:
         assert abs(drawn.count(fault) / len(drawn) - getattr(faults, fault)) < 0.01
 
 
-def test_rates_that_add_up_to_more_than_one_are_rejected() -> None:
-    with pytest.raises(ValueError, match=r"add up to 1\.2"):
-        Faults(drop=0.6, delay=0.6)
-
-
 def test_garbled_replies_differ_in_at_most_three_bytes_and_some_are_undetectable() -> None:
     reply = KHEPERA.encode_reply(Reply("N", (12, 345, 6, 1023, 77, 0, 8, 910)))
     generator, undetectable = np.random.default_rng(0), 0
