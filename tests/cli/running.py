@@ -15,15 +15,16 @@ class Run:
 
     def __call__(self, command: str, *more: str, status: int = 0) -> str:
         """What a command prints, which ends with this status."""
-        self._capsys.readouterr()
-        assert main([*shlex.split(command), *more]) == status
-        return self._capsys.readouterr().out
+        return self._printed(command, *more, status=status)[0]
 
-    def refused(self, command: str, *more: str) -> str:
+    def refused(self, command: str, *more: str, status: int = 2) -> str:
         """The line in which a command says what is wrong."""
-        self._capsys.readouterr()
-        assert main([*shlex.split(command), *more]) == 2
-        error = self._capsys.readouterr().err
+        _, error = self._printed(command, *more, status=status)
         assert error.startswith("khepera-forage")
         assert error.count("\n") == 1
         return error
+
+    def _printed(self, command: str, *more: str, status: int) -> tuple[str, str]:
+        self._capsys.readouterr()  # of what came before
+        assert main([*shlex.split(command), *more]) == status
+        return self._capsys.readouterr()

@@ -10,27 +10,26 @@ import numpy as np
 import pygame
 import pytest
 
-from khepera_forage.cli.main import main
 from khepera_forage.cli.window import Window
 from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.vision.calibration import Calibration, Lens
+from tests.cli.running import Run
 from tests.vision.scene_renderer import write_film
 from tests.vision.test_tags import floor_places, floor_scene
 
-CORNERS = ["0,0=0,2400", "640,0=3200,2400", "640,480=3200,0", "0,480=0,0"]
+CALIBRATE = "camera calibrate --points"
+CORNERS = "0,0=0,2400 640,0=3200,2400 640,480=3200,0 0,480=0,0"
 
 
 # ---------------------------------------------------------------- preview
 
 
-def preview(*arguments: str) -> int:
-    return main(["camera", "preview", "--source", "virtual", *arguments])
+PREVIEW = "camera preview --source"
 
 
-def test_preview_prints_the_true_places_of_regions(capsys: pytest.CaptureFixture[str]) -> None:
-    assert preview("--frames", "2", "--seed", "3") == 0
+def test_preview_prints_the_true_places_of_regions(run: Run) -> None:
     # A slow machine prints earlier frames, too.
-    *_, printed, quality = capsys.readouterr().out.splitlines()
+    *_, printed, quality = run(f"{PREVIEW} virtual --frames 2 --seed 3").splitlines()
     assert re.search(r"picture: contrast 2\.\d\d \(at least 1\.68\), blur 0\.\d px \(at most", quality)
     assert "warning" not in quality
     camera = RenderedTraining(3)
@@ -49,49 +48,40 @@ def test_preview_prints_the_true_places_of_regions(capsys: pytest.CaptureFixture
     assert "frames/s, 0 ms old" in printed
 
 
-def test_preview_saves_pictures_and_films_that_it_can_read(capsys: pytest.CaptureFixture[str]) -> None:
-    assert preview("--out", "one.png", "--frames", "3") == 0
+def test_preview_saves_pictures_and_films_that_it_can_read(run: Run) -> None:
+    run(f"{PREVIEW} virtual --out one.png --frames 3")
     picture = cv2.imread("one.png")
     assert picture is not None
     assert picture.shape == (480, 640, 3)
     assert (np.ptp(picture, axis=2) > 60).sum() > 50, "the regions are drawn in colour"
-    assert preview("--out", "film.gif", "--frames", "3") == 0
-    assert Path("film.gif").read_bytes().startswith(b"GIF")
-    assert preview("--out", "new/film.gif", "--frames", "1") == 0
-    assert preview("--out", "film.avi", "--frames", "5") == 0
-    assert "film.avi: 5 pictures" in capsys.readouterr().out
+    run(f"{PREVIEW} virtual --out new/film.gif --frames 3")
+    assert Path("new/film.gif").read_bytes().startswith(b"GIF")
+    assert "film.avi: 5 pictures" in run(f"{PREVIEW} virtual --out film.avi --frames 5")
     # A film is also a source, up to its end; the tracker ignores the regions drawn on it.
-    for frames, shown in (("2", "marker 2 ("), ("50", "the video has ended")):
-        assert main(["camera", "preview", "--source", "film.avi", "--frames", frames, "--out", "last.png"]) == 0
-        printed = capsys.readouterr().out
+    for frames, shown in ((2, "marker 2 ("), (50, "the video has ended")):
+        printed = run(f"{PREVIEW} film.avi --frames {frames} --out last.png")
         assert shown in printed
         assert "last.png: 1 picture" in printed
-    assert main(["camera", "preview", "--source", "film.avi", "--frames", "3", "--out", "copy.avi"]) == 0
+    run(f"{PREVIEW} film.avi --frames 3 --out copy.avi")
     assert cv2.VideoCapture("copy.avi").get(cv2.CAP_PROP_FPS) == 10, "the film runs at its own speed"
-    capsys.readouterr()
-    assert preview("--markers", "tags", "--tag-size", "40") == 2
-    assert "tags of 40 mm are 8 pixels wide in the picture" in capsys.readouterr().err
-    assert preview("--food-tags", "20", "--food-tag-size", "70", "--frames", "1", "--out", "last.png") == 0
+    run(f"{PREVIEW} virtual --food-tags 20 --food-tag-size 70 --frames 1 --out last.png")
 
 
-def test_preview_names_the_setting_to_change_and_uses_the_calibration(capsys: pytest.CaptureFixture[str]) -> None:
+def test_preview_names_the_setting_to_change_and_uses_the_calibration(run: Run) -> None:
     blurred = cv2.GaussianBlur(floor_scene(640, 480).frame(), (0, 0), 2.5).astype(np.uint8)
     write_film(Path("blurred.avi"), [blurred] * 50, 25)
-    assert main(["camera", "preview", "--source", "blurred.avi", "--frames", "1"]) == 0
-    assert "warning: out of focus" in capsys.readouterr().out
+    assert "warning: out of focus" in run(f"{PREVIEW} blurred.avi --frames 1")
     half = ((0.0, 1200.0), (1600.0, 1200.0), (1600.0, 0.0), (0.0, 0.0))
     # A calibration with half the millimetres per pixel: all regions are too small for a marker.
     Calibration(((0.0, 0.0), (640.0, 0.0), (640.0, 480.0), (0.0, 480.0)), half).save("half.toml")
-    assert preview("--frames", "1", "--calibration", "half.toml") == 0
-    assert capsys.readouterr().out.startswith("nothing seen;")
+    assert run(f"{PREVIEW} virtual --frames 1 --calibration half.toml").startswith("nothing seen;")
 
 
 # ---------------------------------------------------------------- calibrate
 
 
-def test_calibration_from_four_points_is_exact(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["camera", "calibrate", "--points", *CORNERS, "--out", "new/calibration.toml"]) == 0
-    printed = capsys.readouterr().out
+def test_calibration_from_four_points_is_exact(run: Run) -> None:
+    printed = run(f"{CALIBRATE} {CORNERS} --out new/calibration.toml")
     assert "residual 0.0 mm" in printed
     assert "held-out error unknown, because four points always fit" in printed
     assert "lens not calibrated: that takes at least 8 points" in printed
@@ -100,7 +90,7 @@ def test_calibration_from_four_points_is_exact(capsys: pytest.CaptureFixture[str
     assert calibration.to_region(100.5, 79.5) == pytest.approx((100.5, 400.5))
 
 
-def test_calibration_of_a_lens_reports_the_error_of_held_out_points(capsys: pytest.CaptureFixture[str]) -> None:
+def test_calibration_of_a_lens_reports_the_error_of_held_out_points(run: Run) -> None:
     plain = Calibration.identity()
     true = Calibration(plain.picture, plain.floor, lens=Lens(-0.0125))
     points = []
@@ -108,28 +98,24 @@ def test_calibration_of_a_lens_reports_the_error_of_held_out_points(capsys: pyte
         for v in (20, 240, 460):
             x, y = true.to_region(u, v)
             points.append(f"{u},{v}={5 * x},{5 * y}")
-    assert main(["camera", "calibrate", "--points", *points[:3], *points[9:]]) == 0
-    printed = capsys.readouterr().out
+    printed = run(CALIBRATE, *points[:3], *points[9:])
     assert float(re.findall(r"held-out error (\d+\.\d) mm", printed)[0]) > 8
     assert "lens not calibrated" in printed
-    assert main(["camera", "calibrate", "--points", *points]) == 0
-    printed = capsys.readouterr().out
+    printed = run(CALIBRATE, *points)
     assert "lens: k1 -0.0125" in printed
     assert float(re.findall(r"held-out error (\d+\.\d) mm", printed)[0]) < 0.2
     assert Calibration.load("calibration.toml").lens is not None
 
 
-def test_wrong_points_are_reported(capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_points_are_reported(run: Run) -> None:
     points = [f"{u},{v}={5 * u},{2400 - 5 * v}" for u, v in ((200, 200), (300, 200), (300, 300), (200, 300))]
-    assert main(["camera", "calibrate", "--points", *points]) == 0
-    assert "the points enclose 3 % of the picture" in capsys.readouterr().out
+    assert "the points enclose 3 % of the picture" in run(CALIBRATE, *points)
     for middle, largest in (("320,240=1600,1300", (30, 200)), ("320,240=1600,1200", (0, 0.01))):
-        assert main(["camera", "calibrate", "--points", *CORNERS, middle]) == 0
-        printed = capsys.readouterr().out
-        assert largest[0] <= max(map(float, re.findall(r": (\d+\.\d) mm off", printed))) <= largest[1]
+        distances = re.findall(r": (\d+\.\d) mm off", run(f"{CALIBRATE} {CORNERS} {middle}"))
+        assert largest[0] <= max(map(float, distances)) <= largest[1]
 
 
-def test_calibrate_from_clicks_in_a_window(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_calibrate_from_clicks_in_a_window(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     show, clicks = Window.show_picture, [(100, 100), (500, 100), (500, 400), (100, 400)]
 
@@ -138,9 +124,8 @@ def test_calibrate_from_clicks_in_a_window(monkeypatch: pytest.MonkeyPatch, caps
         pygame.event.post(pygame.event.Event(pygame.MOUSEBUTTONDOWN, pos=clicks.pop(0), button=1))
 
     monkeypatch.setattr(Window, "show_picture", show_and_click)
-    places = ["--places", "0,1500", "2000,1500", "2000,0", "0,0"]
-    assert main(["camera", "calibrate", "--source", "virtual", *places]) == 0
-    assert "pixel (500.5, 100.5) is (2000, 1500) mm: 0.0 mm off" in capsys.readouterr().out
+    printed = run("camera calibrate --source virtual --places 0,1500 2000,1500 2000,0 0,0")
+    assert "pixel (500.5, 100.5) is (2000, 1500) mm: 0.0 mm off" in printed
     found = Calibration.load("calibration.toml")
     assert found.to_region(100.5, 100.5) == pytest.approx((0, 300), abs=1e-6)
 
@@ -148,24 +133,15 @@ def test_calibrate_from_clicks_in_a_window(monkeypatch: pytest.MonkeyPatch, caps
 # ---------------------------------------------------------------- markers and tags
 
 
-def test_markers_writes_a_page(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["camera", "markers"]) == 0
-    assert "print it at 100 %" in capsys.readouterr().out
-    assert 'width="595.275591pt"' in Path("markers.svg").read_text(encoding="utf-8"), "210 mm"
-
-
-def test_tags_are_printed_and_calibrate_a_camera_that_is_then_watched(capsys: pytest.CaptureFixture[str]) -> None:
+def test_tags_are_printed_and_calibrate_a_camera_that_is_then_watched(run: Run) -> None:
     """From a film of the floor to a preview that notices that the camera was knocked."""
-    assert main(["camera", "tags", "--robots", "1-2", "--floor", "38"]) == 0
-    assert "tags.pdf: 2 pages of A4; print at 100 %" in capsys.readouterr().out
+    assert "tags.pdf: 2 pages of A4; print at 100 %" in run("camera tags --robots 1-2 --floor 38")
     assert Path("tags.pdf").read_bytes().startswith(b"%PDF")
     for name, shift in (("before", (20.0, 10.0)), ("after", (20.0, 50.0))):
         write_film(Path(f"{name}.avi"), [floor_scene(848, 480, shift).frame()] * 10)
     tags = [f"{tag}={x},{y}" for tag, (x, y, _) in floor_places(3200 * 480 / 848).items()]
-    assert main(["camera", "calibrate", "--source", "before.avi", "--tags", *tags, "--out", "c.toml"]) == 0
+    run("camera calibrate --source before.avi --out c.toml --tags", *tags)
     assert "size = [848, 480]" in Path("c.toml").read_text(encoding="utf-8")
     for name, moved in (("before", False), ("after", True)):
-        capsys.readouterr()
-        command = ["camera", "preview", "--source", f"{name}.avi", "--calibration", "c.toml", "--frames", "2"]
-        assert main([*command, "--out", "picture.png"]) == 0
-        assert ("the camera has moved since its calibration" in capsys.readouterr().out) is moved
+        printed = run(f"{PREVIEW} {name}.avi --calibration c.toml --frames 2 --out picture.png")
+        assert ("the camera has moved since its calibration" in printed) is moved

@@ -10,15 +10,15 @@ from khepera_forage.experience import Experience
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.task.decisions import FIELDS, Decisions, decisions_text
+from tests.cli.running import Run
 
 
 def default(name: str) -> str:
     return f"{getattr(Decisions(), name):g}"
 
 
-def test_table_has_every_decision_with_default_range_section_and_reason(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["decisions"]) == 0
-    lines = capsys.readouterr().out.splitlines()
+def test_table_has_every_decision_with_default_range_section_and_reason(run: Run) -> None:
+    lines = run("decisions").splitlines()
     assert lines[0].split() == ["decision", "default", "thesis", "allowed"]
     for field, line, reason in zip(FIELDS.values(), lines[1::2], lines[2::2], strict=True):
         assert line.startswith(f"{field.name} ")
@@ -32,65 +32,54 @@ def test_table_has_every_decision_with_default_range_section_and_reason(capsys: 
     assert next_to_food == ["next_to_food", default("next_to_food"), "pixels", "4.2.1", "10", "to", "30"]
 
 
-def test_train_and_recall_store_their_decisions_of_which_the_first_may_be_a_version() -> None:
-    decision = ["--decision", "v0.1", "--decision", "next_to_food=22", "--decision", "separation=20"]
-    assert main(["train", "--episodes", "1", "--out", "e", "--seed", "1", *decision]) == 0
+def test_train_and_recall_store_their_decisions_of_which_the_first_may_be_a_version(run: Run) -> None:
+    decision = "--decision v0.1 --decision next_to_food=22 --decision separation=20"
+    run(f"train --episodes 1 --out e --seed 1 {decision}")
     experience = Experience.load("e/g1.csv")
     assert experience.decisions == replace(Decisions.v0_1(), next_to_food=22, separation=20)
     text = decisions_text(experience.decisions)
     assert {row.decisions for row in read_rows(Path("e/attempts.csv"), TrainingRow)} == {text}
-    recall = ["recall", "--experience", "e/g1.csv", "--episodes", "1", "--out", "rows.csv"]
-    assert main([*recall, *decision]) == 0
+    run(f"recall --experience e/g1.csv --episodes 1 --out rows.csv {decision}")
     (row,) = read_rows(Path("rows.csv"), RecallRow)
     assert (row.decisions, row.experience_size) == (text, len(experience))
 
 
-@pytest.mark.parametrize(
-    "command",
-    [["recall", "--episodes", "1", "--out", "rows.csv"], ["watch", "recall", "--every", "100", "--out", "film.gif"]],
-)
-def test_experience_of_other_decisions_is_refused_unless_allowed(
-    command: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.mark.parametrize("command", ["recall --episodes 1 --out rows.csv", "watch recall --every 100 --out film.gif"])
+def test_experience_of_other_decisions_is_refused_unless_allowed(command: str, run: Run) -> None:
     vector = (0, 52, 0, 215, 28)
     Experience([vector], [0]).save("g1.csv")
     Experience([vector], [0], decisions=Decisions(separation=20)).save("g2.csv")
     separation = f"separation is 20, not {default('separation')}"
     both = f"next_to_food is {default('next_to_food')}, not 22; {separation}"
-    for files, options, differences in (
-        (["g2.csv"], ["--decision", "next_to_food=22"], both),
-        (["g1.csv", "g2.csv"], [], separation),
-    ):
-        assert main([*command, "--experience", *files, *options]) == 2
-        error = capsys.readouterr().err
-        assert error == (
-            f"khepera-forage {command[0]}: {files[-1]}: recorded under other decisions: {differences}; allowed: the "
-            "same decisions, or any with allow_other_decisions=True (--allow-other-decisions)\n"
+    name, *_, out = command.split()
+    for given, differences in (("g2.csv --decision next_to_food=22", both), ("g1.csv g2.csv", separation)):
+        assert run.refused(f"{command} --experience {given}") == (
+            f"khepera-forage {name}: g2.csv: recorded under other decisions: {differences}; allowed: the same "
+            "decisions, or any with allow_other_decisions=True (--allow-other-decisions)\n"
         )
-        assert not Path(command[-1]).exists()
-    assert main([*command, "--experience", "g1.csv", "g2.csv", "--allow-other-decisions"]) == 0
-    assert Path(command[-1]).exists()
+        assert not Path(out).exists()
+    run(f"{command} --experience g1.csv g2.csv --allow-other-decisions")
+    assert Path(out).exists()
 
 
-@pytest.mark.parametrize("backend", [["pymunk", "--jobs", "1"], ["compiled"]])
+@pytest.mark.parametrize("backend", ["pymunk --jobs 1", "compiled"])
 def test_decisions_under_which_no_training_succeeds_are_reported_in_one_line(
-    backend: list[str], capsys: pytest.CaptureFixture[str]
+    backend: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The gripper cannot be lowered 12 pixels from food: its fingers reach further."""
-    decision = ["--decision", "next_to_food=12", "--decision", "most_attempts=2"]
-    assert main(["reproduce", "--quick", "--out", "t", *decision, "--backend", *backend]) == 2
+    decision = "--decision next_to_food=12 --decision most_attempts=2"
+    assert main(f"reproduce --quick --out t {decision} --backend {backend}".split()) == 2
     lines = [line for line in capsys.readouterr().err.splitlines() if "compiling" not in line]
     error = "khepera-forage reproduce: none of 2 attempts at a training episode was complete"
     assert lines == [f"{error}, with the noise 'laboratory'"]
 
 
-def test_film_runs_at_the_speed_of_the_rounds() -> None:
+def test_film_runs_at_the_speed_of_the_rounds(run: Run) -> None:
     from PIL import Image
 
     durations = []
     for value in ("0.1", "0.2"):
-        options = ["--every", "50", "--decision", f"round_duration={value}"]
-        assert main(["watch", "recall", "--out", "film.gif", *options]) == 0
+        run(f"watch recall --out film.gif --every 50 --decision round_duration={value}")
         with Image.open("film.gif") as film:
             durations.append(film.info["duration"])
     assert durations == [5000, 10000]

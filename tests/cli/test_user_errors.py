@@ -108,6 +108,7 @@ def files(empty_folder_without_display: None, monkeypatch: pytest.MonkeyPatch) -
         ("camera preview --source nowhere.avi", "nowhere.avi: there is no such file or device"),
         ("camera preview --source virtual --calibration nowhere.toml", "nowhere.toml"),
         ("camera preview --numbers 9-3", "--numbers: '9-3'; allowed: numbers and ranges"),
+        ("camera preview --source virtual --markers tags --tag-size 40", "tags of 40 mm are 8 pixels wide in the pic"),
         ("camera preview --source virtual --rate 9", f"--rate {NOTHING}with a camera"),
         ("camera preview --size 0x0", "'0x0'; allowed: width x height in pixels"),
         (f"camera calibrate --points {CORNERS}", "--points has 3 points; allowed: four or more"),

@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from khepera_forage.cli.main import main
 from khepera_forage.vision.marker_sheets import DPI, PAGE_HEIGHT, PAGE_WIDTH, marker_pages, save_pages, tag_pages
 from khepera_forage.vision.tracker import Tracker
 
@@ -30,7 +31,8 @@ def test_markers_have_their_true_size(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kind", ["svg", "png", "pdf"])
 def test_every_format_is_an_a4_page(tmp_path: Path, kind: str) -> None:
-    path = save_pages(tmp_path / f"markers.{kind}", marker_pages())
+    path = tmp_path / f"markers.{kind}"
+    assert main(["camera", "markers", "--out", str(path)]) == 0
     if kind == "png":
         with Image.open(path) as image:
             assert image.info["dpi"] == pytest.approx((DPI, DPI), rel=1e-4)
