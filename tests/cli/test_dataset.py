@@ -10,7 +10,6 @@ from sklearn.tree import DecisionTreeClassifier
 
 from khepera_forage import as_policy, recall, recall_env
 from khepera_forage.cli.dataset import FOLDER_VARIABLE
-from khepera_forage.cli.main import main
 from khepera_forage.envs.arena_settings import settings_of
 from khepera_forage.experience import Experience
 from khepera_forage.experience.minari import from_minari
@@ -19,6 +18,7 @@ from khepera_forage.sim.arena_file import write_arena
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import StateVector
 from tests.arenas import BLOCKS
+from tests.cli.running import Run
 
 SOME = Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18), (0, 59, 0, 215, 39)], [0, 2, 0], seed=7)
 
@@ -28,11 +28,10 @@ def other_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "elsewhere"))
 
 
-def test_new_episodes_are_a_dataset_with_a_card(capsys: pytest.CaptureFixture[str]) -> None:
-    given = ["--episodes", "2", "--arena", "mixed_foods", "--seed", "4"]
-    assert main(["dataset", *given, "--author", "me", "--out", "data"]) == 0
-    printed = capsys.readouterr().out
-    assert main(["train", *given, "--out", "files"]) == 0
+def test_new_episodes_are_a_dataset_with_a_card(run: Run) -> None:
+    given = "--episodes 2 --arena mixed_foods --seed 4"
+    printed = run(f"dataset {given} --author me --out data")
+    run(f"train {given} --out files")
     parts = from_minari("khepera_forage/mixed_foods-v1")
     assert parts == [Experience.load("files/g1.csv"), Experience.load("files/g2.csv")]
     steps = sum(map(len, parts))
@@ -58,8 +57,8 @@ def test_new_episodes_are_a_dataset_with_a_card(capsys: pytest.CaptureFixture[st
     assert names["episodes"] == parts
 
 
-def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from() -> None:
-    assert main(["dataset", "--alone", "--episodes", "5", "--out", "data"]) == 0
+def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from(run: Run) -> None:
+    run("dataset --alone --episodes 5 --out data")
     dataset = minari.load_dataset("khepera_forage/corridor-alone-v1")
     parts = from_minari(dataset)
     starts = {part.arrays()[0][0].tolist()[1] for part in parts}
@@ -77,9 +76,8 @@ def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from() -
     assert sum(recall(env, learner, seed).delivered for seed in range(10)) >= 9
 
 
-def test_card_of_a_dataset_on_wheels_counts_every_round() -> None:
-    options = ["--episodes", "1", "--food-type", "PUSHABLE", "--decision", "separation=6", "--out", "data"]
-    assert main(["dataset", "--wheels", *options]) == 0
+def test_card_of_a_dataset_on_wheels_counts_every_round(run: Run) -> None:
+    run("dataset --wheels --episodes 1 --food-type PUSHABLE --decision separation=6 --out data")
     (episode,) = minari.load_dataset("khepera_forage/corridor-wheels-v1").iterate_episodes()
     card = Path("data/khepera_forage/corridor-wheels-v1/README.md").read_text(encoding="utf-8")
     counted = {int(number): int(count) for number, count in re.findall(r"^\| (\d+) \| [A-Z_]+ \| (\d+) \|", card, re.M)}
@@ -88,13 +86,12 @@ def test_card_of_a_dataset_on_wheels_counts_every_round() -> None:
     assert "foraged for PUSHABLE food" in card
 
 
-def test_files_are_a_dataset_whose_card_names_all_arenas_and_decisions(capsys: pytest.CaptureFixture[str]) -> None:
+def test_files_are_a_dataset_whose_card_names_all_arenas_and_decisions(run: Run) -> None:
     for name, level, decisions in (("g1.csv", 7, Decisions()), ("g2.csv", 3, Decisions(next_to_food=22))):
         arena = f"procedural_easy_{level}"
         Experience(SOME.vectors, SOME.behaviours, arena, level, decisions=decisions).save(name)
-    files = ["--experience", "g1.csv", "g2.csv", "--allow-other-decisions"]
-    command = ["dataset", *files, "--name", "mine-v1", "--out", "data"]
-    assert main(command) == 0
+    command = "dataset --experience g1.csv g2.csv --allow-other-decisions --name mine-v1 --out data"
+    run(command)
     card = Path("data/mine-v1/README.md").read_text(encoding="utf-8")
     for line in (
         "| arena | procedural_easy_3, procedural_easy_7 |",
@@ -105,19 +102,17 @@ def test_files_are_a_dataset_whose_card_names_all_arenas_and_decisions(capsys: p
         "Seed: that of each file. Seeds of the episodes: 7, 3.",
     ):
         assert line in card
-    assert main(command) == 2
-    assert "--name is 'mine-v1'; allowed: a name that is not in data yet" in capsys.readouterr().err
+    assert "--name is 'mine-v1'; allowed: a name that is not in data yet" in run.refused(command)
 
 
-def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest.CaptureFixture[str]) -> None:
+def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(run: Run) -> None:
     write_arena(BLOCKS, "blocks.toml")
     Experience(SOME.vectors, SOME.behaviours, "blocks").save("g1.csv")
-    command = ["dataset", "--experience", "g1.csv", "--out", "data"]
-    assert main(command) == 2
-    assert "experience of ['blocks']; allowed: one arena" in capsys.readouterr().err
-    assert main([*command, "--arena", "doors"]) == 2
-    assert "experience of ['blocks']; allowed: of 'doors', the argument arena" in capsys.readouterr().err
-    assert main([*command, "--arena", "blocks.toml"]) == 0
+    command = "dataset --experience g1.csv --out data"
+    assert "experience of ['blocks']; allowed: one arena" in run.refused(command)
+    other = run.refused(f"{command} --arena doors")
+    assert "experience of ['blocks']; allowed: of 'doors', the argument arena" in other
+    run(f"{command} --arena blocks.toml")
     assert Path("data/khepera_forage/blocks-v1/README.md").exists()
     dataset = minari.load_dataset("khepera_forage/blocks-v1")
     env = dataset.recover_environment().unwrapped
@@ -125,13 +120,12 @@ def test_files_of_an_arena_of_ones_own_need_the_file_of_the_arena(capsys: pytest
     assert {"foods": env.foods, "limit": env.limit}.items() <= settings_of(BLOCKS).items()
 
 
-def test_a_dataset_that_cannot_be_finished_is_removed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_dataset_that_cannot_be_finished_is_removed(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
     SOME.save("g1.csv")
 
     def full(path: Path) -> None:
         raise OSError(28, "No space left on device", str(path))
 
     monkeypatch.setattr("khepera_forage.cli.dataset.replacing", full)
-    command = ["dataset", "--experience", "g1.csv", "--name", "mine-v1", "--out", "data"]
-    assert main(command) == 2
+    run.refused("dataset --experience g1.csv --name mine-v1 --out data")
     assert not Path("data/mine-v1").exists()

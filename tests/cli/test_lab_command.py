@@ -9,52 +9,44 @@ import pytest
 
 from khepera_forage.cli import camera
 from khepera_forage.cli.lab import lab_text
-from khepera_forage.cli.main import main
 from khepera_forage.cli.options import Group
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.robots.epuck.firmware import EPuckFirmware
 from khepera_forage.sim.arenas.named import ARENAS
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import Truth
+from tests.cli.running import Run
 from tests.robots.rig import make_rig
 from tests.vision.scene_renderer import render_frame, write_film
 
 
 @pytest.mark.parametrize("robot", ["toio", "e-puck2"])
-def test_virtual_laboratories_of_other_robots_train_and_recall(robot: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_virtual_laboratories_of_other_robots_train_and_recall(robot: str, run: Run) -> None:
     pytest.importorskip("toio")
-    lab = ["--lab", f"virtual:{robot}"]
-    assert main(["train", *lab, "--episodes", "1", "--out", "files"]) == 0
-    assert main(["recall", *lab, "--experience", "files", "--episodes", "1", "--out", "recall.csv"]) == 0
-    assert "mean score" in capsys.readouterr().out
+    lab = f"--lab virtual:{robot} --episodes 1"
+    run(f"train {lab} --out files")
+    assert "mean score" in run(f"recall {lab} --experience files --out recall.csv")
 
 
-def test_new_writes_a_file_that_check_accepts(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_new_writes_a_file_that_check_accepts(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
     pytest.importorskip("toio")
     file = Path("lab.toml")
     answers = iter(["toio", "virtual:t1 virtual:l1", "virtual:f1 virtual:f2"])
     monkeypatch.setattr("builtins.input", lambda question: next(answers))
-    assert main(["lab", "new", "--out", "lab.toml"]) == 0
-    out = capsys.readouterr().out
+    out = run("lab new --out lab.toml")
     assert out.count(" pass ") == 4
     assert "khepera-forage train --lab lab.toml" in out
     settings = load_settings(file)
     assert [robot.port for robot in settings.robots] == ["virtual:t1", "virtual:l1"]
     assert settings.food_cubes == ("virtual:f1", "virtual:f2")
-    assert main(["lab", "check", "lab.toml"]) == 0
-    assert "all is well" in capsys.readouterr().out
+    assert "all is well" in run("lab check lab.toml")
     file.write_text(file.read_text().replace(', "virtual:f2"', ""))
-    assert main(["lab", "check", "lab.toml"]) == 1
-    *_, food, last = capsys.readouterr().out.splitlines()
+    *_, food, last = run("lab check lab.toml", status=1).splitlines()
     assert "FAIL   1 food cubes for 2 places; allowed: one each, or for recalls alone 1" in food
     assert last == "1 to repair; begin with the first"
 
 
-def test_new_shows_the_picture_and_calibrates_by_clicks(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_new_shows_the_picture_and_calibrates_by_clicks(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
     """The clicks themselves belong to `khepera-forage camera calibrate`."""
     film = write_film(Path("film.avi"), [np.full((1080, 1920, 3), 128, np.uint8)] * 60)
     places: list[tuple[float, float]] = []
@@ -68,10 +60,9 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(
     monkeypatch.setattr("khepera_forage.cli.camera.camera_command", Group("", [clicked]))
     monkeypatch.setattr("builtins.input", lambda question: "y" if "Calibrate" in question else "1000,1000,2000")
     Path("labs").mkdir()
-    new = ["lab", "new", "--robot", "e-puck2", "--camera", str(film), "--out", "labs/lab.toml"]
     with make_rig(kind=EPuckFirmware) as rig:
-        assert main([*new, "--port", rig.url]) == 1
-    lines = capsys.readouterr().out.splitlines()
+        new = f"lab new --robot e-puck2 --port {rig.url} --camera {film} --out labs/lab.toml"
+        lines = run(new, status=1).splitlines()
     assert [line.split()[2 if line.startswith("robot") else 1] for line in lines[:3]] == ["pass", "pass", "FAIL"]
     assert "no marker of teacher is seen in its arena" in lines[2]
     assert Path("labs/lab.png").stat().st_size > 0
@@ -91,12 +82,11 @@ def test_arenas_of_any_size_stand_side_by_side(arena: str) -> None:
     assert second.bounds[1] - first.bounds[3] == 70
 
 
-def test_check_says_what_is_wrong_in_order(capsys: pytest.CaptureFixture[str]) -> None:
+def test_check_says_what_is_wrong_in_order(run: Run) -> None:
     with make_rig(kind=EPuckFirmware) as rig:
         text = lab_text("e-puck2", ["/dev/nowhere", rig.url], (), "none.avi", None, "corridor")
         Path("lab.toml").write_text(text)
-        assert main(["lab", "check", "lab.toml"]) == 1
-    lines = capsys.readouterr().out.splitlines()[1:]
+        lines = run("lab check lab.toml", status=1).splitlines()[1:]
     assert [line.split()[0] for line in lines] == ["robot", "robot", "camera", "2"]
     assert "FAIL   /dev/nowhere cannot be opened" in lines[0]
     assert " pass   e-puck2 at " in lines[1]
@@ -105,20 +95,18 @@ def test_check_says_what_is_wrong_in_order(capsys: pytest.CaptureFixture[str]) -
     assert lines[3] == "2 to repair; begin with the first"
 
 
-def test_check_waits_for_a_camera_whose_first_frames_are_dark(capsys: pytest.CaptureFixture[str]) -> None:
+def test_check_waits_for_a_camera_whose_first_frames_are_dark(run: Run) -> None:
     bright = render_frame(Truth(((800.0, 700.0, 0.5, 1),), ()))
     film = write_film(Path("film.avi"), [*[bright // 50] * 8, *[bright] * 60], 20)
     Path("lab.toml").write_text(lab_text("khepera", ["/dev/nowhere"], (), str(film), None, "corridor"))
-    assert main(["lab", "check", "lab.toml"]) == 1
-    *_, camera, last = capsys.readouterr().out.splitlines()
+    *_, camera, last = run("lab check lab.toml", status=1).splitlines()
     assert camera.split()[:2] == ["camera", "pass"]
     assert last == "1 to repair; begin with the first"
 
 
-def test_new_without_answers_is_refused_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+def test_new_without_answers_is_refused_in_one_line(run: Run) -> None:
     for stdin in (io.StringIO(), None):  # at its end, and closed
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr("sys.stdin", stdin)
-            assert main(["lab", "new"]) == 2
-        (unanswered,) = capsys.readouterr().err.splitlines()
+            unanswered = run.refused("lab new")
         assert "Kind of robots (khepera, e-puck2, toio): no answer; allowed: an answer, or the option" in unanswered

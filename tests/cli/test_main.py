@@ -11,6 +11,7 @@ from khepera_forage.cli.main import main
 from khepera_forage.experience import Experience
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from tests.cli.running import Run
 from tests.limited_disk import largest_file
 
 
@@ -22,37 +23,28 @@ def experience(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def recalled(*arguments: str) -> list[RecallRow]:
-    assert main(["recall", "--episodes", "2", "--out", "rows.csv", *arguments]) == 0
+def recalled(run: Run, arguments: str) -> list[RecallRow]:
+    assert "mean score" in run(f"recall --episodes 2 --out rows.csv {arguments}")
     return read_rows(Path("rows.csv"), RecallRow)
 
 
-def test_train_recall_and_watch_work_together(experience: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_train_recall_and_watch_work_together(experience: Path, run: Run) -> None:
     assert len(read_rows(experience / "attempts.csv", TrainingRow)) >= 2
-    given = ["--experience", str(experience)]
-    rows = recalled(*given)
+    rows = recalled(run, f"--experience {experience}")
     assert [(row.learner, row.recall) for row in rows] == [("imitator", 0), ("imitator", 1)]
-    assert "mean score" in capsys.readouterr().out
-    files = [str(experience / f"g{number}.csv") for number in (1, 2)]
-    assert recalled("--experience", *files) == rows
-    assert main(["watch", "recall", *given, "--out", "film.gif", "--every", "100"]) == 0
+    assert recalled(run, f"--experience {experience}/g1.csv {experience}/g2.csv") == rows
+    run(f"watch recall --experience {experience} --out film.gif --every 100")
     assert Path("film.gif").read_bytes().startswith(b"GIF")
-    assert main(["watch", "training", "--out", "film.mp4", "--every", "100"]) == 0
+    # The first attempt of this seed fails.
+    first, *_, last, frames = run("watch training --seed 6 --every 100 --out film.mp4").splitlines()
     assert Path("film.mp4").read_bytes()[4:8] == b"ftyp"
-    assert sorted(path.name for path in Path().glob("*film*")) == ["film.gif", "film.mp4"]
-
-
-def test_film_of_a_training_shows_a_complete_attempt(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["watch", "training", "--seed", "6", "--every", "100", "--out", "film.gif"]) == 0
-    first, *_, last, frames = capsys.readouterr().out.splitlines()
     assert first == "attempt 1: out of time after 600 rounds, not filmed"
     rounds = int(last.removeprefix("complete after ").removesuffix(" rounds"))
     assert frames.endswith(f": {-(-rounds // 100) + 1} frames"), "the last one shows how it ended"
+    assert sorted(path.name for path in Path().glob("*film*")) == ["film.gif", "film.mp4"]
 
 
-def test_recall_tells_a_learner_which_vectors_are_of_one_episode(
-    experience: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_recall_tells_a_learner_which_vectors_are_of_one_episode(experience: Path, run: Run) -> None:
     Path("grouped.py").write_text(
         "from collections import Counter\n"
         "from sklearn.tree import DecisionTreeClassifier\n"
@@ -63,25 +55,24 @@ def test_recall_tells_a_learner_which_vectors_are_of_one_episode(
         "        return super().fit(X, y)\n"
         "counting = OfflineImitation('counting', Counting, grouped=True)\n"
     )
-    recalled("--experience", str(experience), "--learner", "grouped:counting")
+    printed = run(f"recall --episodes 1 --out rows.csv --experience {experience} --learner grouped:counting")
     sizes = [len(Experience.load(experience / f"g{number}.csv")) for number in (1, 2)]
-    assert f"{sizes}\n" in capsys.readouterr().out
+    assert f"{sizes}\n" in printed
 
 
-def test_recall_with_another_learner_noise_and_food(experience: Path) -> None:
-    rows = recalled("--experience", str(experience), "--learner", "tree")
+def test_recall_with_another_learner_noise_and_food(experience: Path, run: Run) -> None:
+    rows = recalled(run, f"--experience {experience} --learner tree")
     assert {(row.learner, row.noise) for row in rows} == {("tree", "laboratory")}
-    assert rows != recalled("--experience", str(experience))
-    rows = recalled("--foods", "3", "--noise", "none", "--arena", "rectangle")
+    assert rows != recalled(run, f"--experience {experience}")
+    rows = recalled(run, "--foods 3 --noise none --arena rectangle")
     assert {(row.learner, row.noise, row.foods) for row in rows} == {("teacher", "none", 3)}
-    assert recalled("--noise", "placement") != recalled("--noise", "wheels,tracking losses")
-    assert main(["watch", "recall", "--noise", "none", "--foods", "2", "--every", "50", "--out", "new/f.gif"]) == 0
+    assert recalled(run, "--noise placement") != recalled(run, "--noise 'wheels,tracking losses'")
+    run("watch recall --noise none --foods 2 --every 50 --out new/f.gif")
 
 
-def test_attempts_are_written_even_if_none_is_complete(capsys: pytest.CaptureFixture[str]) -> None:
-    hopeless = ["--decision", "next_to_food=12", "--decision", "most_attempts=3"]
-    assert main(["train", "--episodes", "1", "--out", "g", *hopeless]) == 2
-    assert "none of 3 attempts" in capsys.readouterr().err
+def test_attempts_are_written_even_if_none_is_complete(run: Run) -> None:
+    hopeless = "--decision next_to_food=12 --decision most_attempts=3"
+    assert "none of 3 attempts" in run.refused(f"train --episodes 1 --out g {hopeless}")
     rows = read_rows(Path("g/attempts.csv"), TrainingRow)
     assert [(row.attempt, row.complete) for row in rows] == [(1, False), (2, False), (3, False)]
     assert [path.name for path in Path("g").iterdir()] == ["attempts.csv"]
@@ -93,75 +84,62 @@ def test_installed_command_prints_its_version() -> None:
     assert done.stdout.startswith("khepera-forage 0.")
 
 
-def train(folder: Path, *more: str) -> int:
-    return main(["train", "--seed", "3", "--out", str(folder), *more])
+TRAIN = "train --seed 3 --out"
 
 
-def test_interrupted_training_is_continued_with_the_same_result(capsys: pytest.CaptureFixture[str]) -> None:
+def test_interrupted_training_is_continued_with_the_same_result(run: Run) -> None:
     whole, part = Path("whole"), Path("part")
-    assert train(whole, "--episodes", "3") == 0
-    assert train(part, "--episodes", "2") == 0
+    run(f"{TRAIN} whole --episodes 3")
+    run(f"{TRAIN} part --episodes 2")
     lines = (part / "g2.csv").read_text().splitlines(keepends=True)
     (part / "g2.csv").write_text("".join(lines[:-3]))  # as a kill in the second episode leaves it
     os.truncate(part / "attempts.csv", (part / "attempts.csv").stat().st_size - 20)
-    capsys.readouterr()
-    assert train(part, "--episodes", "3") == 2
-    assert "g1.csv exists; --continue goes on after it" in capsys.readouterr().err
-    assert train(part, "--episodes", "3", "--continue") == 0
-    assert "g2.csv was interrupted" in capsys.readouterr().out
+    assert "g1.csv exists; --continue goes on after it" in run.refused(f"{TRAIN} part --episodes 3")
+    assert "g2.csv was interrupted" in run(f"{TRAIN} part --episodes 3 --continue")
     for name in ("g1.csv", "g2.csv", "g3.csv", "attempts.csv"):
         assert (part / name).read_bytes() == (whole / name).read_bytes()
-    assert train(part, "--episodes", "3", "--continue") == 0
-    assert "all 3 files are in" in capsys.readouterr().out
-    recall = ["recall", "--episodes", "1", "--out", "r.csv", "--experience"]
-    interrupted = str(part / "g2.interrupted-1.csv")
-    assert main([*recall, interrupted]) == 2
-    assert "--recover" in capsys.readouterr().err
-    assert main([*recall, interrupted, "--recover"]) == 0
-    assert "rows kept" in capsys.readouterr().out
+    assert "all 3 files are in" in run(f"{TRAIN} part --episodes 3 --continue")
+    recall = "recall --episodes 1 --out r.csv --experience part/g2.interrupted-1.csv"
+    assert "--recover" in run.refused(recall)
+    assert "rows kept" in run(f"{recall} --recover")
 
 
-def test_full_disk_ends_training_with_what_to_do_and_is_continued(capsys: pytest.CaptureFixture[str]) -> None:
+def test_full_disk_ends_training_with_what_to_do_and_is_continued(run: Run, capsys: pytest.CaptureFixture[str]) -> None:
     whole, part = Path("whole"), Path("part")
-    assert train(whole, "--episodes", "2") == 0
-    capsys.readouterr()
+    run(f"{TRAIN} whole --episodes 2")
     size = (whole / "g1.csv").stat().st_size
     with largest_file(size - 10):  # not even the first episode fits
-        assert train(part, "--episodes", "2") == 2
+        assert main(f"{TRAIN} part --episodes 2".split()) == 2
     assert capsys.readouterr().err == (
         "the same command with --continue goes on from here\n"
         f"khepera-forage train: [Errno 28] No space left on device: '{part / 'g1.csv'}'\n"
     )
     stored = (part / "g1.csv").read_bytes()
     assert (whole / "g1.csv").read_bytes().startswith(stored)
-    assert train(part, "--episodes", "2", "--continue") == 0
+    run(f"{TRAIN} part --episodes 2 --continue")
     assert (part / "g1.interrupted-1.csv").read_bytes() == stored
     for name in ("g1.csv", "g2.csv", "attempts.csv"):
         assert (part / name).read_bytes() == (whole / name).read_bytes()
 
 
-def test_training_of_another_seed_arena_or_decisions_is_not_continued_and_nothing_is_changed(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    assert train(Path(), "--episodes", "2") == 0
-    assert main(["train", "--seed", "2", "--episodes", "2", "--out", "other"]) == 0
+def test_training_of_another_seed_arena_or_decisions_is_not_continued_and_nothing_is_changed(run: Run) -> None:
+    run(f"{TRAIN} . --episodes 2")
+    run("train --seed 2 --episodes 2 --out other")
     Path("other/g2.csv").replace("g2.csv")
     lines = Path("g1.csv").read_text().splitlines(keepends=True)
     Path("g1.csv").write_text("".join(lines[:-2]))  # interrupted
     before = {path.name: path.read_bytes() for path in Path().glob("*.csv")}
     for option, message in (
-        ([], "g2.csv is of another --seed; allowed with --continue: the same one"),
-        (["--decision", "search_speed=10"], "search_speed"),
-        (["--arena", "rectangle"], "arena is 'corridor'; allowed: 'rectangle'"),
+        ("", "g2.csv is of another --seed; allowed with --continue: the same one"),
+        ("--decision search_speed=10", "search_speed"),
+        ("--arena rectangle", "arena is 'corridor'; allowed: 'rectangle'"),
     ):
-        assert train(Path(), "--episodes", "3", "--continue", *option) == 2
-        assert message in capsys.readouterr().err
+        assert message in run.refused(f"{TRAIN} . --episodes 3 --continue {option}")
     Path("g2.csv").unlink()  # so that the folder is of one seed
     before["attempts.csv"] = before["attempts.csv"].replace(b"rounds", b"round")
     del before["g2.csv"]
     Path("attempts.csv").write_bytes(before["attempts.csv"])
-    assert train(Path(), "--episodes", "3", "--continue") == 2
-    assert "attempts.csv:1: header is" in capsys.readouterr().err
+    assert "attempts.csv:1: header is" in run.refused(f"{TRAIN} . --episodes 3 --continue")
     assert {path.name: path.read_bytes() for path in Path().glob("*.csv")} == before
 
 
