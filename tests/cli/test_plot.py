@@ -7,6 +7,7 @@ import pytest
 from khepera_forage.cli.main import main
 from khepera_forage.cli.plot import drawn
 from tests.benchmarks.running import is_picture
+from tests.cli.running import Run
 from tests.figure_checks import check_readable, lay_out
 
 
@@ -14,33 +15,32 @@ from tests.figure_checks import check_readable, lay_out
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which a user has recalled, trained and compared."""
     folder = tmp_path_factory.mktemp("results")
-    assert main(["recall", "--episodes", "3", "--out", str(folder / "teacher.csv")]) == 0
-    assert main(["train", "--episodes", "1", "--seed", "5", "--out", str(folder / "g")]) == 0
-    out = str(folder / "compared")
-    quick = ["--quick", "--seeds", "1", "--jobs", "1", "--out", out]
-    assert main(["compare", *quick, "--only", "teacher", "--only", "tree"]) == 0
-    experience = ["--experience", str(folder / "g"), "--out", str(folder / "imitator.csv")]
-    assert main(["recall", "--episodes", "2", *experience]) == 0
+    for command in (
+        "recall --episodes 3 --out FOLDER/teacher.csv",
+        "train --episodes 1 --seed 5 --out FOLDER/g",
+        "compare --quick --seeds 1 --jobs 1 --out FOLDER/compared --only teacher --only tree",
+        "recall --episodes 2 --experience FOLDER/g --out FOLDER/imitator.csv",
+    ):
+        assert main(command.replace("FOLDER", str(folder)).split()) == 0
     return folder
 
 
 @pytest.mark.parametrize(
     "files",
     [
-        ["teacher.csv"],
-        ["teacher.csv", "imitator.csv"],
-        ["g/attempts.csv"],
-        ["compared/rows.csv"],
-        ["compared/results.json"],
-        ["compared/results.json", "compared/rows.csv"],
+        "teacher.csv",
+        "teacher.csv imitator.csv",
+        "g/attempts.csv",
+        "compared/rows.csv",
+        "compared/results.json",
+        "compared/results.json compared/rows.csv",
     ],
-    ids=" ".join,
 )
-def test_rows_of_other_commands_are_drawn(files: list[str], results: Path, tmp_path: Path) -> None:
-    out = tmp_path / "plot.png"
-    assert main(["plot", *(str(results / file) for file in files), "--out", str(out)]) == 0
-    assert is_picture(out)
-    check_readable(lay_out(drawn([results / file for file in files])))
+def test_rows_of_other_commands_are_drawn(files: str, results: Path, run: Run) -> None:
+    paths = [results / file for file in files.split()]
+    run("plot", *map(str, paths))
+    assert is_picture(Path("plot.png"))
+    check_readable(lay_out(drawn(paths)))
 
 
 def test_files_of_one_name_stay_apart(results: Path, tmp_path: Path) -> None:
@@ -55,22 +55,18 @@ def test_files_of_one_name_stay_apart(results: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("files", "message"),
     [
-        (["teacher.csv", "g/attempts.csv"], "are of different kinds; allowed: one kind"),
-        (["g/g1.csv"], "its first line is '# khepera_forage experience, version 1'; allowed: rows of `recall`"),
-        (["nothing.csv"], "No such file or directory"),
-        (["empty.csv"], "has no rows; allowed: at least one"),
-        (["broken.json"], "broken.json: "),
-        (["teacher.csv", "--out", "plot.gif"], "'plot.gif'; allowed: a name that ends in .png"),
+        ("teacher.csv g/attempts.csv", "are of different kinds; allowed: one kind"),
+        ("g/g1.csv", "its first line is '# khepera_forage experience, version 1'; allowed: rows of `recall`"),
+        ("nothing.csv", "No such file or directory"),
+        ("empty.csv", "has no rows; allowed: at least one"),
+        ("broken.json", "broken.json: "),
+        ("teacher.csv --out plot.gif", "'plot.gif'; allowed: a name that ends in .png"),
     ],
 )
 def test_other_files_are_refused(
-    files: list[str], message: str, results: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    files: str, message: str, results: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(results)
     (results / "empty.csv").write_text((results / "teacher.csv").read_text().partition("\n")[0] + "\n")
     (results / "broken.json").write_text("{")
-    capsys.readouterr()
-    assert main(["plot", *files]) == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1
+    assert message in run.refused(f"plot {files}")

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from khepera_forage.cli.main import main
 from khepera_forage.study import Job
 from khepera_forage.thesis import reproduce as reproduction
 from khepera_forage.thesis.replication import Row
 from tests.benchmarks.running import read
+from tests.cli.running import Run
 from tests.thesis.synthetic import one_row_jobs
 
 
@@ -17,14 +17,11 @@ def one_job(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reproduction, "jobs", one_row_jobs)
 
 
-def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    decided = ["--decision", "next_to_food=22", "--decision", "close_to_food=31"]
-    assert main(["reproduce", "--quick", "--out", ".", *decided, *arguments]) == 0
-    return capsys.readouterr().out
+REPRODUCE = "reproduce --quick --out . --decision next_to_food=22 --decision close_to_food=31"
 
 
-def test_reproduce_ends_with_a_summary_of_both_decisions(capsys: pytest.CaptureFixture[str]) -> None:
-    start, end = printed(capsys).split("Summary\n")
+def test_reproduce_ends_with_a_summary_of_both_decisions(run: Run) -> None:
+    start, end = run(REPRODUCE).split("Summary\n")
     assert "smoke test" in start
     page = Path("thesis.md").read_text(encoding="utf-8")
     assert page.startswith("# The thesis's experiments, repeated")
@@ -49,8 +46,8 @@ def test_reproduce_ends_with_a_summary_of_both_decisions(capsys: pytest.CaptureF
     assert Path("recalls_v0.1.csv").exists()
 
 
-def test_reproduce_without_comparison_has_only_our_results(capsys: pytest.CaptureFixture[str]) -> None:
-    assert "v0.1" not in printed(capsys, "--no-comparison")
+def test_reproduce_without_comparison_has_only_our_results(run: Run) -> None:
+    assert "v0.1" not in run(f"{REPRODUCE} --no-comparison")
     assert "v0.1: score" not in Path("thesis.md").read_text(encoding="utf-8")
     assert not Path("recalls_v0.1.csv").exists()
 

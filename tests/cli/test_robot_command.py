@@ -11,11 +11,11 @@ from contextlib import contextmanager
 import pytest
 import serial
 
-from khepera_forage.cli.main import main
 from khepera_forage.cli.robot import bars
 from khepera_forage.robots.khepera import CONTROL_PERIOD, Senses
 from khepera_forage.robots.serial import serial_robot
 from khepera_forage.robots.virtual.virtual_khepera import Faults, VirtualKhepera
+from tests.cli.running import Run
 from tests.lab.laboratories import Time
 from tests.robots.rig import Rig, make_rig
 
@@ -72,15 +72,8 @@ def frozen() -> Iterator[VirtualKhepera]:
         yield rig.ports[0]
 
 
-def output(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    assert main(["robot", *arguments]) == 0
-    out, err = capsys.readouterr()
-    assert err == ""
-    return out
-
-
-def test_probe_prints_versions_and_response_times(rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:
-    out = output(capsys, "probe", "--port", rig.url)
+def test_probe_prints_versions_and_response_times(rig: Rig, run: Run) -> None:
+    out = run(f"robot probe --port {rig.url}")
     assert f"{rig.url}, 38400 baud" in out
     assert "BIOS 5.02, protocol 5.01" in out
     assert "version 2.1, jumpers 0; arm" in out
@@ -92,19 +85,17 @@ def test_probe_prints_versions_and_response_times(rig: Rig, capsys: pytest.Captu
     assert 0 < float(rate[1]) < 57, "61 bytes take 17 ms"
 
 
-def test_commands_accept_a_line_that_is_too_slow_for_a_laboratory(
-    frozen: VirtualKhepera, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_commands_accept_a_line_that_is_too_slow_for_a_laboratory(frozen: VirtualKhepera, run: Run) -> None:
     frozen.faults = Faults(delay=1.0, lateness=(0.12, 0.12))
-    output(capsys, "drive", "--port", frozen.url, "--seconds", "0.2")
-    output(capsys, "grip", "open", "--port", frozen.url)
-    assert main(["robot", "selftest", "--port", frozen.url]) == 1
-    assert re.search(r"^a round +FAIL   \d+ ms", capsys.readouterr().out, re.MULTILINE)
+    run(f"robot drive --port {frozen.url} --seconds 0.2")
+    run(f"robot grip open --port {frozen.url}")
+    out = run(f"robot selftest --port {frozen.url}", status=1)
+    assert re.search(r"^a round +FAIL   \d+ ms", out, re.MULTILINE)
     frozen.faults = Faults()
 
 
-def test_sensors_prints_lines_without_a_terminal(rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:
-    heading, *lines = output(capsys, "sensors", "--port", rig.url, "--rounds", "3").splitlines()
+def test_sensors_prints_lines_without_a_terminal(rig: Rig, run: Run) -> None:
+    heading, *lines = run(f"robot sensors --port {rig.url} --rounds 3").splitlines()
     assert len(lines) == 3
     for line in lines:
         proximity, pulses, others = line.split(" | ")
@@ -121,14 +112,14 @@ def test_bars_are_as_long_as_the_readings() -> None:
     assert "object between the fingers" in shown[8]
 
 
-def test_drive_turns_the_wheels_and_stops(rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:
-    out = output(capsys, "drive", "--port", rig.url, "--left", "4", "--right", "-4", "--seconds", "0.5")
+def test_drive_turns_the_wheels_and_stops(rig: Rig, run: Run) -> None:
+    out = run(f"robot drive --port {rig.url} --left 4 --right -4 --seconds 0.5")
     left, right = (int(pulses) for pulses in re.findall(r"(-?\d+) pulses", out))
     assert (left, right) == (200, -200)
     assert rig.is_stopped()
 
 
-def test_drive_continues_after_a_restart(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_drive_continues_after_a_restart(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """The power supply fails for a moment, after half a second."""
     monkeypatch.setattr("khepera_forage.cli.robot.time", Time())
     rounds = iter(range(1000))
@@ -141,7 +132,7 @@ def test_drive_continues_after_a_restart(capsys: pytest.CaptureFixture[str], mon
             return rig.firmware.power_on() if next(rounds) == 5 else None
 
         rig.intercept(advance)
-        out = output(capsys, "drive", "--port", rig.url, "--left", "4", "--right", "4", "--seconds", "1.5")
+        out = run(f"robot drive --port {rig.url} --left 4 --right 4 --seconds 1.5")
         true_left = rig.robots[0].sense().left_pulses
     assert "the robot restarted 1 time: check its power supply" in out
     left, right = (int(pulses) for pulses in re.findall(r"(-?\d+) pulses", out))
@@ -149,41 +140,35 @@ def test_drive_continues_after_a_restart(capsys: pytest.CaptureFixture[str], mon
     assert left == right
 
 
-def test_grip_moves_the_jaw_with_a_watchdog_or_without(
-    rig: Rig, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_grip_moves_the_jaw_with_a_watchdog_or_without(rig: Rig, monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
     watched: list[str] = []
     monkeypatch.setattr(serial_robot, "start_watchdog", lambda port, *_: watched.append(port))
-    assert "jaw at 0, barrier 0" in output(capsys, "grip", "close", "--port", rig.url, "--no-watchdog")
+    assert "jaw at 0, barrier 0" in run(f"robot grip close --port {rig.url} --no-watchdog")
     assert not watched
-    assert "jaw at 200, barrier 0" in output(capsys, "grip", "open", "--port", rig.url)
+    assert "jaw at 200, barrier 0" in run(f"robot grip open --port {rig.url}")
     assert watched == [rig.url]
 
 
-def test_selftest_of_a_working_robot_passes(rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:
-    out = output(capsys, "selftest", "--port", rig.url, "--timeout", "5")
+def test_selftest_of_a_working_robot_passes(rig: Rig, run: Run) -> None:
+    out = run(f"robot selftest --port {rig.url} --timeout 5")
     assert "10 of 10 passed" in out
     assert out.count(" pass ") == 10
     assert "FAIL" not in out
 
 
 def test_selftest_of_a_robot_that_does_not_move_fails(
-    frozen: VirtualKhepera, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    frozen: VirtualKhepera, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("khepera_forage.cli.robot.time", Time())
-    assert main(["robot", "selftest", "--port", frozen.url, "--timeout", "5"]) == 1
-    out = capsys.readouterr().out
+    out = run(f"robot selftest --port {frozen.url} --timeout 5", status=1)
     for part in ("wheels", "arm", "jaw"):
         assert re.search(rf"^{part} +FAIL", out, re.MULTILINE)
     assert "7 of 10 passed" in out
 
 
-def test_lost_robot_is_reported_in_one_line(frozen: VirtualKhepera, capsys: pytest.CaptureFixture[str]) -> None:
+def test_lost_robot_is_reported_in_one_line(frozen: VirtualKhepera, run: Run) -> None:
     frozen.faults = Faults(unplug=1.0)
-    assert main(["robot", "probe", "--port", frozen.url]) == 2
-    err = capsys.readouterr().err
-    assert f"{frozen.url}: no answer to 'B'" in err
-    assert err.count("\n") == 1
+    assert f"{frozen.url}: no answer to 'B'" in run.refused(f"robot probe --port {frozen.url}")
 
 
 # ---------------------------------------------------------------- robot virtual
@@ -221,8 +206,7 @@ def test_virtual_robot_ends_when_unplugged() -> None:
     assert errors == ""
 
 
-def test_signals_are_as_before_after_a_mistake(capsys: pytest.CaptureFixture[str]) -> None:
+def test_signals_are_as_before_after_a_mistake(run: Run) -> None:
     handlers = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
-    assert main(["robot", "virtual", "--baud", "300"]) == 2
-    assert "300" in capsys.readouterr().err
+    assert "300" in run.refused("robot virtual --baud 300")
     assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == handlers
