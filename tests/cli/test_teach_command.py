@@ -1,6 +1,5 @@
 """`khepera-forage teach`: scripts look at the pictures and press keys in pygame's queue; the rest is the program."""
 
-import shlex
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -9,7 +8,6 @@ import numpy as np
 import pygame
 import pytest
 
-from khepera_forage.cli.main import main
 from khepera_forage.cli.teach import BEHAVIOUR_OF, LETTERS, SEPARATED_WARNING, Caption, HumanTeacher
 from khepera_forage.cli.teach_window import COLUMNS, TeachingWindow, with_caption
 from khepera_forage.envs.rendering import View
@@ -21,10 +19,11 @@ from khepera_forage.rollouts import training
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.task.states import Behaviour, behaviour_for, classify
+from tests.cli.running import Run
 
 Script = Callable[[TrainingEnv, View], object]
 """Looks at a new picture and presses keys."""
-FAST = ("--pace", "1000")
+TEACH = "teach --pace 1000"
 
 
 @pytest.fixture(autouse=True)
@@ -144,49 +143,42 @@ class TappingScript:
 
 
 def test_person_with_the_teachers_behaviours_records_the_same_file(
-    run_script: Callable[[Script], None], capsys: pytest.CaptureFixture[str]
+    run_script: Callable[[Script], None], run: Run
 ) -> None:
-    chosen = ["--decision", "next_to_food=22", "--food-type", "PUSHABLE"]
+    chosen = "--decision next_to_food=22 --food-type PUSHABLE"
     run_script(holding_script())
-    assert main(["teach", "--seed", "2", *FAST, *chosen]) == 0
-    printed = capsys.readouterr().out
-    assert main(["train", "--episodes", "1", "--seed", "2", "--out", "trained", *chosen]) == 0
+    printed = run(f"{TEACH} --seed 2 {chosen}")
+    run(f"train --episodes 1 --seed 2 --out trained {chosen}")
     assert Path("taught/g1.csv").read_bytes() == Path("trained/g1.csv").read_bytes()
     experience = Experience.load("taught/g1.csv")
     assert f"1 episode(s), {len(experience)} experience vectors, 100 %" in printed
     (next_command,) = [line for line in printed.splitlines() if line.startswith("next: ")]
-    program, *command = shlex.split(next_command.removeprefix("next: "))
-    assert program == "khepera-forage"
-    assert command[-4:] == chosen
-    assert main([*command, "--episodes", "1", "--out", "rows.csv"]) == 0
+    assert next_command.endswith(chosen)
+    run(f"{next_command.removeprefix('next: khepera-forage ')} --episodes 1 --out rows.csv")
     (row,) = read_rows(Path("rows.csv"), RecallRow)
     assert row.experience_size == len(experience)
 
 
 def test_wrong_behaviours_are_recorded_and_a_restart_or_escape_discards_them(
-    run_script: Callable[[Script], None], capsys: pytest.CaptureFixture[str]
+    run_script: Callable[[Script], None], run: Run
 ) -> None:
     script = TappingScript()
     run_script(script)
-    assert main(["teach", "--episodes", "3", *FAST]) == 0
+    printed = run(f"{TEACH} --episodes 3")
     assert not pygame.display.get_init()
     assert script.restarts == 2
     experience = Experience.load("taught/g1.csv")
     assert list(experience.behaviours) == script.chosen
     share = 100 * (len(script.chosen) - script.wrong) / len(script.chosen)
-    printed = capsys.readouterr().out
     assert f"1 episode(s), {len(experience)} experience vectors" in printed
     assert f"{share:.0f} % of the behaviours as the hand-coded teacher's" in printed
     assert script.wrong == 6
     assert [path.name for path in Path("taught").iterdir()] == ["g1.csv"]
 
 
-def test_window_that_is_closed_at_the_start_leaves_no_file(
-    run_script: Callable[[Script], None], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_window_that_is_closed_at_the_start_leaves_no_file(run_script: Callable[[Script], None], run: Run) -> None:
     run_script(lambda env, view: pygame.event.post(pygame.event.Event(pygame.QUIT)))
-    assert main(["teach"]) == 0
-    assert capsys.readouterr().out.endswith("no episode is complete, so no file is kept\n")
+    assert run("teach").endswith("no episode is complete, so no file is kept\n")
     assert list(Path("taught").iterdir()) == []
 
 
