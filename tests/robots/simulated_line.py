@@ -32,19 +32,20 @@ class SimulatedLine:
     """The host's port; time passes only while the host waits for bytes, or in `sleep`.
 
     Args:
-        script: Returns bytes to send and seconds to wait; sends the replies by default.
+        script: Sends the replies by default.
         baud: Of both directions.
         latency: Seconds that each reply takes in addition.
 
     Attributes:
         now: Seconds since the beginning.
         requests: The requests that have arrived, with their times.
+        script: Returns bytes to send and seconds to wait.
     """
 
     def __init__(self, script: Script | None = None, *, baud: int = 38400, latency: float = 0.0) -> None:
         self.now, self.latency = 0.0, latency
         self.requests: list[tuple[float, bytes]] = []
-        self._script = first_replies() if script is None else script
+        self.script = first_replies() if script is None else script
         self._baud, self._splitter = baud, LineSplitter()
         self._arrived_until = self._sent_until = 0.0
         self._replies: list[tuple[float, bytes]] = []
@@ -98,7 +99,7 @@ class SimulatedLine:
     def _execute(self, request: bytes) -> None:
         self.requests.append((self._arrived_until, request))
         at = self._arrived_until + self.latency
-        for action in self._script(request, reply_with(request, len(self.requests))):
+        for action in self.script(request, reply_with(request, len(self.requests))):
             if isinstance(action, bytes):
                 for value in action:
                     at = max(at, self._sent_until) + seconds_on_wire(1, self._baud)

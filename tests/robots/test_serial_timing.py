@@ -31,11 +31,26 @@ def opened(
     *,
     baud: int = 38400,
     latency: float = 0.0,
-    period: float | None = PERIOD,
+    **options: float | None,
 ) -> Iterator[tuple[SerialKhepera, SimulatedLine]]:
+    """A robot on a line which replies as usual when it is closed, so that the stop is confirmed."""
     line = SimulatedLine(script, baud=baud, latency=latency).install(monkeypatch)
-    with SerialKhepera("simulated", baud=baud, watchdog=False, period=period) as robot:
+    with SerialKhepera("simulated", baud=baud, watchdog=False, **options) as robot:  # type: ignore[arg-type]
         yield robot, line
+        line.script = first_replies()
+
+
+def counting(line: SimulatedLine, count: int, lost: float = 0.0, late: list[Action] | None = None) -> Script:
+    """Counters at a value; for `lost` seconds from now on, replies are late, or lost if it is None."""
+    end = line.now + lost
+
+    def script(request: bytes, reply: bytes) -> list[Action]:
+        reply = b"h,%d,%d\r\n" % (count, count) if request == b"H" else reply
+        if line.now >= end:
+            return [reply]
+        return [] if late is None else [*late, reply]
+
+    return script
 
 
 @pytest.mark.parametrize(
@@ -143,11 +158,10 @@ def test_robot_that_answers_one_request_at_a_time_gets_one_at_a_time(monkeypatch
 
 def test_wheels_are_held_while_replies_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Requests arrive, but nothing is heard: the stop is sent before the robot counts as lost."""
-    mute = False
-    with opened(monkeypatch, lambda request, reply: [] if mute else [reply]) as (robot, line):
+    with opened(monkeypatch) as (robot, line):
         robot.drive(FORWARD)
         robot.transmit()
-        mute, begin = True, line.now
+        line.script, begin = counting(line, 0, lost=math.inf), line.now
         with pytest.raises(RobotLost, match="received nothing"):
             robot.receive()
         assert line.now - begin <= MAX_DURATION + POLLS
@@ -155,7 +169,6 @@ def test_wheels_are_held_while_replies_are_missing(monkeypatch: pytest.MonkeyPat
         stops = [at - begin for at, request in line.requests if request == b"D,0,0" and at > begin]
         assert HOLD_AFTER - POLLS <= stops[0] <= HOLD_AFTER + POLLS
         assert all(later - earlier <= HOLD_AFTER + POLLS for earlier, later in pairwise(stops))
-        mute = False
 
 
 @pytest.mark.parametrize(
@@ -167,16 +180,13 @@ def test_wheels_stop_within_the_limit_when_replies_are_garbled(
     garbled: bytes, period: float, timeout: float, confirmed_after: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """All replies, or those to speeds, which are sent again; if they are confirmed by chance, `receive` waits again."""
-    fault = math.inf
 
     def script(request: bytes, reply: bytes) -> list[Action]:
-        since = line.now - fault
-        chance = request == b"D,5,5" and since >= confirmed_after
-        is_garbled = since >= 0 and not chance and request.startswith(garbled)
+        chance = request == b"D,5,5" and line.now - fault >= confirmed_after
+        is_garbled = not chance and request.startswith(garbled)
         return [reply.replace(reply[:1], b"?") if is_garbled else reply]
 
-    line = SimulatedLine(script).install(monkeypatch)
-    with SerialKhepera("simulated", watchdog=False, timeout=timeout, period=period) as robot:
+    with opened(monkeypatch, timeout=timeout, period=period) as (robot, line):
         clock = WallClock(period, lambda: line.now, lambda seconds: line.sleep(line.now + seconds))
 
         def rounds(count: int) -> None:
@@ -187,31 +197,29 @@ def test_wheels_stop_within_the_limit_when_replies_are_garbled(
 
         robot.drive(FORWARD)
         rounds(2)
-        fault = line.now
+        line.script, fault = script, line.now
         with pytest.raises(RobotLost, match="received only"):
             rounds(2)
         speeds = [(at - fault, request) for at, request in line.requests if request.startswith(b"D,")]
         turning = max(at for at, request in speeds if request == b"D,5,5")
         stopped = min(at for at, request in speeds if at > turning and request == b"D,0,0")
         assert stopped <= MAX_UNATTENDED + POLLS
-        fault = math.inf
 
 
 @pytest.mark.parametrize("late", [0.0, 0.05, 0.08, 0.095, 0.2, 0.6])
 def test_object_is_sensed_at_once_even_in_a_late_round(late: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """An unexpected reading is requested once more; it enters the experience of this round."""
-    present = False
 
-    def script(request: bytes, reply: bytes) -> list[Action]:
-        if present and request == b"T,1,G":
-            return [b"t,1,g,200\r\n"]
-        return [late if present and request == b"N" else 0.0, reply]
+    def present(request: bytes, reply: bytes) -> list[Action]:
+        return [b"t,1,g,200\r\n"] if request == b"T,1,G" else [late if request == b"N" else 0.0, reply]
 
-    with opened(monkeypatch, script) as (robot, _):
-        for round_ in range(4):
-            present = round_ == 3
+    with opened(monkeypatch) as (robot, line):
+        for _ in range(3):
             robot.receive()
-            assert robot.sense().object_presence == 255 * present
+            assert robot.sense().object_presence == 0
+        line.script = present
+        robot.receive()
+        assert robot.sense().object_presence == 255
 
 
 @pytest.mark.parametrize("pause", [0.6, 3.0])
@@ -229,21 +237,11 @@ def test_counters_continue_after_a_pause_at_full_speed(pause: float, monkeypatch
 @pytest.mark.parametrize("late", [[0.8], None], ids=["late", "lost for a second"])
 def test_held_wheels_continue_with_the_next_command(late: list[Action] | None, monkeypatch: pytest.MonkeyPatch) -> None:
     """The wheels did not turn as commanded all the time, and the counters say so."""
-    begin = math.inf
-
-    def script(request: bytes, reply: bytes) -> list[Action]:
-        if request == b"H":
-            reply = b"h,0,0\r\n" if line.now < begin else b"h,512,512\r\n"
-        if not begin <= line.now < begin + 1.0:
-            return [reply]
-        return [] if late is None else [*late, reply]
-
-    line = SimulatedLine(script).install(monkeypatch)
-    with SerialKhepera("simulated", watchdog=False) as robot:
+    with opened(monkeypatch) as (robot, line):
         robot.drive(FORWARD)
         robot.transmit()
         robot.receive()
-        begin = line.now
+        line.script, begin = counting(line, 512, 1.0, late), line.now
         robot.receive()
         assert b"D,0,0" in line.sent_since(begin)
         assert not robot.stop_confirmed
@@ -255,21 +253,13 @@ def test_held_wheels_continue_with_the_next_command(late: list[Action] | None, m
 
 def test_wheels_stay_held_in_a_transmit_that_restores_what_a_restart_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     """The command was sent twice in such a call, so that wheels turned again after they were held."""
-    restart = begin = math.inf
-
-    def script(request: bytes, reply: bytes) -> list[Action]:
-        if request == b"H":
-            reply = b"h,2000,2000\r\n" if line.now < restart else b"h,5,5\r\n"
-        return [] if begin <= line.now < begin + 1.0 else [reply]
-
-    line = SimulatedLine(script).install(monkeypatch)
-    with SerialKhepera("simulated", watchdog=False) as robot:
+    with opened(monkeypatch) as (robot, line):
         robot.drive(FORWARD)
         robot.transmit()
-        robot.receive()
-        restart = line.now
-        robot.receive()
-        begin = line.now
+        for count in (2000, 5):
+            line.script = counting(line, count)
+            robot.receive()
+        line.script, begin = counting(line, 5, lost=1.0), line.now
         robot.transmit()
         assert line.now > begin + 1.0
         assert line.sent_since(begin, b"D,")[-1] == b"D,0,0"
