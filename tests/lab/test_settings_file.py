@@ -15,7 +15,7 @@ from khepera_forage.sim.arenas.named import named_arena
 from khepera_forage.sim.arenas.thesis import SetUp
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.vision.tracker_settings import TrackerSettings
-from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP, V0_1
+from tests.version_0_1 import CORRIDOR, RECTANGLE, SET_UP
 
 MINIMAL = """
 [camera]
@@ -134,12 +134,6 @@ def test_errors_name_the_key(old: str, new: str, message: str) -> None:
     assert old in text
     with pytest.raises(ValueError, match=re.escape(message)):
         parsed(text.replace(old, new))
-
-
-def test_calibration_path_is_relative_to_the_file(tmp_path: Path) -> None:
-    path = tmp_path / "lab.toml"
-    path.write_text(MINIMAL.replace("source = 0", 'source = 0\ncalibration = "c.toml"'), encoding="utf-8")
-    assert load_settings(path, V0_1).camera.calibration == tmp_path / "c.toml"
 
 
 def test_example_in_the_documentation_is_valid() -> None:

@@ -119,15 +119,6 @@ def test_repeated_error_replies_raise_request_rejected() -> None:
         assert line.statistics.rejected >= 3
 
 
-def test_disconnected_robot_is_lost_without_more_tries() -> None:
-    with opened() as (line, rig):
-        line.exchange([N])
-        rig.ports[0].close()
-        with pytest.raises(RobotLost, match="'H' was not sent: the port failed") as lost:
-            line.exchange([H])
-        assert lost.value.tries == 0
-
-
 @pytest.mark.parametrize(
     "banner",
     [

@@ -81,18 +81,6 @@ def test_readings_of_discs_beyond_reach_are_zero(bearing: float, distance: float
     assert read([], [(x, y, radius)]) == [0.0] * 8
 
 
-@pytest.mark.parametrize("sensor", range(8))
-@pytest.mark.parametrize("distance", [5.0, 20.0, 45.0])
-def test_sensor_facing_a_wall_reads_its_distance(sensor: int, distance: float) -> None:
-    readings = read([facing_wall(sensor, distance)], [])
-    assert readings[sensor] == pytest.approx(response(distance))
-    # Sensors pointing away from the wall read 0.
-    _, _, cosine, sine = SENSORS[sensor]
-    for other, reading in zip(SENSORS, readings, strict=True):
-        if other[2] * cosine + other[3] * sine < math.cos(math.radians(65)):
-            assert reading == 0
-
-
 @given(st.integers(0, 7), st.floats(0, 60), st.floats(25, 50))
 @PROPERTY
 def test_reading_decreases_off_axis_to_zero_at_60_degrees(sensor: int, off: float, distance: float) -> None:
@@ -125,11 +113,6 @@ def test_largest_response_counts(walls: list[Wall], discs: list[Disc]) -> None:
     together = read(walls, discs)
     expected = [max((readings[i] for readings in alone), default=0.0) for i in range(8)]
     assert together == pytest.approx(expected, abs=1e-9)
-
-
-def test_obstacles_on_top_of_a_sensor_give_finite_readings() -> None:
-    forward, left, _, _ = SENSORS[2]
-    assert all(math.isfinite(v) for v in read([(forward, left, forward, left + 50)], [(forward, left, 17.5)]))
 
 
 @given(st.integers(0, 2**63), st.booleans(), walls, discs)

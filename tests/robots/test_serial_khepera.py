@@ -134,24 +134,6 @@ def test_robot_that_restarts_repeatedly_is_lost() -> None:
         robot.close()
 
 
-@pytest.mark.parametrize("stopped", [False, True])
-def test_unplugged_robot_is_lost_at_once_and_named_unless_it_had_stopped(
-    stopped: bool, caplog: pytest.LogCaptureFixture
-) -> None:
-    with make_rig() as rig:
-        robot = SerialKhepera(rig.url)
-        run_rounds(rig, robot, FORWARD)
-        if stopped:
-            robot.stop()
-        rig.ports[0].faults = Faults(unplug=1.0)
-        with pytest.raises(RobotLost, match="the port failed") as lost:
-            robot.receive()
-        assert lost.value.port == rig.url
-        robot.close()
-    assert (caplog.text == "") == stopped
-    assert ("may still be moving" in caplog.text) != stopped
-
-
 ROUNDS = 150
 RATES = {
     "drop": Faults(drop=0.02),

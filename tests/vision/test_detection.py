@@ -13,7 +13,6 @@ from khepera_forage.vision.tracker import Tracker
 from tests.vision.scene_renderer import (
     LABORATORY,
     NONE,
-    PAIR,
     Frame,
     SceneRenderer,
     heading_error,
@@ -141,16 +140,6 @@ def test_marker_that_the_border_cuts_is_right_or_lost() -> None:
             assert heading_error(detection, heading) < 5
             found += 1
     assert found >= 14
-
-
-def test_repeated_frames_give_equal_results() -> None:
-    frame = SceneRenderer().frame(PAIR.markers, PAIR.foods)
-    before, tracker = frame.copy(), Tracker()
-    assert tracker.detect(frame) == tracker.detect(frame) == Tracker().detect(frame)
-    assert (frame == before).all()
-    scene = tracker.update(frame)
-    assert tracker.scene is scene
-    assert tracker.update(frame) == scene
 
 
 # ---------------------------------------------------------------- shapes to ignore

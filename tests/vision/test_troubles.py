@@ -165,17 +165,6 @@ def test_robot_that_takes_the_place_of_another_counts_after_the_place_was_empty(
     assert tracker.warnings == {}
 
 
-def test_one_frame_of_glare_leaves_no_phantom_robot() -> None:
-    renderer, tracker = SceneRenderer(seed=5), Tracker()
-    markers = ((1000.0, 1000.0, 0.5, 1), (1630.0, 1200.0, 0.0, 2))
-    spot = partial(brightened, x=1660.0, y=1200.0, amplitude=150.0, size=4.0)
-    for i in range(12):
-        scene = tracker.update(renderer.frame(markers, (), spot if i % 4 == 3 else None))
-        assert sorted(r.holes for r in scene.regions) == [1, 2]
-        for region in scene.regions:
-            assert position_error(region, *markers[region.holes - 1][:2]) < 1
-
-
 def test_phantom_of_the_first_frame_is_dropped_within_ten_frames() -> None:
     """A sheet like a marker passes through the first frame only."""
     renderer, tracker = SceneRenderer(seed=5), Tracker()
