@@ -115,6 +115,11 @@ def test_largest_response_counts(walls: list[Wall], discs: list[Disc]) -> None:
     assert together == pytest.approx(expected, abs=1e-9)
 
 
+def test_obstacles_on_top_of_a_sensor_give_finite_readings() -> None:
+    forward, left, _, _ = SENSORS[2]
+    assert all(math.isfinite(v) for v in read([(forward, left, forward, left + 50)], [(forward, left, 17.5)]))
+
+
 @given(st.integers(0, 2**63), st.booleans(), walls, discs)
 @PROPERTY
 def test_noise_stays_within_its_limits(key: int, arm_down: bool, walls: list[Wall], discs: list[Disc]) -> None:
