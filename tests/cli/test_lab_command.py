@@ -11,7 +11,10 @@ from khepera_forage.cli import camera
 from khepera_forage.cli.lab import lab_text
 from khepera_forage.cli.options import Group
 from khepera_forage.envs.laboratories import load_settings
+from khepera_forage.experience import Experience
 from khepera_forage.robots.epuck.firmware import EPuckFirmware
+from khepera_forage.rollouts.row_files import read_rows
+from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.sim.arenas.named import ARENAS
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import Truth
@@ -20,12 +23,22 @@ from tests.robots.rig import make_rig
 from tests.vision.scene_renderer import render_frame, write_film
 
 
-@pytest.mark.parametrize("robot", ["toio", "e-puck2"])
-def test_virtual_laboratories_of_other_robots_train_and_recall(robot: str, run: Run) -> None:
+# Seeds of short recalls.
+@pytest.mark.parametrize("lab", ["--lab virtual --seed 8", "--lab virtual:toio", "--lab virtual:e-puck2"])
+def test_virtual_laboratories_train_recall_and_film(lab: str, run: Run) -> None:
     pytest.importorskip("toio")
-    lab = f"--lab virtual:{robot} --episodes 1"
-    run(f"train {lab} --out files")
-    assert "mean score" in run(f"recall {lab} --experience files --out recall.csv")
+    printed = run(f"train {lab} --episodes 1 --out files")
+    assert f"virtual laboratory: {'cubes' if 'toio' in lab else 'robots at /dev/'}" in printed
+    assert "0 over their time" in printed
+    experience, (*_, attempt) = Experience.load("files/g1.csv"), read_rows(Path("files/attempts.csv"), TrainingRow)
+    assert (len(experience), experience.seed, experience.arena) == (attempt.vectors, attempt.seed, "corridor")
+    assert "mean score" in run(f"recall {lab} --episodes 1 --experience files/g1.csv --out recall.csv")
+    assert read_rows(Path("recall.csv"), RecallRow)[0].experience_size == len(experience)
+
+
+def test_recall_in_a_virtual_laboratory_is_filmed(run: Run) -> None:
+    run("watch recall --lab virtual --seed 8 --every 50 --out film.gif")
+    assert Path("film.gif").read_bytes().startswith(b"GIF")
 
 
 def test_new_writes_a_file_that_check_accepts(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:

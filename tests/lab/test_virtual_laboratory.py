@@ -16,7 +16,6 @@ from khepera_forage.cli.main import main
 from khepera_forage.envs.arguments import timing_of
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.experience import Experience
 from khepera_forage.lab.settings_file import LabSettings, parse
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
@@ -25,7 +24,7 @@ from khepera_forage.robots.khepera import Motors
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.recall import recall_env
 from khepera_forage.rollouts.row_files import read_rows
-from khepera_forage.rollouts.rows import RecallRow, TrainingRow
+from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import Layout
 from khepera_forage.task.decisions import Decisions, decisions_text
@@ -110,27 +109,6 @@ def test_e_puck2_brings_food_home_from_behind_it() -> None:
             observation, _, ended, truncated, info = env.step(int(teacher.act(observation)))
             assert not truncated
         assert info["delivered"] == 1
-
-
-def test_command_line_trains_recalls_and_films(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    folder, out = tmp_path / "experience", tmp_path / "rows.csv"
-    seed = "--seed 8"  # one attempt of about 100 rounds, and a recall that delivers
-    assert main(f"train --lab virtual --episodes 1 --out {folder} {seed}".split()) == 0
-    output = capsys.readouterr().out
-    assert "virtual laboratory: robots at /dev/" in output
-    assert "0 over their time" in output
-    rows = read_rows(folder / "attempts.csv", TrainingRow)
-    experience = Experience.load(folder / "g1.csv")
-    assert len(experience) == rows[-1].vectors
-    assert experience.arena == "corridor"
-    assert experience.seed == rows[-1].seed
-    recall = f"recall --lab virtual --experience {folder / 'g1.csv'} --episodes 1 --out {out} {seed}"
-    assert main(recall.split()) == 0
-    assert read_rows(out, RecallRow)[0].experience_size == len(experience)
-    assert "mean score" in capsys.readouterr().out
-    film = tmp_path / "film.gif"
-    assert main(f"watch recall --lab virtual --out {film} --every 50 {seed}".split()) == 0
-    assert film.read_bytes().startswith(b"GIF")
 
 
 def test_interrupt_ends_the_command_and_its_threads(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from khepera_forage.noise import Noise
 from khepera_forage.robots.khepera import Motors, Senses
+from khepera_forage.robots.real_robot import Fleet
 from khepera_forage.robots.serial import serial_robot
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.firmware import Firmware
@@ -105,11 +106,13 @@ def make_rig(
 FORWARD = Motors(5, 5, 215, 200)
 
 
-def run_rounds(rig: Rig, robot: SerialKhepera, motors: Motors, rounds: int = 1) -> Senses:
-    """Drive a robot for a number of rounds; returns its last senses."""
+def run_rounds(rig: Rig, robots: SerialKhepera | Fleet, motors: Motors, rounds: int = 1) -> Senses:
+    """Drive a robot, or a fleet, for a number of rounds; returns the last senses of the first robot."""
+    each = robots.robots if isinstance(robots, Fleet) else (robots,)
     for _ in range(rounds):
-        robot.drive(motors)
-        robot.transmit()
+        for robot in each:
+            robot.drive(motors)
+        robots.transmit()
         rig.advance()
-        robot.receive()
-    return robot.sense()
+        robots.receive()
+    return each[0].sense()

@@ -13,7 +13,7 @@ from khepera_forage.robots.real_robot import Fleet
 from khepera_forage.robots.serial.serial_khepera import SerialKhepera
 from khepera_forage.robots.virtual.virtual_khepera import Faults
 from tests.robots.driver_process import wait_for
-from tests.robots.rig import FORWARD, Rig, make_rig
+from tests.robots.rig import FORWARD, Rig, make_rig, run_rounds
 
 
 @contextlib.contextmanager
@@ -24,15 +24,6 @@ def make_fleet(count: int) -> Iterator[tuple[Rig, Fleet]]:
             yield rig, fleet
             for port in rig.ports:
                 port.faults = Faults()
-
-
-def run_rounds(rig: Rig, fleet: Fleet, motors: Motors, rounds: int = 1) -> None:
-    for _ in range(rounds):
-        for robot in fleet.robots:
-            robot.drive(motors)
-        fleet.transmit()
-        rig.advance()
-        fleet.receive()
 
 
 def test_each_robot_receives_its_own_command() -> None:

@@ -134,6 +134,18 @@ def test_robot_that_restarts_repeatedly_is_lost() -> None:
         robot.close()
 
 
+def test_robot_that_had_stopped_before_it_was_unplugged_is_not_said_to_move(caplog: pytest.LogCaptureFixture) -> None:
+    with make_rig() as rig:
+        robot = SerialKhepera(rig.url)
+        run_rounds(rig, robot, FORWARD)
+        robot.stop()
+        rig.ports[0].faults = Faults(unplug=1.0)
+        with pytest.raises(RobotLost, match="the port failed"):
+            robot.receive()
+        robot.close()
+    assert caplog.text == ""
+
+
 ROUNDS = 150
 RATES = {
     "drop": Faults(drop=0.02),
