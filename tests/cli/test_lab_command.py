@@ -25,7 +25,7 @@ from tests.vision.scene_renderer import render_frame, write_film
 
 # Seeds of short recalls.
 @pytest.mark.parametrize("lab", ["--lab virtual --seed 8", "--lab virtual:toio", "--lab virtual:e-puck2"])
-def test_virtual_laboratories_train_recall_and_film(lab: str, run: Run) -> None:
+def test_virtual_laboratories_train_and_recall(lab: str, run: Run) -> None:
     pytest.importorskip("toio")
     printed = run(f"train {lab} --episodes 1 --out files")
     assert f"virtual laboratory: {'cubes' if 'toio' in lab else 'robots at /dev/'}" in printed

@@ -110,6 +110,7 @@ def files(empty_folder_without_display: None, monkeypatch: pytest.MonkeyPatch) -
         ("camera preview --numbers 9-3", "--numbers: '9-3'; allowed: numbers and ranges"),
         ("camera preview --source virtual --markers tags --tag-size 40", "tags of 40 mm are 8 pixels wide in the pic"),
         ("camera preview --source virtual --rate 9", f"--rate {NOTHING}with a camera"),
+        ("camera preview --source 0 --rate 0", "camera rate is 0.0; allowed: above 0, up to 1000 frames a second"),
         ("camera preview --size 0x0", "'0x0'; allowed: width x height in pixels"),
         (f"camera calibrate --points {CORNERS}", "--points has 3 points; allowed: four or more"),
         (f"camera calibrate --points {CORNERS} 0,0=0,2400", "has the point"),

@@ -4,7 +4,6 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -63,27 +62,16 @@ def test_whole_numbers_in_a_file_are_accepted(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("picture", "floor", "camera", "message"),
-    [
-        (PICTURE[:3], FLOOR, None, "four points"),
-        (PICTURE, (*FLOOR[:3], (0.0, math.nan)), None, r"floor point is \(0.0, nan\)"),
-        (PICTURE, (*FLOOR[:3], (0.0, 0.0, 0.0)), None, "2 finite numbers"),
-        (PICTURE, (*FLOOR[:3], FLOOR[1]), None, "floor has the point .* twice"),
-        ((*PICTURE[:3], (331.0, 436.0)), FLOOR, None, r"picture points .*\(331.0, 436.0\) lie on a line"),
-        (PICTURE, (FLOOR[1], FLOOR[0], FLOOR[3], FLOOR[2]), None, "mirrored"),
-        (PICTURE, (FLOOR[0], FLOOR[2], FLOOR[1], FLOOR[3]), None, "crossed"),
-        (PICTURE, FLOOR, (0.0, 0.0, 0.0), r"camera is \(0.0, 0.0, 0.0\).*above 0"),
-        (PICTURE, FLOOR, (0.0, 0.0), "3 finite numbers"),
-    ],
-)
-def test_impossible_points_are_refused(picture: Any, floor: Any, camera: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        Calibration(picture, floor, camera)
-
-
-@pytest.mark.parametrize(
     ("table", "message"),
     [
+        ({"picture": PICTURE[:3]}, "four points"),
+        ({"picture": (*PICTURE[:3], (331.0, 436.0))}, r"picture points .*\(331.0, 436.0\) lie on a line"),
+        ({"floor": (*FLOOR[:3], (0.0, 0.0, 0.0))}, "2 finite numbers"),
+        ({"floor": (*FLOOR[:3], FLOOR[1])}, "floor has the point .* twice"),
+        ({"floor": (FLOOR[1], FLOOR[0], FLOOR[3], FLOOR[2])}, "mirrored"),
+        ({"floor": (FLOOR[0], FLOOR[2], FLOOR[1], FLOOR[3])}, "crossed"),
+        ({"camera": (0.0, 0.0, 0.0)}, r"camera is \(0.0, 0.0, 0.0\).*above 0"),
+        ({"camera": (0.0, 0.0)}, "3 finite numbers"),
         ({"hight": 2.0}, r"bad\.toml: calibration\.hight is unknown"),
         ({"floor": None}, r"calibration\.floor is missing"),
         ({"size": [640.5, 480]}, r"size is \(640.5, 480\); allowed: width and height in pixels"),

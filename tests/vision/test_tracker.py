@@ -166,26 +166,3 @@ def test_food_under_a_cable_or_another_object_is_kept() -> None:
             start, end = (COLUMN - reach[0], ROW - reach[1]), (COLUMN + reach[0], ROW + reach[1])
             cv2.line(frame, start, end, grey, 2, cv2.LINE_AA)
             assert [label for label, _ in foods(tracker, frame)] == [0]
-
-
-# ---------------------------------------------------------------- settings
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"contrast": 1.0}, r"contrast is 1\.0; allowed: above 1"),
-        ({"contrast": math.nan}, "contrast is nan"),
-        ({"tolerance": 0.0}, "tolerance"),
-        ({"food_radius": 0.0}, "food_radius"),
-        ({"patience": 0}, "patience is 0"),
-        ({"patience": 1.5}, r"patience is 1\.5"),
-        ({"markers": "qr"}, "tracker markers is 'qr'; allowed: holes, grid, tags"),
-        ({"numbers": (1, 3)}, r"tracker numbers is \[1, 3\]; allowed with markers 'holes'.*1 to 2"),
-        ({"numbers": ()}, "at least one number"),
-        ({"markers": "tags", "numbers": (1, 2), "food_tags": (2,)}, "food_tags has 2, as numbers"),
-    ],
-)
-def test_invalid_settings_are_refused(settings: dict[str, object], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        TrackerSettings(**settings)  # type: ignore[arg-type] # wrong on purpose
