@@ -1,6 +1,8 @@
 """The counter-based generator: SplitMix64, its statistics, and the same numbers from Python and numpy."""
 
 import math
+from collections.abc import Callable
+from statistics import NormalDist
 
 import numpy as np
 import pytest
@@ -41,11 +43,16 @@ def test_key_of_a_seed_uses_all_of_its_bits() -> None:
     assert all(type(key) is int and 0 <= key < 2**64 for key in keys)
 
 
-@pytest.mark.parametrize("kind", ["numbers of a key", "keys of seeds"])
-def test_uniform_numbers_are_uniform_and_independent(kind: str) -> None:
-    """Numbers 0, 1, ... of one key, or number 0 of the keys of seeds 0, 1, ..."""
-    of_a_key, key = kind == "numbers of a key", key_of(7)
-    values = np.array([uniform(key, i) if of_a_key else uniform(key_of(i), 0) for i in range(COUNT)])
+SEQUENCES: dict[str, Callable[[int], float]] = {
+    "numbers of a key": lambda i: uniform(key_of(7), i),
+    "first numbers of the keys of seeds": lambda i: uniform(key_of(i), 0),
+    "probabilities of normal numbers": lambda i: NormalDist().cdf(standard_normal(key_of(3), i)),
+}
+
+
+@pytest.mark.parametrize("name", SEQUENCES)
+def test_numbers_are_uniform_and_independent(name: str) -> None:
+    values = np.array([SEQUENCES[name](i) for i in range(COUNT)])
     counts, _ = np.histogram(values, bins=20, range=(0.0, 1.0))
     chi_squared = float(np.sum((counts - COUNT / 20) ** 2) / (COUNT / 20))
     assert chi_squared < 43.8, "19 degrees of freedom, p = 0.001"
@@ -53,13 +60,3 @@ def test_uniform_numbers_are_uniform_and_independent(kind: str) -> None:
     assert abs(values.mean() - 0.5) < four_errors * math.sqrt(1 / 12)
     for lag in (1, 2, 3):
         assert abs(np.corrcoef(values[lag:], values[:-lag])[0, 1]) < four_errors
-
-
-def test_standard_normal_numbers_have_mean_0_and_deviation_1() -> None:
-    key = key_of(3)
-    values = np.array([standard_normal(key, number) for number in range(COUNT)])
-    four_errors = 4.0 / math.sqrt(COUNT)
-    assert abs(values.mean()) < four_errors
-    assert abs(values.std() - 1.0) < four_errors / math.sqrt(2)
-    assert np.mean(np.abs(values) < 1.0) == pytest.approx(0.6827, abs=four_errors)
-    assert abs(np.corrcoef(values[1:], values[:-1])[0, 1]) < four_errors
