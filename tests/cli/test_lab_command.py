@@ -12,13 +12,17 @@ from khepera_forage.cli.lab import lab_text
 from khepera_forage.cli.options import Group
 from khepera_forage.envs.laboratories import load_settings
 from khepera_forage.experience import Experience
+from khepera_forage.lab.settings_file import LabSettings
+from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.epuck.firmware import EPuckFirmware
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
 from khepera_forage.sim.arenas.named import ARENAS
+from khepera_forage.task.decisions import Decisions, decisions_text
 from khepera_forage.vision.calibration import Calibration
 from khepera_forage.vision.scene import Truth
 from tests.cli.running import Run
+from tests.lab.laboratories import QUIET
 from tests.robots.rig import make_rig
 from tests.vision.scene_renderer import render_frame, write_film
 
@@ -86,6 +90,29 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(monkeypatch: pytest.Monk
     assert settings.tracker.marker_height == 35, "on top of a robot that is 45 mm high, on the plan"
     assert settings.camera.size is None, "frames have the size of the calibration"
     assert settings.tracker.markers == "tags", "a larger marker would hide the food that an e-puck2 pushes"
+
+
+def test_period_of_the_file_must_be_the_decided_round_duration(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
+    """With a period in the file both are compared; without one the laboratory takes the decision."""
+    opened = []
+
+    def laboratory(settings: LabSettings) -> VirtualLaboratory:
+        opened.append(settings)
+        return VirtualLaboratory(settings, arm_speed=40, jaw_speed=333, **QUIET)
+
+    monkeypatch.setattr("khepera_forage.lab.laboratory.Laboratory", laboratory)
+    file = '[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nholes = 2\noffset = [600, 600]\n'
+    recall = "recall --episodes 1 --out rows.csv --lab lab.toml --decision"
+    Path("lab.toml").write_text("period = 0.2\n" + file)
+    refused = run.refused(f"{recall} round_duration=0.1")
+    assert "a round of this world lasts 0.2 s, and decision round_duration is 0.1 s" in refused
+    for period in ("period = 0.2\n", ""):
+        Path("lab.toml").write_text(period + file)
+        run(f"{recall} round_duration=0.2 --decision food_to_home=200")
+        assert opened[-1].period == 0.2
+        assert opened[-1].arena.home.x - opened[-1].arena.foods[0].x == 200
+        (row,) = read_rows(Path("rows.csv"), RecallRow)
+        assert row.decisions == decisions_text(Decisions(round_duration=0.2, food_to_home=200))
 
 
 @pytest.mark.parametrize("arena", ARENAS)

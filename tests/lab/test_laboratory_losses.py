@@ -16,8 +16,6 @@ from khepera_forage.lab.operator import OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import Motors, RobotLost
 from khepera_forage.robots.real_robot import RobotSuspended
-from khepera_forage.robots.serial.line import LineTooSlow
-from khepera_forage.robots.virtual.virtual_khepera import Faults
 from khepera_forage.vision.video import CameraLost, FrameSource
 from tests.lab.laboratories import ARENAS, LAYOUT, drive_all, is_stopped, quiet_laboratory
 from tests.version_0_1 import V0_1
@@ -107,14 +105,6 @@ def test_suspension_ends_the_episode_and_asks_the_operator(lab: VirtualLaborator
         "start of an episode",
     ]
     drive_all(lab)
-
-
-def test_slow_line_is_rejected_before_anything_moves(lab: VirtualLaboratory) -> None:
-    lab.virtual_kheperas[1].faults = Faults(delay=1.0, lateness=(0.2, 0.2))
-    lab.stop()
-    lab.robots[1].close()
-    with pytest.raises(LineTooSlow, match=r"too slow for rounds of 0\.1 s"):
-        lab.settings.robots[1].open(0.1)
 
 
 def test_interrupt_stops_all(lab: VirtualLaboratory, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,21 +13,17 @@ import numpy as np
 import pytest
 
 from khepera_forage.cli.main import main
-from khepera_forage.envs.arguments import timing_of
 from khepera_forage.envs.laboratories import virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
-from khepera_forage.lab.settings_file import LabSettings, parse
+from khepera_forage.lab.settings_file import parse
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.rollouts import training
 from khepera_forage.rollouts.recall import recall_env
-from khepera_forage.rollouts.row_files import read_rows
-from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import Layout
-from khepera_forage.task.decisions import Decisions, decisions_text
 from tests.lab.laboratories import QUIET, layout_of
 from tests.version_0_1 import SET_UP, V0_1
 
@@ -142,35 +138,6 @@ def test_rounds_set_up_and_arm_follow_the_decisions(period: float) -> None:
             assert lab.robots[0].sense().arm == pytest.approx(min(255, 215 + 50 * number * period), abs=0.51)
         assert lab.simulation.poses()[0].x == pytest.approx(lab.arenas[0].start.x + 5 * 5 * 8 * period)
         assert b"".join(lab.firmwares[0].handle(b"E").split()) == b"e,5,5"
-
-
-def test_period_of_the_file_must_be_the_decided_round_duration(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """With a period in the file both are compared; without one the laboratory takes the decision."""
-    opened = []
-
-    def laboratory(settings: LabSettings) -> VirtualLaboratory:
-        opened.append(settings)
-        timing = timing_of(Decisions())
-        return VirtualLaboratory(settings, arm_speed=timing.arm_speed, jaw_speed=timing.jaw_speed, **QUIET)
-
-    monkeypatch.setattr("khepera_forage.lab.laboratory.Laboratory", laboratory)
-    path = tmp_path / "lab.toml"
-    file = '[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\nholes = 2\noffset = [600, 600]\n'
-    recall = ["recall", "--episodes", "1", "--out", str(tmp_path / "rows.csv"), "--lab", str(path)]
-    path.write_text("period = 0.2\n" + file)
-    assert main([*recall, "--decision", "round_duration=0.1"]) == 2
-    message = "a round of this world lasts 0.2 s, and decision round_duration is 0.1 s"
-    assert message in capsys.readouterr().err
-    for period in ("period = 0.2\n", ""):
-        path.write_text(period + file)
-        decision = ["--decision", "round_duration=0.2", "--decision", "food_to_home=200"]
-        assert main([*recall, *decision]) == 0
-        assert opened[-1].period == 0.2
-        assert opened[-1].arena.home.x - opened[-1].arena.foods[0].x == 200
-        (row,) = read_rows(tmp_path / "rows.csv", RecallRow)
-        assert row.decisions == decisions_text(Decisions(round_duration=0.2, food_to_home=200))
 
 
 def test_robot_without_a_serial_line_is_refused() -> None:
