@@ -64,7 +64,7 @@ def test_decoded_lines_encode_to_the_same_bytes(line: bytes) -> None:
             assert KHEPERA.encode_reply(reply).rstrip(b"\r\n") == line.rstrip(b"\r\n")
 
 
-NUMBERS = ("+5", " 5", "5_0", "--5", "-", "", "05", "-0", "5.0", "1e1", "٣", "9" * 5000, "128", "-128")
+NUMBERS = ("+5", " 5", "5_0", "--5", "-", "", "05", "00", "-0", "5.0", "1e1", "٣", "9" * 5000, "128", "-128")
 NOT_PRINTABLE = ("", "\n", "{},5,5\0", "ÿ{},5,5", "{}\n,5,5", "{},5,5\n\n")
 
 
