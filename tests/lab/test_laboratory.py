@@ -10,7 +10,7 @@ from khepera_forage.lab.operator import OperatorGaveUp, OperatorRequest
 from khepera_forage.lab.virtual_laboratory import VirtualLaboratory
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.sim.arena import Point, Pose
-from tests.lab.laboratories import LAYOUT, ClumsyOperator, moved, quiet_laboratory
+from tests.lab.laboratories import LAYOUT, ClumsyOperator, drive_all, is_stopped, moved, quiet_laboratory
 
 cv2 = pytest.importorskip("cv2")
 
@@ -48,6 +48,15 @@ def test_repeated_errors_end_with_the_operator_giving_up(monkeypatch: pytest.Mon
         lab.reset(np.random.default_rng(0), LAYOUT)
     with pytest.raises(RuntimeError, match="closed"):
         lab.reset(np.random.default_rng(0), LAYOUT)
+
+
+def test_error_in_a_block_stops_the_robots() -> None:
+    lab = quiet_laboratory()
+    lab.reset(np.random.default_rng(0), LAYOUT)
+    drive_all(lab)
+    with pytest.raises(OSError, match="elsewhere"), lab:
+        raise OSError("elsewhere")
+    assert is_stopped(lab)
 
 
 def test_impossible_layouts_are_rejected_without_a_request(lab: VirtualLaboratory) -> None:
