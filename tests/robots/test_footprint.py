@@ -10,7 +10,7 @@ from shapely import affinity
 
 from khepera_forage.geometry.plane import walls_of
 from khepera_forage.robots.footprint import GRIPPER_HALF_WIDTH, body_is_free, gripper_is_free
-from khepera_forage.robots.khepera import FINGER_TIP, JAW_ROOT, RADIUS
+from khepera_forage.robots.khepera import FINGER_TIP, JAW_CLOSED, JAW_ON_FOOD, JAW_OPEN, JAW_ROOT, RADIUS, half_gap
 from tests.geometry.shapes import PROPERTY, Enclosure, Place, enclosures, places
 
 ROOM = walls_of((((0.0, 0.0), (1000.0, 0.0), (1000.0, 1000.0), (0.0, 1000.0)),))
@@ -35,6 +35,10 @@ def test_gripper_just_fits_with_its_tips_before_or_its_sides_beside_a_wall(
         way = 500.0 - reach + further
         x, y = 500.0 + way * math.cos(heading + side), 500.0 + way * math.sin(heading + side)
         assert gripper_is_free(x, y, heading, margin, ROOM) is free
+
+
+def test_jaw_on_food_leaves_a_gap_as_wide_as_food() -> None:
+    assert [half_gap(jaw) for jaw in (JAW_CLOSED, JAW_ON_FOOD, JAW_OPEN)] == pytest.approx([0.5, 17.5, 27.5])
 
 
 @given(enclosures, places, HEADINGS)
