@@ -166,3 +166,8 @@ def test_food_under_a_cable_or_another_object_is_kept() -> None:
             start, end = (COLUMN - reach[0], ROW - reach[1]), (COLUMN + reach[0], ROW + reach[1])
             cv2.line(frame, start, end, grey, 2, cv2.LINE_AA)
             assert [label for label, _ in foods(tracker, frame)] == [0]
+
+
+def test_tracker_without_a_marker_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"numbers is \[\]; allowed: at least one number"):
+        TrackerSettings(numbers=())
