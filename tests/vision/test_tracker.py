@@ -129,6 +129,21 @@ def test_food_is_kept_where_it_may_be_hidden_and_dropped_where_the_floor_is_seen
                 assert only_region(tracker.scene, 0) == shown._replace(found=False)
 
 
+def test_new_food_counts_when_two_frames_agree_and_a_new_marker_when_three_do() -> None:
+    renderer, tracker = SceneRenderer(), Tracker()
+    tracker.update(renderer.frame(()))
+    scenes = [tracker.update(renderer.frame((FAR,), (FOOD,))) for _ in range(3)]
+    assert [sorted(region.holes for region in scene.regions) for scene in scenes] == [[], [0], [0, 1]]
+
+
+@pytest.mark.parametrize("changed", [(1200.0, 900.0, 0.0, 1), (*FAR[:2], math.pi, 1)], ids=["jump", "reversal"])
+def test_marker_that_jumps_or_is_reversed_counts_when_three_frames_agree(changed: Marker) -> None:
+    renderer, tracker = SceneRenderer(), Tracker()
+    tracker.update(renderer.frame((FAR,)))
+    found = [only_region(tracker.update(renderer.frame((changed,))), 1).found for _ in range(3)]
+    assert found == [False, False, True]
+
+
 def test_food_at_the_rim_of_a_marker_is_kept() -> None:
     """A robot over the edge of the disc of food, from whichever side it came, does not drop the food."""
     renderer, tracker = SceneRenderer(), Tracker()
