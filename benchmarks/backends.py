@@ -8,7 +8,6 @@ arenas. imitators: twenty imitators in corridor and rectangle. trainings: attemp
 same seeds on both backends, and so the same random numbers. Needs numba (the extra `fast`).
 """
 
-import argparse
 import math
 import sys
 from collections.abc import Sequence
@@ -294,15 +293,10 @@ def training_table(rows: Sequence[ComparedTraining]) -> Table:
     return agreement_table("trainings", "Attempts at a training episode that are the same, and complete", lines)
 
 
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    text = "one part; may be given several times (all)"
-    parser.add_argument("--only", action="append", choices=PARTS, help=text)
-
-
 def main() -> int:
     """Run the benchmark."""
-    given = parse("backends", __doc__, *COUNTS, add=_add_arguments)
-    chosen, seed = [part for part in PARTS if part in (given.only or PARTS)], given.seed
+    given = parse("backends", __doc__, *COUNTS, parts=PARTS)
+    chosen, seed = given.parts, given.seed
     imitators: tuple[Vectors, ...] = ()
     if {ARENAS, IMITATORS} & set(chosen):
         numbers = range(QUICK_SEVERAL if given.quick else SEVERAL)

@@ -6,7 +6,6 @@ The experiments are in `benchmarks/further_experiments/`. Page, picture, tables 
 name.
 """
 
-import argparse
 import sys
 
 from further_experiments import memory, perception, teachers, training
@@ -33,21 +32,15 @@ EXPERIMENTS = {
 QUICK = ExperimentSize(files=2, recalls=1, generations=2, patience=2, steps=250, rounds=200)
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The arguments of this script alone."""
-    text = "one experiment; may be given several times (all)"
-    parser.add_argument("--only", action="append", choices=list(EXPERIMENTS), help=text)
-
-
 def main() -> int:
     """Run the experiments."""
     replications = Count(
         "replications", 20, 1, "repetitions of each experiment, new training files included", adds_units=True
     )
-    given = parse("further_work", __doc__, replications, add=add_arguments)
+    given = parse("further_work", __doc__, replications, parts=EXPERIMENTS)
     size = QUICK if given.quick else ExperimentSize()
     results = given.out
-    for name in given.only or EXPERIMENTS:
+    for name in given.parts:
         experiment, given.name, given.out = EXPERIMENTS[name], name, results / name
         rows = collect(given, experiment.jobs(given.seed, given.replications, size), TABLES)
         print(f"# {experiment.title}: {experiment.question}\n")

@@ -316,7 +316,6 @@ def line(case: Case, size: int, now: Sequence[float], before: Sequence[float] = 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--beside", metavar="COMMIT", help="also measure this commit, such as a0e33ed")
-    parser.add_argument("--only", action="append", choices=BY_NAME, help="a case; may be given several times")
 
 
 def main() -> int:
@@ -325,12 +324,11 @@ def main() -> int:
     from khepera_forage.study import Count, Job, Page, collect, finish, parse
 
     count = Count("repeats", 5, 1, "repeats; of seconds 3 at most")
-    given = parse("throughput", __doc__, count, jobs=None, add=_add_arguments)
+    given = parse("throughput", __doc__, count, parts=BY_NAME, jobs=None, add=_add_arguments)
     commit = git("rev-parse", "--short", f"{given.beside}^{{commit}}") if given.beside is not None else None
     if commit is not None and not git("ls-tree", commit, "--", PACKAGE):
         given.refuse(f"commit {given.beside!r} is unknown; allowed: one of a git clone in {ROOT}, with {PACKAGE}")
-    only = given.only or BY_NAME
-    chosen = [case for case in CASES if case.name in only and (case.target or not commit)]
+    chosen = [case for name in given.parts if (case := BY_NAME[name]).target or not commit]
     sizes = {case: case.quick if given.quick else case.size for case in chosen}
     for end in {signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}:
         signal.signal(end, lambda number, _: sys.exit(128 + number))  # the folder below is then removed

@@ -7,7 +7,6 @@ simulation that it observes: jitter, reversals and losses; and drives through gl
 at three resolutions, with its speed.
 """
 
-import argparse
 import math
 import sys
 from collections.abc import Sequence
@@ -117,14 +116,9 @@ def frame_picture(seed: int) -> "Figure":
     return figure
 
 
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    text = "one part; may be given several times (all)"
-    parser.add_argument("--only", action="append", choices=PARTS, help=text)
-
-
 def main() -> int:
     """Run the benchmark."""
-    given = parse("tracker", __doc__, *COUNTS, add=_add_arguments)
+    given = parse("tracker", __doc__, *COUNTS, parts=PARTS)
     seed = given.seed
     units = {
         LIMITS: [
@@ -142,21 +136,20 @@ def main() -> int:
             for width, height, kind in SETUPS
         ],
     }
-    chosen = [part for part in PARTS if part in (given.only or PARTS)]
     tables = {Observation: "observations", SweepPoint: "limits", Trouble: "troubles"}
-    rows = collect(given, [unit for part in chosen for unit in units[part]], tables)
+    rows = collect(given, [unit for part in given.parts for unit in units[part]], tables)
     parts: list[Table | Picture] = []
-    if LIMITS in chosen:
+    if LIMITS in given.parts:
         points = rows.of(SweepPoint)
         caption = "found markers and food up to failure"
         parts += [limits_table(points), Picture("limits", caption, limits_picture(points))]
-    if TRAININGS in chosen:
+    if TRAININGS in given.parts:
         observations = rows.of(Observation)
         parts += [
             Picture("frame", "a frame with the tracker's regions", frame_picture(seed)),
             training_table(observations),
         ]
-    if TROUBLES in chosen:
+    if TROUBLES in given.parts:
         parts.append(troubles_table(rows.of(Trouble)))
     return finish(given, Page("The tracker", parts))
 

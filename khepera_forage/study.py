@@ -92,6 +92,7 @@ class Arguments(argparse.Namespace):
     fresh: bool
     counts: dict[str, int]
     settings: dict[str, str]
+    parts: list[str]
 
     def refuse(self, reason: str) -> NoReturn:
         """End the program with one line, and status 2."""
@@ -103,6 +104,7 @@ def parse(
     script: str,
     description: str | None,
     *counts: Count,
+    parts: Iterable[str] = (),
     jobs: int | None = -1,
     add: Callable[[argparse.ArgumentParser], None] = lambda _: None,
     given: Sequence[str] | None = None,
@@ -113,6 +115,7 @@ def parse(
         script: Its name; results go to `results/<script>` by default.
         description: Its docstring.
         *counts: How much work is done.
+        parts: Of the work, for `--only`: those that are chosen are the `parts` of the result, by default all.
         jobs: Processes by default, -1 for one a core. None for a benchmark that measures time: it runs in one process,
             has no `--jobs`, and never continues an earlier run.
         add: Adds the arguments of this script alone.
@@ -121,9 +124,15 @@ def parse(
     formatter = argparse.RawDescriptionHelpFormatter
     parser = OneLineParser(prog=f"{script}.py", description=description, formatter_class=formatter)
     add_study_arguments(parser, script, *counts, jobs=jobs)
+    every = list(parts)
+    if every:
+        text = "one part; may be given several times (all)"
+        parser.add_argument("--only", action="append", choices=every, help=text)
     add(parser)
     parser.set_defaults(program=f"{script}.py")
-    return completed(parser.parse_args(given), *counts)
+    arguments = completed(parser.parse_args(given), *counts)
+    arguments.parts = [part for part in every if part in (arguments.only or every)]
+    return arguments
 
 
 def add_study_arguments(parser: argparse.ArgumentParser, name: str, *counts: Count, jobs: int | None = -1) -> None:
