@@ -17,7 +17,8 @@ from xdist.scheduler import LoadScopeScheduling
 # Waiting threads of OpenCV spin: a quarter of the processor time of all tests of pictures. Programs inherit this.
 os.environ.setdefault("OPENCV_FOR_THREADS_NUM", "1")
 
-# The same examples on every machine and in every run: a failure in the gate is one that can be seen at home.
+# No random examples: a failure in the gate is one that can be seen at home. Hypothesis also takes constants from the
+# modules that are loaded, so that a test alone may have other examples than with all others.
 settings.register_profile("khepera_forage", derandomize=True, deadline=None)
 settings.load_profile("khepera_forage")
 
