@@ -146,7 +146,7 @@ def stand_ready(world: WorldRecords, settings: Any) -> None:
 
 @rule
 def motors_of(world: WorldRecords, arena: ArenaMap, settings: Any, behaviour: int) -> Motors:
-    """What a behaviour commands now."""
+    """What a behaviour commands now; it becomes the one that is executed."""
     raw, decisions = world.raw[0], settings.decisions
     world.foragers[0].behaviour = behaviour
     food = KnownFood(world.trackers[0], world.objects, world.links, world.chosen)
@@ -157,7 +157,10 @@ def motors_of(world: WorldRecords, arena: ArenaMap, settings: Any, behaviour: in
 
 @rule
 def motors_of_action(world: WorldRecords, settings: Any, action: Any, correct: Motors) -> Motors:
-    """The motors of an action, four numbers in -1..1, and whether they amount to the teacher's behaviour."""
+    """The motors of an action, four numbers in -1..1; what they amount to becomes the behaviour that is executed.
+
+    `correct` are the motors of the teacher's behaviour.
+    """
     forager = world.foragers[0]
     motors = decode_motors(action[0], action[1], action[2], action[3])
     forager.behaviour = behaviour_of_motors(motors, forager.state, correct, settings.decisions)
