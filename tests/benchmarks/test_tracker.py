@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("cv2")
 
 from laboratory.observations import loss_rate, observe, reversals
+from laboratory.troubles import SETUPS
 
 from khepera_forage.vision.scene import Region, Truth
 from tests.benchmarks.conftest import QuickRun
@@ -46,6 +47,18 @@ def test_trainings_show_no_fault_of_the_tracker(out: Path) -> None:
     assert found["reversal_rate"] == 0
     assert found["regions of nothing, a round"] < 0.01
     assert found["rounds"] == ROUNDS
+
+
+def test_every_marker_in_trouble_is_found_or_lost_without_a_wrong_one(out: Path) -> None:
+    rows = read(out / "table_troubles.csv")
+    assert [row["frames"].split(" of ")[1] for row in rows] == [f"{width} x {height}" for width, height, _ in SETUPS]
+    for row in rows:
+        markers = 2 * int(row["frames"].split(" of ")[0])
+        lost = int(row["lost with a warning"]) + int(row["lost without"])
+        assert float(row["found (%)"]) == pytest.approx(100 * (markers - lost) / markers)
+        assert int(row["wrong number, front or phantom"]) == int(row["off by more than 5 mm"]) == 0
+        assert float(row["99 % (mm)"]) < 5
+        assert float(row["frames/s"]) > 0
 
 
 def test_a_loss_and_a_reversal_are_counted() -> None:
