@@ -11,16 +11,7 @@ from khepera_forage.compilation import entry, share_out
 from khepera_forage.counter_rng import keys_of
 from khepera_forage.envs.arguments import COMPILED, ArenaPool, Settings, timing_of, whole_number
 from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, map_of, settings_record
-from khepera_forage.envs.compiled.step import (
-    WorldRecords,
-    begin,
-    carry_out,
-    drive,
-    motors_of,
-    motors_of_action,
-    new_worlds,
-    world_of,
-)
+from khepera_forage.envs.compiled.step import WorldRecords, begin, carry_out, drive, motors_of, new_worlds, world_of
 from khepera_forage.envs.forager import Forager
 from khepera_forage.envs.layouts import arena_map_of, given_places
 from khepera_forage.geometry.paths import ChosenWaypoint
@@ -30,6 +21,7 @@ from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.compiled.world import CompiledWorld
 from khepera_forage.sim.simulation import SimulatedKhepera
 from khepera_forage.sim.world import Layout
+from khepera_forage.task.behaviours import behaviour_of_motors, decode_motors
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.episode import Episode, ForagerState
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, KnownFood, Link
@@ -231,11 +223,13 @@ def _step_worlds(
         if turn.place != place:
             place, arena = turn.place, arena_at(blocks, turn.place)
         turn.no_room = turn.begins and not begin(world, arena, settings[0], turn.start_given, turn.foods_given)
-        behaviour = turn.behaviour if turn.behaviour >= 0 else world.foragers[0].state
+        state, action = world.foragers[0].state, turn.motors
+        behaviour = turn.behaviour if turn.behaviour >= 0 else state
         motors = motors_of(world, map_of(arena), settings[0], behaviour)
         if turn.behaviour < 0:
-            motors = motors_of_action(world, settings[0], turn.motors, motors)
-        drive(world, motors)
+            correct, motors = motors, decode_motors(action[0], action[1], action[2], action[3])
+            behaviour = behaviour_of_motors(motors, state, correct, settings[0].decisions)
+        drive(world, motors, behaviour)
         carry_out(world, arena, settings[0])
 
 

@@ -149,7 +149,7 @@ def carry_out_pair(worlds: WorldRecords, first: int, sides: Sides, attempt: Any,
         motors = motors_of(world, map_of(arena), settings, actions[j])
         if j > 0:
             motors = lead(pairings[j], motors, actions[j], world.raw[0], settings.decisions)
-        drive(world, motors)
+        drive(world, motors, actions[j])
         carry_out(world, arena, settings)
         # What one identifies, the next ones know at once, and the others a round later.
         for other in range(robots):

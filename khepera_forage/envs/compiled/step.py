@@ -22,7 +22,7 @@ from khepera_forage.sim.records import Enclosure
 from khepera_forage.sim.sensing import forget_tracks
 from khepera_forage.task import arena_map, behaviours, episode, food_tracking, pairing, perception, placement, states
 from khepera_forage.task.arena_map import ArenaMap
-from khepera_forage.task.behaviours import behaviour_of_motors, command, decode_motors, path_home_for
+from khepera_forage.task.behaviours import command, path_home_for
 from khepera_forage.task.episode import ForagerState, begin_episode, end_step
 from khepera_forage.task.food_tracking import FoodObject, FoodTracker, KnownFood, Link, can_explore
 from khepera_forage.task.perception import Marker, RawData, perceive
@@ -146,9 +146,8 @@ def stand_ready(world: WorldRecords, settings: Any) -> None:
 
 @rule
 def motors_of(world: WorldRecords, arena: ArenaMap, settings: Any, behaviour: int) -> Motors:
-    """What a behaviour commands now; it becomes the one that is executed."""
+    """What a behaviour commands now."""
     raw, decisions = world.raw[0], settings.decisions
-    world.foragers[0].behaviour = behaviour
     food = KnownFood(world.trackers[0], world.objects, world.links, world.chosen)
     if not world.robots[0].first_frame:  # before, nothing is perceived
         raw.home_bearing, raw.home_path = path_home_for(behaviour, raw, food, arena, decisions)
@@ -156,21 +155,10 @@ def motors_of(world: WorldRecords, arena: ArenaMap, settings: Any, behaviour: in
 
 
 @rule
-def motors_of_action(world: WorldRecords, settings: Any, action: Any, correct: Motors) -> Motors:
-    """The motors of an action, four numbers in -1..1; what they amount to becomes the behaviour that is executed.
-
-    `correct` are the motors of the teacher's behaviour.
-    """
-    forager = world.foragers[0]
-    motors = decode_motors(action[0], action[1], action[2], action[3])
-    forager.behaviour = behaviour_of_motors(motors, forager.state, correct, settings.decisions)
-    return motors
-
-
-@rule
-def drive(world: WorldRecords, motors: Motors) -> None:
-    """Give the robot its motors; before its first frame it stands as it was put down."""
+def drive(world: WorldRecords, motors: Motors, behaviour: int) -> None:
+    """Give the robot its motors, which amount to a behaviour; before its first frame it stands as it was put down."""
     robot = world.robots[0]
+    world.foragers[0].behaviour = behaviour
     robot.left = robot.right = 0.0
     robot.arm_target, robot.jaw_target = ARM_RAISED, JAW_OPEN
     if not robot.first_frame:

@@ -254,7 +254,7 @@ def _run_recalls(
         while not (begun and (episode.terminated or episode.truncated)):
             # The first round takes the first frame; nothing is perceived before.
             behaviour = _decide(world, diagonal, settings[0].decisions, memories, recall) if begun else 0
-            drive(world, motors_of(world, map_of(arena), settings[0], behaviour))
+            drive(world, motors_of(world, map_of(arena), settings[0], behaviour), behaviour)
             carry_out(world, arena, settings[0])
             begun = True
         _record(recall, episode, tracker)
