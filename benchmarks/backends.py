@@ -34,11 +34,11 @@ from khepera_forage.study import Count, Job, Page, Picture, collect, finish, par
 from khepera_forage.task.states import Behaviour, FoodType, StateVector
 
 COUNTS = (
-    Count("forages", 500, 6, "teacher: random starts of each line", adds_units=True),
+    Count("forages", 500, 2, "teacher: random starts of each line", adds_units=True),
     Count("levels", 250, 1, "arenas: test levels of each difficulty", adds_units=True),
     Count("recalls", 100, 1, "arenas: recalls in each named arena", adds_units=True),
-    Count("episodes", 1_000, 10, "imitators: recalls in each arena", adds_units=True),
-    Count("attempts", 1_000, 4, "trainings: attempts in each arena", adds_units=True),
+    Count("episodes", 1_000, 4, "imitators: recalls in each arena", adds_units=True),
+    Count("attempts", 1_000, 2, "trainings: attempts in each arena", adds_units=True),
 )
 ONLY_TEACHER, ARENAS, IMITATORS, TRAININGS = PARTS = ("teacher", "arenas", "imitators", "trainings")
 PYMUNK, COMPILED = BACKENDS = ("pymunk", "compiled")

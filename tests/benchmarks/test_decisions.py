@@ -97,11 +97,18 @@ def infer(capsys: pytest.CaptureFixture[str], *options: str) -> tuple[int, str]:
 def test_known_decisions_are_recovered_from_tables_of_a_pseudo_thesis(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of a round of 0.15 s, where sets of the prior have 0.22 s in the median. A tenth of trees and sets is enough."""
-    monkeypatch.setattr(page, "infer", partial(posterior.infer, trees=posterior.TREES // 10))
+    """Of a round of 0.15 s, where sets of the prior have 0.22 s in the median.
+
+    Of trees and sets a tenth is enough, and a fiftieth for the warning.
+    """
     every = Sets.load()
-    few = [replace(one, values=one.values[::10]) for one in every.parameters]
-    monkeypatch.setattr(Sets, "load", lambda: every._replace(parameters=few, statistics=every.statistics[::10]))
+
+    def keep_one_of(number: int) -> None:
+        few = [replace(one, values=one.values[::number]) for one in every.parameters]
+        monkeypatch.setattr(page, "infer", partial(posterior.infer, trees=posterior.TREES // number))
+        monkeypatch.setattr(Sets, "load", lambda: every._replace(parameters=few, statistics=every.statistics[::number]))
+
+    keep_one_of(10)
     pseudo = tmp_path / "pseudo"
     decisions = ("--decision", "v0.1", "--decision", "round_duration=0.15")
     options = ("--replications", "1", *decisions, "--no-comparison")
@@ -114,6 +121,7 @@ def test_known_decisions_are_recovered_from_tables_of_a_pseudo_thesis(
     (row,) = (row for row in rows if row["decision or noise"] == "round_duration")
     assert float(row["admissible"]) == pytest.approx(0.22, abs=0.01)
     assert float(row["posterior"]) == pytest.approx(0.15, abs=0.03)
+    keep_one_of(50)
     assert main(["infer", "--tables", "thesis", "--out", str(tmp_path)]) == 0
     assert "do not resemble these tables" in capsys.readouterr().err
 
