@@ -56,6 +56,13 @@ def columns_of(records: NDArray[Any]) -> Any:
     return SimpleNamespace(**{name: columns_of(own) if own.dtype.names else own for name, own in fields.items()})
 
 
+def in_python(record: Any) -> Any:
+    """A record whose fields can be read fast: a copy of numpy's, in Python's numbers; another one as it is."""
+    if isinstance(record, np.void):
+        return SimpleNamespace(**dict(zip(record.dtype.names or (), record.item(), strict=True)))
+    return record
+
+
 def array_of(record: Any) -> NDArray[Any]:
     """An array of one record, a copy of a dataclass instance of plain fields."""
     return np.array([astuple(record)], dtype_of(type(record)))

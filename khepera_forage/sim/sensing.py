@@ -45,6 +45,7 @@ from khepera_forage.counter_rng import (
 )
 from khepera_forage.geometry.plane import cosine_sine, is_near
 from khepera_forage.noise import Noise
+from khepera_forage.records import in_python
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_ON_FLOOR, FOOD_RADIUS, JAW_OPEN, MARKER_WIDTH, PRESENT, RADIUS
 from khepera_forage.robots.proximity import (
     HIDDEN_BY_ARM,
@@ -328,10 +329,10 @@ class SimulatedCamera:
 
     def look(self) -> Scene:
         """The regions of the last frame; none before the first reset."""
-        regions = [marker_region(i, robot) for i, robot in enumerate(self._robots)]
+        regions = [marker_region(i, in_python(robot)) for i, robot in enumerate(self._robots)]
         foods = []
         for number, enclosure in enumerate(self._enclosures):
-            for track in enclosure.tracks:
+            for track in map(in_python, enclosure.tracks):
                 if track.label >= 0:
                     # Each arena numbers its own tracks.
                     label = len(self._robots) + int(track.label) * len(self._enclosures) + number

@@ -9,6 +9,7 @@ import numpy as np
 
 from khepera_forage.counter_rng import random_bits
 from khepera_forage.noise import Noise, checked_noise
+from khepera_forage.records import in_python
 from khepera_forage.robots.khepera import (
     ARM_ON_FLOOR,
     FINGER_LENGTH,
@@ -59,11 +60,12 @@ class SimulatedKhepera:
 
     def sense(self) -> Senses:
         """What the robot senses since the last round."""
-        senses = self.record.senses
+        senses = in_python(self.record.senses)
         values = (getattr(senses, name) for name in Senses._fields)
-        # Of compiled worlds they are numpy's.
-        plain = (value.tolist() if isinstance(value, np.generic | np.ndarray) else value for value in values)
-        return Senses._make(tuple(value) if isinstance(value, list) else value for value in plain)
+        # The infra-reds are a list, and of compiled worlds an array.
+        return Senses._make(
+            tuple(map(int, value)) if isinstance(value, list | np.ndarray) else value for value in values
+        )
 
     def drive(self, motors: Motors) -> Motors:
         """Command motors from the next round on; returns the command as applied."""
