@@ -74,7 +74,10 @@ def keys_of(seeds: Sequence[int] | NDArray[np.integer[Any]]) -> NDArray[np.uint6
 DRAWS = 128
 """How many random numbers one round has."""
 DRAW_WHEELS, DRAW_PROXIMITY, DRAW_MARKER, DRAW_POLICY = 0, 3, 7, 12
-"""The first random number of each purpose within a round."""
+"""The first random number of each purpose within a round: wheels have 3, infra-reds 4, the marker 5, a policy 1.
+
+Those from 13 to 15, and from 80 to 124, are free.
+"""
 DRAW_FOOD, FOOD_DRAWS = 16, 4
 """The first number of food object 0, and how many numbers each of `sim.arena.MOST_FOODS` food objects has."""
 DRAW_BIAS = DRAWS - 3
@@ -102,7 +105,7 @@ def normal(coins: Any, smoothing: Any) -> float:
     """A nearly normal number.
 
     The number of heads among 64 coins, smoothed by the sum of two 16-bit uniform numbers: mean 0 and variance 1
-    exactly, skewness 0, excess kurtosis -0.03, no value beyond 8.2 standard deviations.
+    (up to 1e-11), skewness 0, excess kurtosis -0.03, no value beyond 8.21 standard deviations.
 
     Args:
         coins: 64 random bits.

@@ -32,7 +32,7 @@ from khepera_forage.robots.khepera import (
 )
 
 SUBSTEPS = 5
-"""Steps of a round, 20 ms each, in which something is pushed."""
+"""Steps of a round in which something is pushed; with pymunk more, if they would be longer than 20 ms."""
 _THIN = FINGER_THICKNESS / 2
 _TOUCH = 0.5
 """mm of play within which the fingers count as touching food, and by which one may overlap a wall."""
@@ -50,7 +50,7 @@ _FAR = 30.0
 
 def put_down(robot: Any, constants: Any) -> None:
     """Put a robot down at its pose for an episode: at rest, its gripper raised and open, and not seen yet."""
-    bits = draw(robot, DRAW_BIAS)
+    bits = draw(robot, DRAW_BIAS)  # the first one smooths, and in `begin_round` the last one
     bias = constants.noise.wheel_bias
     robot.bias_left = robot.left_wheel_error + bias * normal(draw(robot, DRAW_BIAS + 2), bits)
     robot.bias_right = bias * normal(draw(robot, DRAW_BIAS + 1), bits >> 32)
@@ -89,7 +89,7 @@ def begin_round(robots: Any, i: int, foods: Any, constants: Any) -> None:
     robot.round += 1
     arm = _towards(robot.arm_target, robot.arm, constants.timing.arm_speed * duration)
     # It does not come down on food or robots.
-    if arm >= ARM_ON_FLOOR and robot.arm < ARM_ON_FLOOR and not room_below(robots, i, foods):
+    if arm >= ARM_ON_FLOOR and robot.arm < ARM_ON_FLOOR and not _room_below(robots, i, foods):
         arm = ARM_ON_FLOOR - 1.0
     robot.arm = arm
     bits, slip = draw(robot, DRAW_WHEELS + 2), constants.noise.wheel_slip
@@ -168,7 +168,7 @@ def _touches_corner(
     robot: Any, corners: Any, x: float, y: float, cos: float, sin: float, jaw: float, travel: float
 ) -> bool:
     """Whether the gripper would touch a corner; within a round a finger can pass one, so all of its way counts."""
-    tip, reach = tip_of(robot), FINGER_TIP + JAW_OPEN / 2 + travel
+    tip, reach = tip_of(robot), _EXTENT + travel
     for k in range(len(corners) if robot.has_gripper else 0):
         dx, dy = corners[k].x - x, corners[k].y - y
         if dx * dx + dy * dy < reach * reach:
@@ -282,7 +282,7 @@ def _opens_into_wall(robot: Any, jaw: float, walls: Any) -> bool:
     return False
 
 
-def room_below(robots: Any, i: int, foods: Any) -> bool:
+def _room_below(robots: Any, i: int, foods: Any) -> bool:
     """Whether the arm can be lowered: no food below the fingers, and nothing below held food."""
     robot = robots[i]
     if robot.held >= 0 and not _floor_free(robots, i, foods):
@@ -333,6 +333,14 @@ def seen_from(robot: Any, x: float, y: float) -> tuple[float, float]:
     """A place in the robot's frame, mm forward and left."""
     dx, dy = x - robot.x, y - robot.y
     return dx * robot.cos + dy * robot.sin, dy * robot.cos - dx * robot.sin
+
+
+def is_lifted(robots: Any, k: int) -> bool:
+    """Whether a raised gripper holds food object `k`, so that nothing on the floor touches or sees it."""
+    for j in range(len(robots)):  # noqa: SIM110 (numba compiles no generator expressions)
+        if robots[j].held == k and robots[j].arm < ARM_ON_FLOOR:
+            return True
+    return False
 
 
 def grip_place(robot: Any) -> tuple[float, float]:

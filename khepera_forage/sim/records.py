@@ -31,7 +31,7 @@ class RobotState:
         grip_y: Likewise.
         bias_left: Lasting error of the left wheel, as a share of its travel.
         bias_right: Likewise.
-        left_wheel_error: What of it is a deviation of this robot (`RobotParameters`); so are the next three.
+        left_wheel_error: Part of `bias_left`: a deviation of this robot (`RobotParameters`), as are the next three.
         infra_red_error: `infra_red_gain` - 1.
         arm_reading_error: `arm_reading_scale` - 1.
         finger_shortage: How much shorter than usual its fingers are.
@@ -56,7 +56,7 @@ class RobotState:
         max_speed: Highest speed of its wheels, in speed units.
         key: Of the random numbers of its world.
         round: Rounds since the key was set.
-        response: Of each infra-red to what is before it, without noise.
+        response: Of each infra-red to what is before it, without noise; holds nothing between rounds.
         senses: What it senses, at the end of the last round.
     """
 

@@ -56,7 +56,7 @@ from khepera_forage.robots.proximity import (
     RESPONSE_GAIN,
     RESPONSE_OFFSET,
 )
-from khepera_forage.sim.driving import grip_place, in_barrier, put_down, seen_from
+from khepera_forage.sim.driving import grip_place, in_barrier, is_lifted, put_down, seen_from
 from khepera_forage.sim.records import Enclosure, FoodDetection, FoodState, RobotState
 from khepera_forage.vision.association import Track, match, may_vanish, start_tracks
 from khepera_forage.vision.scene import MM_PER_PIXEL, Region, Scene, Truth
@@ -72,6 +72,8 @@ from khepera_forage.vision.shapes import (
     touches_plate,
 )
 
+_SMOOTHING = 9
+"""Which of the numbers that follow from a draw, as if it were a key, smooths the normal number of the same draw."""
 _FRONT = 6
 """Sensors that a lowered arm hides."""
 _SURE = 5.0
@@ -87,13 +89,17 @@ def begin(enclosure: Enclosure, constants: Any) -> None:
 
 
 def sense_all(enclosure: Enclosure, constants: Any) -> None:
-    """What the robots of an arena sense."""
+    """What the robots of an arena sense, once food in their grippers has moved along."""
+    for i in range(len(enclosure.robots)):
+        robot = enclosure.robots[i]
+        if robot.held >= 0:
+            enclosure.foods[robot.held].x, enclosure.foods[robot.held].y = grip_place(robot)
     for i in range(len(enclosure.robots)):
         sense(enclosure.robots, i, enclosure.foods, enclosure.walls, constants)
 
 
 def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
-    """Read all sensors of robot `i`; food in its gripper has moved along. Arguments as in `sim.driving`."""
+    """Read all sensors of robot `i`. Arguments as in `sim.driving`."""
     robot = robots[i]
     senses = robot.senses
     senses.left_pulses, senses.right_pulses = int(robot.left_pulses), int(robot.right_pulses)
@@ -110,8 +116,7 @@ def sense(robots: Any, i: int, foods: Any, walls: Any, constants: Any) -> None:
             _see_wall(robot, wall, first, constants.sensors)
     for k in range(len(foods)):
         dx, dy = foods[k].x - robot.x, foods[k].y - robot.y
-        lifted = robot.held == k and robot.arm < ARM_ON_FLOOR
-        if dx * dx + dy * dy < (REACH + FOOD_RADIUS) ** 2 and not lifted:
+        if dx * dx + dy * dy < (REACH + FOOD_RADIUS) ** 2 and not is_lifted(robots, k):
             _see_disc(robot, foods[k].x, foods[k].y, FOOD_RADIUS, first, constants.sensors)
     for j in range(len(robots)):
         dx, dy = robots[j].x - robot.x, robots[j].y - robot.y
@@ -129,8 +134,6 @@ def _sense_gripper(robot: Any, foods: Any) -> None:
     senses.object_presence = 0
     raised = (1.0 + robot.arm_reading_error) * (ARM_DOWN - robot.arm)
     senses.arm, senses.jaw = math.floor(ARM_DOWN - raised + 0.5), math.floor(robot.jaw + 0.5)
-    if robot.held >= 0:
-        foods[robot.held].x, foods[robot.held].y = grip_place(robot)
     for k in range(len(foods)):
         if robot.held == k or (robot.held < 0 and robot.arm >= ARM_ON_FLOOR):
             u, v = seen_from(robot, foods[k].x, foods[k].y)
@@ -200,8 +203,8 @@ def look(enclosure: Enclosure, anchor_x: float, anchor_y: float, noise: Any) -> 
 
     The robots' cables hang from the anchor, a place in mm.
     """
-    robots, foods, tracks, detections, _, _ = enclosure
-    first_frame = robots[0].first_frame
+    robots, foods, tracks, detections = enclosure.robots, enclosure.foods, enclosure.tracks, enclosure.detections
+    first_frame = robots[0].first_frame  # which looking at its marker ends
     for i in range(len(robots)):
         _look_at_marker(robots, i, anchor_x, anchor_y, noise)
     count = 0
@@ -257,7 +260,7 @@ def _look_at_marker(robots: Any, i: int, anchor_x: float, anchor_y: float, noise
         return
     turn = draw(robot, DRAW_MARKER + 3)
     degrees = robot.heading * (180.0 / math.pi)
-    degrees += noise.heading_jitter * normal(turn, random_bits(turn, DRAW_MARKER + 2))
+    degrees += noise.heading_jitter * normal(turn, random_bits(turn, _SMOOTHING))
     degrees = math.floor(degrees + (180.5 if lower(chances) < noise.reversal_rate else 0.5))
     robot.marker_x, robot.marker_y = x, y
     robot.marker_heading = float(degrees % 360)

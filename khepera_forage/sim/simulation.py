@@ -10,20 +10,11 @@ import numpy as np
 from khepera_forage.counter_rng import random_bits
 from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.records import in_python
-from khepera_forage.robots.khepera import (
-    ARM_ON_FLOOR,
-    FINGER_LENGTH,
-    FOOD_RADIUS,
-    RADIUS,
-    Motors,
-    Senses,
-    applicable,
-    check_finite,
-)
+from khepera_forage.robots.khepera import FINGER_LENGTH, FOOD_RADIUS, RADIUS, Motors, Senses, applicable, check_finite
 from khepera_forage.robots.model import KHEPERA, RobotModel
 from khepera_forage.robots.parameters import RobotParameters
 from khepera_forage.sim.arena import MOST_FOODS, Arena, Point, Pose
-from khepera_forage.sim.driving import set_motors
+from khepera_forage.sim.driving import is_lifted, set_motors
 from khepera_forage.sim.layout_checks import arena_of, cable_anchor, check_apart, check_robot, check_seen, check_starts
 from khepera_forage.sim.records import Enclosure, constants_of
 from khepera_forage.sim.sensing import SimulatedCamera
@@ -36,7 +27,7 @@ class SimulatedKhepera:
 
     Args:
         records: The `RobotState` records of an enclosure.
-        number: Of its own, which is looked up whenever it is used: of an array, a copy would not be the copied array's.
+        number: Of its own record. It is looked up at each use: a copied array would not be that of a kept element.
     """
 
     def __init__(self, records: Sequence[Any], number: int) -> None:
@@ -192,7 +183,7 @@ class Simulation(ABC):
         return self.arenas.index(arena_of(self.arenas, what, place, radius))
 
     def _show(self, enclosures: Sequence[Enclosure], robot_arenas: Sequence[int], food_arenas: Sequence[int]) -> None:
-        """Be the world of these records, which others may change, with the number of each robot's and food's arena."""
+        """Show these records, which others may change; with the number of each robot's and food's arena."""
         self._enclosures, self._robot_arenas = tuple(enclosures), tuple(robot_arenas)
         self._food_numbers = _numbered(food_arenas)
         self.robots = tuple(SimulatedKhepera(enclosures[number].robots, k) for number, k in _numbered(robot_arenas))
@@ -236,8 +227,7 @@ class Simulation(ABC):
         for number, k in self._food_numbers:
             enclosure = self._enclosures[number]
             food = enclosure.foods[k]
-            lifted = any(robot.held == k and robot.arm < ARM_ON_FLOOR for robot in enclosure.robots)
-            places.append(FoodPlace(float(food.x), float(food.y), lifted))
+            places.append(FoodPlace(float(food.x), float(food.y), is_lifted(enclosure.robots, k)))
         return tuple(places)
 
     def place(self, robot: int, pose: Pose) -> None:
@@ -287,6 +277,6 @@ class Simulation(ABC):
             robot.close()
 
 
-def _numbered(arenas: Sequence[int]) -> list[tuple[int, int]]:
+def _numbered(arena_numbers: Sequence[int]) -> list[tuple[int, int]]:
     """For each robot or food object the number of its arena, and its own number in that arena."""
-    return [(arena, arenas[:i].count(arena)) for i, arena in enumerate(arenas)]
+    return [(arena, arena_numbers[:i].count(arena)) for i, arena in enumerate(arena_numbers)]

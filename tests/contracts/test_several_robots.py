@@ -72,3 +72,26 @@ def test_robots_push_food_that_other_robots_stop(world: Any) -> None:
     for pose in poses:
         assert math.dist(food[:2], pose[:2]) > RADIUS + FOOD_RADIUS - 1.5
     assert math.dist(poses[0][:2], poses[1][:2]) > 2 * RADIUS - 1.5
+
+
+@pytest.mark.parametrize("carrier", [0, 1])
+@pytest.mark.parametrize("arm", [215, 255])
+def test_robots_see_food_in_another_gripper_on_the_floor_alone(world: Any, carrier: int, arm: int) -> None:
+    """Where the food is now, whichever robot comes first."""
+    watcher = 1 - carrier
+    world.place(2, Pose(100, 500, math.pi / 2))
+    world.place(watcher, Pose(310, 185, -math.pi / 2))
+    world.place(carrier, Pose(FOOD.x - 60, FOOD.y, 0.0))
+    for motors in (Motors(0, 0, 255, 200), Motors(0, 0, 255, 0), Motors(0, 0, arm, 0)):
+        for _ in range(20):
+            world.robots[carrier].drive(motors)
+            world.advance()
+    world.robots[carrier].drive(Motors(-6, -6, arm, 0))
+    world.advance()
+    (food,) = world.food_places()
+    assert food.lifted == (arm == 215)
+    assert food.x < FOOD.x - 3, "it is carried along"
+    seen = world.robots[watcher].sense().proximity
+    world.place(watcher, world.poses()[watcher])  # senses again
+    assert world.robots[watcher].sense().proximity == seen
+    assert (max(seen) > 50) == (arm == 255)
