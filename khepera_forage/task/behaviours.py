@@ -132,7 +132,7 @@ def command(behaviour: int, raw: RawData, decisions: DecisionValues) -> Motors:
     if behaviour == _EXPLORE_FOOD:
         return Motors(0.0, 0.0, ARM_DOWN, JAW_OPEN)
     if behaviour == _PICK_UP_FOOD:
-        return _pick_up(raw, decisions)
+        return _pick_up(raw)
     if behaviour == _PUSH_FOOD:
         return _push(raw, decisions)
     if behaviour == _AVOID_FOOD:
@@ -248,7 +248,7 @@ def _orient_over_food(raw: RawData, decisions: DecisionValues) -> Motors:
     return Motors(forward - turn, forward + turn, ARM_DOWN, JAW_OPEN)
 
 
-def _pick_up(raw: RawData, decisions: DecisionValues) -> Motors:
+def _pick_up(raw: RawData) -> Motors:
     if raw.jaw > _JAW_SHUT or raw.object_presence:
         reach = 0.0 if raw.object_presence else 2.0
         return Motors(reach, reach, _arm_after_jaw(raw), JAW_CLOSED if raw.object_presence else JAW_OPEN)

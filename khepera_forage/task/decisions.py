@@ -101,7 +101,7 @@ class Decisions:
 
     # Time.
     round_duration: float = _number(
-        0.1, 0.05, 0.5, "s", "4.5", "Length of a round (MultiStep). Commands take effect together at its end."
+        0.1, 0.05, 0.5, "s", "4.5", "Length of a round (MultiStep). The commands of all robots take effect together."
     )
     arm_travel_time: float = _number(
         0.1, 0.1, 2.0, "s", "4.2.2", "Time the arm takes between down (255) and raised (215)."

@@ -48,7 +48,7 @@ class ForagerState:
         own: Its marker.
         vector: The state vector.
         state: What the teacher classifies the state vector as.
-        behaviour: What was decided on; with motors of its own, the teacher's behaviour if they are the same, else WAIT.
+        behaviour: What was decided on; of motors, the teacher's behaviour if they are what it commands, else WAIT.
         number: Episodes of a compiled world that began since it was seeded.
         episode: The account of its episode.
     """

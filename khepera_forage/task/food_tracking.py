@@ -149,7 +149,6 @@ class FoodTracker:
         poison_home: Poisonous food objects brought home.
         deliverable: Food objects that are not known to be poisonous.
         food_seen: Whether there is a candidate food.
-        nearest: Number of the nearest candidate food; -1 if there is none, or if it is not known which one it is.
         food_x: Its place in pixels; 0 without one.
         food_y: Its place in pixels; 0 without one.
         food_waypoint_x: Of the next waypoint on the way to it, pixels: the food itself where the way is clear.
@@ -165,7 +164,6 @@ class FoodTracker:
     poison_home: int = 0
     deliverable: int = 0
     food_seen: bool = False
-    nearest: int = -1
     food_x: float = 0.0
     food_y: float = 0.0
     food_waypoint_x: float = 0.0
@@ -298,7 +296,7 @@ def find_nearest(
     other food nearer on its way, and the first one again on its way there. The robot is at (x, y), in pixels.
     """
     tracker, foods, links = known.tracker, known.objects, known.links
-    seen, nearest, food_x, food_y = False, -1, 0.0, 0.0
+    seen, food_x, food_y = False, 0.0, 0.0
     way_x = way_y = path = 0.0
     held, excluded, looks = tracker.held, -1, True
     if held >= 0:
@@ -316,25 +314,25 @@ def find_nearest(
         dx, dy = track.x - x, track.y - y
         squared = dx * dx + dy * dy
         if squared < best and is_within(track.x, track.y, arena):
-            k, number = link_of(track.label, links), -1
-            to_x, to_y, length = track.x, track.y, 0.0
+            k = link_of(track.label, links)
+            to_x, to_y, far = track.x, track.y, 0.0
             if k >= 0:
                 number = links[k].food
                 if number == excluded or not is_candidate(foods[number], number == held):
                     continue
                 if len(arena.paths.corners) > 0:
-                    to_x, to_y, length = next_waypoint(
+                    to_x, to_y, far = next_waypoint(
                         x, y, track.x, track.y, True, known.chosen[1 + number], arena.walls, arena.paths
                     )
-                    squared = min(length, _NO_PATH) ** 2
+                    squared = min(far, _NO_PATH) ** 2
                     if squared >= best:
                         continue
             if track.found or at_last_place or _is_still_seen(links, k, arm, decisions):
-                best, way_x, way_y, path = squared, to_x, to_y, length
-                seen, nearest, food_x, food_y = True, number, track.x, track.y
+                best, way_x, way_y, path = squared, to_x, to_y, far
+                seen, food_x, food_y = True, track.x, track.y
     if path > 0.0:
         way_x, way_y, path = drivable((way_x, way_y, path), food_x, food_y)
-    tracker.food_seen, tracker.nearest, tracker.food_x, tracker.food_y = seen, nearest, food_x, food_y
+    tracker.food_seen, tracker.food_x, tracker.food_y = seen, food_x, food_y
     tracker.food_waypoint_x, tracker.food_waypoint_y, tracker.food_path = way_x, way_y, path
 
 

@@ -106,7 +106,7 @@ def perceive(
     Args:
         known: Of the food of its arena; changed in place.
         own: Its `Marker`, or the whole region.
-        regions: Tracked regions of food.
+        regions: Tracked regions, of which those without holes are food.
         senses: What the robot reports now.
         exploring: Whether the robot could explore food a round ago (`can_explore`), and has stood still since.
         arena: Its arena.

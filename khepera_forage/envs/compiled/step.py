@@ -129,7 +129,7 @@ def stand_ready(world: WorldRecords, settings: Any) -> None:
     robot.holes = settings.holes
     put_down(robot, settings.constants)
     forget_tracks(world.foods, world.tracks)
-    tracker.held = tracker.nearest = -1
+    tracker.held = -1
     tracker.type_in_gripper = tracker.delivered = tracker.poison_home = 0
     tracker.deliverable = len(world.foods)
     tracker.last_distance = -1.0
