@@ -14,7 +14,7 @@ from khepera_forage.noise import Noise, checked_noise
 from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_OPEN
 from khepera_forage.robots.model import KHEPERA, RobotModel, model_of
 from khepera_forage.sim.arena import Arena
-from khepera_forage.sim.arenas.named import ARENAS, named_arena
+from khepera_forage.sim.arenas.named import ARENAS, FAMILY, named_arena
 from khepera_forage.sim.arenas.thesis import SetUp
 from khepera_forage.sim.waypoints import check_paths
 from khepera_forage.sim.world import Timing, World
@@ -104,12 +104,14 @@ def motor_action(action: Any) -> NDArray[np.float64]:
     return values
 
 
-def food_odds(food_types: FoodOdds, has_gripper: bool = True) -> tuple[float, ...]:
+def food_odds(food_types: FoodOdds, has_gripper: bool, arena: Arenas) -> tuple[float, ...]:
     """Odds of each food type but UNKNOWN, in the order of `FoodType`, adding up to 1.
 
     Args:
         food_types: One type, or odds by type; by default PICKABLE, or PUSHABLE for robots without a gripper.
-        has_gripper: Whether the robots can pick up food.
+        has_gripper: Whether the robots can pick up food. Without, what the arena's own odds give as PICKABLE is
+            PUSHABLE.
+        arena: Whose own odds they may be.
 
     Raises:
         ValueError: An unknown type; odds that are negative, not finite, or all zero; or food to pick up for robots
@@ -122,12 +124,22 @@ def food_odds(food_types: FoodOdds, has_gripper: bool = True) -> tuple[float, ..
     for food_type, share in odds.items():
         if not (isinstance(share, numbers.Real) and math.isfinite(share) and share >= 0):
             raise ValueError(f"odds of {food_type.name} are {share!r}; allowed: a number >= 0")
+    if not has_gripper and food_types == _own_food_types(arena):
+        pickable = odds.pop(FoodType.PICKABLE, 0.0)
+        odds[FoodType.PUSHABLE] = odds.get(FoodType.PUSHABLE, 0.0) + pickable
     total = sum(odds.values())
     if not total > 0:
         raise ValueError(f"food_types {food_types!r} give no type any odds; allowed: at least one above 0")
     if not has_gripper and odds.get(FoodType.PICKABLE, 0.0) > 0:
         raise ValueError(f"food_types is {food_types!r}; allowed for robots without a gripper: PUSHABLE and POISONOUS")
     return tuple(odds.get(food_type, 0.0) / total for food_type in _DRAWABLE)
+
+
+def _own_food_types(arena: Arenas) -> Mapping[str, float] | None:
+    """The odds of food types of a named arena, or of procedural ones; None of others."""
+    if isinstance(arena, str):
+        return FAMILY[arena].food_types if arena in FAMILY else None
+    return getattr(arena, "food_types", None)
 
 
 def checked_decisions(decisions: Any) -> Decisions:

@@ -125,7 +125,7 @@ class ForagingWorld:
     def __init__(self, markers: tuple[int, ...], settings: Settings, world: World | None, backend: str) -> None:
         self._markers, self._settings, self._backend = markers, settings, check_backend(backend)
         kinds: Any = [settings.model] if world is None else world.robots
-        self._odds = food_odds(settings.food_types, all(kind.has_gripper for kind in kinds))
+        self._odds = food_odds(settings.food_types, all(kind.has_gripper for kind in kinds), settings.arena)
         if world is None:
             self._pool: ArenaPool | None = ArenaPool(settings.arena, settings.decisions)
             self.enter(self._copies(self._pool[0]))

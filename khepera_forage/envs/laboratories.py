@@ -6,7 +6,7 @@ from typing import Any
 
 from khepera_forage.envs.arguments import set_up_of, timing_of
 from khepera_forage.extras import require
-from khepera_forage.lab.settings_file import CameraSettings, LabSettings, RobotSettings, parse
+from khepera_forage.lab.settings_file import CameraSettings, LabSettings, RobotSettings, parse, usual_marker
 from khepera_forage.lab.virtual_laboratory import VirtualCubeLaboratory, VirtualLaboratory
 from khepera_forage.robots.model import KHEPERA, model_of
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
@@ -70,9 +70,12 @@ def virtual_laboratory(
         dx, dy = PICTURE_WIDTH * MM_PER_PIXEL / 2 - x, PICTURE_HEIGHT * MM_PER_PIXEL / 2 - y
         placed = tuple(copy.shifted(dx, dy) for copy in placed)
     ports = ["virtual"] * robots
-    entries = _entries(original, placed, ports, decisions, type=robot, timeout=timeout)
-    tags: dict[str, Any] = {} if model_of(robot).has_gripper else {"markers": "tags", "tag_size": TAG_SIZE}
-    camera, tracker = CameraSettings(source="rendered frames"), TrackerSettings(**tags)
+    markers = "holes" if model_of(robot).has_gripper else "tags"
+    entries = _entries(original, placed, ports, decisions, markers, type=robot, timeout=timeout)
+    camera, tracker = CameraSettings(source="rendered frames"), TrackerSettings()
+    if markers == "tags":
+        used = tuple(entry.holes for entry in entries)
+        tracker = TrackerSettings(markers=markers, tag_size=TAG_SIZE, numbers=used)
     settings = LabSettings(original, entries, camera, timing.pop("round_duration"), tracker)
     return VirtualLaboratory(settings, **timing, **options)
 
@@ -95,7 +98,7 @@ def virtual_cubes(
         raise ValueError(f"{robots} arenas {original.name} do not fit a mat of {width:.0f} x {height:.0f} mm")
     ports = [f"{VIRTUAL}robot {i}" for i in range(robots)]
     foods = tuple(f"{VIRTUAL}food {i}" for i in range(robots * len(original.foods)))
-    entries = _entries(original, placed, ports, decisions, type=ToioRobot.model.name)
+    entries = _entries(original, placed, ports, decisions, "holes", type=ToioRobot.model.name)
     period = decisions.round_duration
     return VirtualCubeLaboratory(LabSettings(original, entries, CameraSettings(), period, food_cubes=foods))
 
@@ -109,7 +112,7 @@ def _arena(arena: Arena | str, decisions: Decisions) -> Arena:
 
 
 def _entries(
-    original: Arena, placed: Sequence[Arena], ports: Sequence[str], decisions: Decisions, **options: Any
+    original: Arena, placed: Sequence[Arena], ports: Sequence[str], decisions: Decisions, markers: str, **options: Any
 ) -> tuple[RobotSettings, ...]:
     """A robot for each copy of an arena, the teacher first; a single robot is a learner."""
     alone = len(placed) == 1
@@ -117,7 +120,7 @@ def _entries(
         RobotSettings(
             port=port,
             name="teacher" if i == 0 and not alone else f"learner_{max(0, i - 1)}",
-            holes=decisions.recall_marker if alone else 1 if i == 0 else 2,
+            holes=decisions.recall_marker if alone else usual_marker(i, markers),
             offset=Point(copy.home.x - original.home.x, copy.home.y - original.home.y),
             **options,
         )

@@ -167,8 +167,13 @@ def _robot(index: int, value: Any, markers: str) -> RobotSettings:
         given["baud"] = one_of(driver.protocol.baud_rates)(f"{key}.baud", baud)
     elif ignored := [name for name in ("baud", "timeout", "watchdog") if name in given]:
         raise ValueError(f"{key}.{ignored[0]} is given; allowed: for a robot with a serial line")
-    name, holes = (f"learner_{index - 1}", 2) if index else ("teacher", 1)
-    return RobotSettings(**{"name": name, "holes": holes, **given})
+    name = f"learner_{index - 1}" if index else "teacher"
+    return RobotSettings(**{"name": name, "holes": usual_marker(index, markers), **given})
+
+
+def usual_marker(index: int, markers: str) -> int:
+    """The marker of a robot by its number, the teacher's 0; of the thesis's markers, all learners have the second."""
+    return min(index + 1, 2) if markers == "holes" else index + 1
 
 
 def _source(key: str, value: Any) -> int | str:
@@ -213,7 +218,10 @@ def _check(settings: LabSettings) -> None:
     for i, robot in enumerate(settings.robots):
         offset = f"robots[{i}].offset is {list(robot.offset)}"
         for j, other in enumerate(settings.robots[:i]):
-            for key, allowed in (("port", "one port a robot"), ("name", "one name each")):
+            unique = {"port": "one port a robot", "name": "one name each"}
+            if settings.tracker.markers == "tags":
+                unique["holes"] = "one tag each"
+            for key, allowed in unique.items():
                 value = getattr(robot, key)
                 if value == getattr(other, key):
                     raise ValueError(f"robots[{i}].{key} is {value!r}, as robots[{j}].{key}; allowed: {allowed}")

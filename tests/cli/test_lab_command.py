@@ -31,7 +31,8 @@ from tests.vision.scene_renderer import render_frame, write_film
 @pytest.mark.parametrize("lab", ["--lab virtual --seed 8", "--lab virtual:toio", "--lab virtual:e-puck2"])
 def test_virtual_laboratories_train_and_recall(lab: str, run: Run) -> None:
     pytest.importorskip("toio")
-    printed = run(f"train {lab} --episodes 1 --out files")
+    learners = "--num-learners 2" if "e-puck2" in lab else ""
+    printed = run(f"train {lab} {learners} --episodes 1 --out files")
     assert f"virtual laboratory: {'cubes' if 'toio' in lab else 'robots at /dev/'}" in printed
     assert "0 over their time" in printed
     experience, (*_, attempt) = Experience.load("files/g1.csv"), read_rows(Path("files/attempts.csv"), TrainingRow)

@@ -72,6 +72,21 @@ def test_teacher_without_a_gripper_pushes_nearly_all_food_home(robot: str, name:
 
 
 @on_both_backends
+@pytest.mark.parametrize("name", ["MixedFoods", "Procedural"])
+def test_what_an_arena_has_to_pick_up_is_pushed_by_robots_without_a_gripper(name: str, backend: str) -> None:
+    types = set()
+    for robot in ("khepera", "toio"):
+        env: Any = gym.make(f"khepera_forage/{name}-v1", robot=robot, backend=backend)
+        for seed in range(8):
+            env.reset(seed=seed)
+            types |= {(robot, FoodType(food.type)) for food in env.unwrapped.forager.food.objects}
+    assert ("khepera", FoodType.PICKABLE) in types
+    assert ("toio", FoodType.PUSHABLE) in types
+    assert ("toio", FoodType.PICKABLE) not in types
+    assert (("toio", FoodType.POISONOUS) in types) == (name == "MixedFoods")
+
+
+@on_both_backends
 def test_speeds_are_limited_to_what_the_robot_can_do(backend: str) -> None:
     env = recall_wheels_env("corridor", backend=backend, robot="e-puck2")
     env.reset(seed=0)

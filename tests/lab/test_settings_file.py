@@ -130,6 +130,8 @@ def test_sample_is_valid_and_its_comments_show_the_defaults(tmp_path: Path) -> N
         ("[camera]", "[tracker]\npatience = 1.5\n[camera]", "patience is 1.5; allowed: "),
         ("[camera]", '[tracker]\nmarkers = "qr"\n[camera]', "tracker markers is 'qr'; allowed: holes, grid, tags"),
         ("[camera]", '[tracker]\nmarkers = "tags"\nfood_tags = [2]\n[camera]', "tracker food_tags has 2, as numbers"),
+        ("offset = [0, 300]\n", 'holes = 1\noffset = [0, 300]\n[tracker]\nmarkers = "tags"\n',
+         "robots[1].holes is 1, as robots[0].holes; allowed: one tag each"),
         ("source = 0", "source = 0\nsize = [640]", "camera size is (640,); allowed: "),
         ("source = 0", "source = 0\nsize = [0, 480]", "camera size is (0, 480); allowed: "),
         ("source = 0", "source = 0\nrate = 0", "camera.rate is 0; allowed: 0.1 to 1000 frames a second"),

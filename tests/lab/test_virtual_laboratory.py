@@ -83,10 +83,15 @@ def test_training_leads_around_corners() -> None:
     assert attempt.complete
 
 
-@pytest.mark.parametrize(("markers", "numbers"), [("grid", (3, 12)), ("tags", (7, 4))])
-def test_laboratory_of_a_file_shows_its_markers(markers: str, numbers: tuple[int, int]) -> None:
-    robots = [f'[[robots]]\nport = "{n}"\nholes = {n}\noffset = [600, {400 + 100 * n}]\n' for n in numbers]
+@pytest.mark.parametrize(
+    ("markers", "numbers"), [("grid", [3, 12]), ("tags", [7, 4]), ("holes", []), ("grid", []), ("tags", [])]
+)
+def test_laboratory_of_a_file_shows_its_markers(markers: str, numbers: list[int]) -> None:
+    """Without numbers those are 1, 2, 3; of the thesis's two kinds, all learners have the second."""
+    robots = [f'[[robots]]\nport = "{i}"\noffset = [600, {300 + 600 * i}]\n' for i in range(len(numbers) or 3)]
+    robots = [f"{robot}holes = {n}\n" for robot, n in zip(robots, numbers, strict=True)] if numbers else robots
     settings = parse(f'[camera]\nsource = 0\n[tracker]\nmarkers = "{markers}"\n' + "".join(robots), SET_UP, 0.1)
+    assert [robot.holes for robot in settings.robots] == (numbers or [1, 2, 2 if markers == "holes" else 3])
     with VirtualLaboratory(settings, arm_speed=40, jaw_speed=333, noise="none") as lab:
         lab.reset(np.random.default_rng(0), layout_of(lab.arenas))
         for pose, arena in zip(lab.poses(), lab.arenas, strict=True):

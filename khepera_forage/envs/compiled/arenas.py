@@ -204,10 +204,10 @@ def settings_record(settings: Settings, foods: int, limit: int, holes: int) -> N
         ValueError: An argument out of range.
     """
     whole_number("foods", foods, 1, MOST_FOODS)
-    record, (_, noise, food_types, decisions, model) = np.zeros(1, settings_dtype), settings
+    record, (arena, noise, food_types, decisions, model) = np.zeros(1, settings_dtype), settings
     record["constants"] = array_of(constants_of(noise, timing_of(decisions), model))
     record["decisions"] = np.array([tuple(decisions.values(model.has_gripper))], decisions_dtype)  # type: ignore[arg-type]
-    record["odds"] = food_odds(food_types, model.has_gripper)
+    record["odds"] = food_odds(food_types, model.has_gripper, arena)
     record["limit"], record["holes"] = whole_number("limit", limit, 1), holes
     return record
 

@@ -7,7 +7,7 @@ and those for the test from there on, so that no test arena is ever trained in.
 import math
 import operator
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, SupportsIndex, overload
@@ -113,6 +113,11 @@ class ProceduralArenas(Sequence[Arena]):
     def first_level(self) -> int:
         """Number of the first level."""
         return SPLITS[self.split] + self.start_level
+
+    @property
+    def food_types(self) -> Mapping[str, float]:
+        """Odds of food types, those of the difficulty."""
+        return checked_difficulty(self.difficulty).food_types
 
     @property
     def diagonal(self) -> float:
