@@ -16,6 +16,7 @@ from khepera_forage.comparison.learning import (
     RecallBatch,
     all_learners,
     check_form,
+    identity,
     learn_and_forage,
     settings_text,
     unable,
@@ -192,7 +193,7 @@ def _rows(
         for number in replications
         for name, learner in learners.items()
     ]
-    settings = {f"learner {name}": settings_text(learner) for name, learner in learners.items()}
+    settings = {f"learner {name}": identity(learner) for name, learner in learners.items()}
     settings["arenas"] = " ".join(arenas)
     with workers(given.backend, given.jobs, given.address) as execute:
         rows = collect(given, units, {RecallBatch: "rows"}, execute, settings, others=True)

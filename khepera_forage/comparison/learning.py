@@ -3,12 +3,15 @@
 All of them learn in the corridor alone.
 """
 
+import inspect
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache, lru_cache, partial
 from importlib.util import find_spec
+from pathlib import Path
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -267,8 +270,19 @@ def unable(learner: Compared, arenas: Sequence[str] = ARENAS) -> str:
     return ""
 
 
+def identity(learner: Compared) -> str:
+    """What the rows of a learner depend on, in one line: its settings and, of a user's learner, the code's file."""
+    student = learner.learner if isinstance(learner, InteractiveImitation) else learner
+    make = getattr(student, "make", None)
+    module = inspect.getmodule(getattr(make, "func", make))
+    file = getattr(module, "__file__", None)
+    if module is None or file is None or module.__name__.partition(".")[0] == __package__.partition(".")[0]:
+        return settings_text(learner)  # the version of this package counts anyway
+    return f"{settings_text(learner)} of {Path(file).name} ({crc32(Path(file).read_bytes()):08x})"
+
+
 def settings_text(learner: Compared) -> str:
-    """A learner's settings in one line. They stand on the page, and rows of other settings are refused."""
+    """A learner's settings in one line, as they stand on the page."""
     match learner:
         case OfflineImitation():
             name = getattr(learner.make, "__name__", type(learner.make).__name__)

@@ -35,7 +35,7 @@ from khepera_forage.comparison.compiled_learning import (
     thinned,
     varied_arenas,
 )
-from khepera_forage.comparison.learning import BASELINES, Compared, learn_and_forage, settings_text, unable
+from khepera_forage.comparison.learning import BASELINES, Compared, identity, learn_and_forage, unable
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import Estimate, Measure, Table, Value, mean, pick, table_of
 from khepera_forage.experience import Experience
@@ -428,7 +428,7 @@ def run(given: Arguments, learners: Mapping[str, Compared], execute: Execute) ->
     for name, why in missing.items():
         print(f"{name} is left out: {why}")
     able = {name: one for name, one in learners.items() if name not in missing}
-    settings = {"protocol": PROTOCOL} | {f"learner {name}": settings_text(one) for name, one in able.items()}
+    settings = {"protocol": PROTOCOL} | {f"learner {name}": identity(one) for name, one in able.items()}
     most = given.seeds if given.seeds_given else max(track.seeds for track in TRACKS.values())
     found = Rows(())
     if TEACHING in chosen:

@@ -1,6 +1,7 @@
 """`khepera-forage compare`: rows, tables and page agree, settings are compared, and a killed run is continued."""
 
 import math
+import re
 import shutil
 import sys
 from dataclasses import replace
@@ -217,9 +218,10 @@ def test_tuned_learners_have_as_many_settings_each() -> None:
     assert len({settings_text(learner) for learner in candidates().values()}) == 5 * len(tried)
 
 
-def test_a_learner_of_ones_own_has_a_row(tmp_path: Path) -> None:
+def test_a_learner_of_ones_own_has_a_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """From a file in the folder in which the benchmark is started; other learners have no rows."""
-    (tmp_path / "mine.py").write_text(
+    file = tmp_path / "mine.py"
+    file.write_text(
         "from sklearn.ensemble import RandomForestClassifier\n"
         "def small_forest(random_state=None):\n"
         "    return RandomForestClassifier(3, random_state=random_state)\n"
@@ -233,6 +235,11 @@ def test_a_learner_of_ones_own_has_a_row(tmp_path: Path) -> None:
     assert " --learner mine:small_forest --seeds 1\n" in page
     for text in (page, printed):
         assert "it supports no claim" in text
+    file.write_text(file.read_text().replace("(3,", "(4,"))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    told = refused("learners", "--learner", "mine:small_forest", "--seed", "1", "--out", str(tmp_path / "out"))
+    assert re.search(r"with learner small_forest 'small_forest\(\) of mine\.py \(.*and this run has .*--fresh", told)
 
 
 OWN = """
