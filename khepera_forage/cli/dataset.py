@@ -106,6 +106,7 @@ def dataset_command(arguments: argparse.Namespace) -> None:
     if arguments.food_type:
         given["food_types"] = arguments.food_type
     env = WheelsEnv(**(settings_of(arena) | given)) if arguments.alone else raw_env(arena, **given)
+    limit = env.limit if isinstance(env, WheelsEnv) else env.max_cycles
     seeds = np.random.SeedSequence(arguments.seed).spawn(arguments.episodes or EPISODES)
     parts, raw = map(list, zip(*recorded(env, progress(seeds, unit="episode")), strict=True))
     text = TEACHER_ONLY if arguments.alone else SIMULATED
@@ -114,7 +115,7 @@ def dataset_command(arguments: argparse.Namespace) -> None:
     if not arguments.wheels:
         rewards = [episode.rewards_of_vectors for episode in raw]
         more = {"rewards": rewards, "truncated": [episode.truncated for episode in raw]}
-    _write(arguments, name, parts, procedure, arguments.alone, arena=arena, **more)
+    _write(arguments, name, parts, procedure, arguments.alone, arena=arena, limit=limit, **more)
 
 
 def _write_protocol(arguments: argparse.Namespace) -> None:

@@ -61,6 +61,8 @@ GROUPS: dict[str, tuple[str, ...]] = {
 }
 """Places of recalls. Those of a group count alike."""
 OFFLINE, TEACHING, WHEELS, VOCABULARY = TRACK_NAMES
+ROUNDS = 600
+"""At most, in a training episode; the rewards of its data have -1/600 a round."""
 THESIS, RANDOM, VARIED, THINNED = "thesis's", "random", "varied arenas", "varied arenas, thinned"
 """Teachers. The last one gives as many experience vectors as the thesis's teacher, drawn from those of the third."""
 AS_HEARD, PERMUTED, LATE, SILENT, WRONG = "as heard", "permuted", "3 late", "half silent", "a fifth wrong"
@@ -534,7 +536,7 @@ def datasets(seed: int, episodes: int | None = None) -> dict[str, Callable[[], M
         trained = [train_learners(1, CORRIDOR, _seed(seed, 2, i), episodes=each) for i in range(some[-1][0] + 1)]
         parts = [trained[i].experience_of(0, k) for i, k in some]
         about = f"Training episodes in the corridor; {each} of each replication, one replication after the other."
-        return about, parts, {"rewards": [trained[i].rewards_of(0, k) for i, k in some]}
+        return about, parts, {"rewards": [trained[i].rewards_of(0, k) for i, k in some], "limit": ROUNDS}
 
     def raw(data: str) -> Made:
         each = max(wheels.amounts[data])
@@ -542,7 +544,8 @@ def datasets(seed: int, episodes: int | None = None) -> dict[str, Callable[[], M
         made = [_recorded(data, min(each, number), seed, i) for i in range(-(-number // each))]
         pairs = [pair for some in made for pair in some][:number]
         about = f"Raw data and motors of {data}; {each} episodes of each replication, one after the other."
-        return about, [one for one, _ in pairs], {"episodes": [one for _, one in pairs]}
+        limit = ROUNDS if data == TRAINED else None
+        return about, [one for one, _ in pairs], {"episodes": [one for _, one in pairs], "limit": limit}
 
     return {
         f"{PROTOCOL}/corridor-v1": heard,

@@ -36,6 +36,7 @@ def to_minari(
     rewards: Sequence[ArrayLike] | None = None,
     episodes: Sequence[RawEpisode] | None = None,
     truncated: Sequence[bool] | None = None,
+    limit: int | None = None,
     **about: Any,
 ) -> Any:
     """Write experience as a new Minari dataset, with one episode for each `Experience`.
@@ -56,6 +57,7 @@ def to_minari(
         rewards: Of each experience, one a vector, such as `RawEpisode.rewards_of_vectors`.
         episodes: What was recorded with each experience, from `rollouts.raw_episodes`.
         truncated: Whether each episode was out of time, so that its last step truncates; by default as `episodes` say.
+        limit: Of the recovered environment, in steps, as the rewards have it; by default that of the arena.
         **about: Further metadata for Minari: `author`, `author_email`, `code_permalink`, `description`.
 
     Returns:
@@ -78,7 +80,7 @@ def to_minari(
     names = {part.arena for part in parts}
     if truncated is None:
         truncated = [False] * len(parts) if episodes is None else [episode.truncated for episode in episodes]
-    env = _environment(names, arena, None if others else decisions, wheels=episodes is not None)
+    env = _environment(names, arena, None if others else decisions, limit, wheels=episodes is not None)
     buffers = []
     for number, part in enumerate(parts):
         given: Any = [0.0] * len(part) if rewards is None else rewards[number]
@@ -202,7 +204,7 @@ def _minari() -> Any:
 
 
 def _environment(
-    names: Iterable[str], arena: Arena | str | None, decisions: Decisions | None, wheels: bool = False
+    names: Iterable[str], arena: Arena | str | None, decisions: Decisions | None, limit: int | None, wheels: bool
 ) -> gym.Env[Any, Any]:
     """The environment of behaviours, or of motors, in the arena of some experience, which the names may tell."""
     found = sorted(set(names))
@@ -216,6 +218,7 @@ def _environment(
     else:
         name, settings = "Procedural", _levels(found)
     kind = "Wheels-v1" if wheels else "-v1"
+    settings |= {} if limit is None else {"limit": limit}
     return gym.make(f"khepera_forage/{name}{kind}", decisions=decisions, **settings)
 
 

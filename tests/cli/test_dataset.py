@@ -10,6 +10,7 @@ from sklearn.tree import DecisionTreeClassifier
 
 from khepera_forage import as_policy, recall, recall_env
 from khepera_forage.cli.dataset import FOLDER_VARIABLE
+from khepera_forage.envs import paired_arenas_v1
 from khepera_forage.envs.arena_settings import settings_of
 from khepera_forage.experience import Experience
 from khepera_forage.experience.minari import from_minari
@@ -34,6 +35,8 @@ def test_new_episodes_are_a_dataset_with_a_card(run: Run) -> None:
     run(f"train {given} --out files")
     parts = from_minari("khepera_forage/mixed_foods-v1")
     assert parts == [Experience.load("files/g1.csv"), Experience.load("files/g2.csv")]
+    env = minari.load_dataset("khepera_forage/mixed_foods-v1").recover_environment().unwrapped
+    assert (env.arena.name, env.limit) == ("mixed_foods", paired_arenas_v1.raw_env("mixed_foods").max_cycles)
     steps = sum(map(len, parts))
     assert f"khepera_forage/mixed_foods-v1: 2 episodes, {steps:,} steps, in data\n" in printed
     card = Path("data/khepera_forage/mixed_foods-v1/README.md").read_text(encoding="utf-8")
@@ -78,7 +81,10 @@ def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from(run
 
 def test_card_of_a_dataset_on_wheels_counts_every_round(run: Run) -> None:
     run("dataset --wheels --episodes 1 --food-type PUSHABLE --decision separation=6 --out data")
-    (episode,) = minari.load_dataset("khepera_forage/corridor-wheels-v1").iterate_episodes()
+    dataset = minari.load_dataset("khepera_forage/corridor-wheels-v1")
+    (episode,) = dataset.iterate_episodes()
+    limit = dataset.recover_environment().unwrapped.limit
+    assert sum(episode.rewards) == pytest.approx(1 - len(episode.rewards) / limit)
     card = Path("data/khepera_forage/corridor-wheels-v1/README.md").read_text(encoding="utf-8")
     counted = {int(number): int(count) for number, count in re.findall(r"^\| (\d+) \| [A-Z_]+ \| (\d+) \|", card, re.M)}
     assert counted == Counter(episode.infos["heard"][:-1].tolist())

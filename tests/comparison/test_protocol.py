@@ -228,6 +228,7 @@ def test_one_command_makes_the_datasets(
             assert episode.actions.shape[1:] == actions
             assert 0.2 < episode.rewards.sum() < 0.95
         env = dataset.recover_environment()
+        assert env.unwrapped.limit == (500 if name.startswith("alone") else 600), "as the rewards have it"
         env.reset(seed=0)
         env.step(episode.actions[0])
     card = Path(f"data/{PROTOCOL}/alone-wheels-v1/README.md").read_text()
