@@ -18,9 +18,11 @@ import khepera_forage
 from khepera_forage.cli.main import main
 from khepera_forage.noise import SOURCES, Noise
 from khepera_forage.option_values import OneLineParser
+from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
 from khepera_forage.policies.learners import LEARNERS
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.named import FAMILY
+from khepera_forage.vision.scene import MM_PER_PIXEL
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -155,6 +157,13 @@ def test_arenas_page_has_the_family_and_the_difficulties() -> None:
         shares = [f"{share:.0%} {food.lower()}".replace("%", " %") for food, share in difficulty.food_types.items()]
         assert types == ", ".join(shares).replace("100 % ", "")
         assert (float(noise), int(limit)) == (difficulty.noise, difficulty.limit)
+
+
+def test_box_of_reinforcement_learning_page_holds_distances_in_all_arenas() -> None:
+    (bound,) = re.findall(r"Box\(-(\d), \1, \(9,\)", PAGES["reinforcement_learning.md"])
+    assert f"(up to {bound} in the largest arenas" in PAGES["reinforcement_learning.md"]
+    largest = max(np.hypot(one.length[1], one.width[1]) / MM_PER_PIXEL for one in DIFFICULTIES.values())
+    assert largest / CORRIDOR_DIAGONAL < int(bound)
 
 
 def test_sources_of_noise_page_are_all() -> None:
