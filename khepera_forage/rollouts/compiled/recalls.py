@@ -148,8 +148,8 @@ class Recalls:
             memories: What the imitators have learned, from `policies.memories.memories_of`; None
                 without imitators.
             memory_of_episode: The policy of each recall: the number of a memory, `TEACHER`, or `UNIFORM`.
-            seed: Recall i is the one that an environment on the backend "compiled" has after `reset(seed=seed + i)`.
-                Or one seed a recall.
+            seed: Recall i has the world of an environment on the backend "compiled" after `reset(seed=seed + i)`. Or
+                one seed a recall.
 
         Raises:
             ValueError: An argument out of range, or an arena with no room.
