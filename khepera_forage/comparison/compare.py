@@ -99,15 +99,14 @@ def unavailable(backend: str, address: str | None) -> str:
 
 
 def known_learners() -> str:
-    """All learners that are known here, one a line: name, title, what it learns from, and settings."""
+    """All learners that are known here, one a line: name, title, what it learns from, and settings; and broken ones."""
     lines = [
         (name, learner.title, learner.needs.value if learner.needs else "-", settings_text(learner))
         for name, learner in all_learners().items()
     ]
     widths = [max(len(line[i]) for line in lines) for i in range(3)]
-    return "\n".join(
-        "  ".join([*(cell.ljust(width) for cell, width in zip(line, widths, strict=False)), line[-1]]) for line in lines
-    )
+    table = ["  ".join([*map(str.ljust, line, widths), line[-1]]) for line in lines]
+    return "\n".join([*table, *(f"{name} is left out: {why}" for name, why in installed_learners().broken.items())])
 
 
 def compare(given: Arguments) -> int:
@@ -118,23 +117,23 @@ def compare(given: Arguments) -> int:
     """
     against = read_results(given.against) if given.against else None
     own = _own_learners(given.learner or [])
-    known = all_learners() | own
+    known, broken = all_learners() | own, installed_learners().broken
     for name in given.only or ():
         if name not in known:
-            raise ValueError(f"--only is {name!r}; allowed: {', '.join(known)}")
+            why = f", which cannot be used ({broken[name]})" if name in broken else ""
+            raise ValueError(f"--only is {name!r}{why}; allowed: {', '.join(known)}")
     chosen = [*(given.only or (BASELINES if own else known)), *own]
+    where = given.arenas or ARENAS  # the protocol says itself who cannot take part
+    missing = {name: why for name in chosen if not given.protocol and (why := unable(known[name], where))}
+    learners = {name: learner for name, learner in known.items() if name in chosen and name not in missing}
+    missing |= {} if given.only or own else broken
+    for name, reason in missing.items():
+        print(f"{name} is left out: {reason}")
     if given.protocol:
         from khepera_forage.comparison.protocol import run  # needs numba
 
-        taking_part = {name: one for name, one in known.items() if name in chosen}
         with workers(given.backend, given.jobs, given.address) as execute:
-            return run(given, taking_part, execute)
-    missing = {name: reason for name in chosen if (reason := unable(known[name], given.arenas or ARENAS))}
-    if not given.only and not own:
-        missing |= installed_learners().broken
-    for name, reason in missing.items():
-        print(f"{name} is left out: {reason}")
-    learners = {name: learner for name, learner in known.items() if name in chosen and name not in missing}
+            return run(given, learners, execute)
     if not learners:
         raise ValueError("no learner is left")
     rows = _rows(learners, known, range(given.seeds), _amounts(given), given)

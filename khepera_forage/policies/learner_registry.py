@@ -61,8 +61,6 @@ def register_learner(name: str, learner: Any) -> Learner:
         ValueError: The name is no identifier, or another learner has it.
         TypeError: The learner is none of these.
     """
-    if not name.isidentifier():
-        raise ValueError(f"name of a learner is {name!r}; allowed: letters, digits and underscores")
     described = _described(name, learner)
     if LEARNERS.get(name, described) != described:
         raise ValueError(f"name of a learner is {name!r}, as that of another; allowed: a new name")
@@ -79,7 +77,7 @@ def installed_learners() -> Installed:
                 raise ValueError(f"its name is that of a learner of {__package__.partition('.')[0]}")
             found.learners[entry.name] = _described(entry.name, entry.load())
         except Exception as error:
-            found.broken[entry.name] = f"{entry.value}: {type(error).__name__}: {error}"
+            found.broken[entry.name] = " ".join(f"{entry.value}: {type(error).__name__}: {error}".split())
     return found
 
 
@@ -123,7 +121,9 @@ def own_errors(name: str) -> Iterator[None]:
         raise LearnerError(f"{name} failed\n{''.join(report.format()).rstrip()}") from error
 
 
-def _described(name: str, learner: Any) -> Learner:
+def _described(name: Any, learner: Any) -> Learner:
+    if not isinstance(name, str) or not name.isidentifier():
+        raise ValueError(f"name of a learner is {name!r}; allowed: letters, digits and underscores")
     if isinstance(learner, OfflineImitation | InteractiveImitation | ReinforcementLearner):
         return learner
     if callable(learner):

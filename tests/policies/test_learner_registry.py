@@ -11,6 +11,7 @@ from sklearn.ensemble import RandomForestClassifier
 from sklearn.naive_bayes import GaussianNB
 
 import khepera_forage
+from khepera_forage.cli.main import main
 from khepera_forage.policies import as_policy, register_learner
 from khepera_forage.policies.learner_registry import LearnerError, installed_learners, learner_at, own_errors
 from khepera_forage.policies.learners import LEARNERS, OfflineImitation
@@ -27,7 +28,7 @@ def own_registry(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    """A package as pip installs it, with entry points; one of them does not exist, and one has a name of ours."""
+    """A package as pip installs it, with entry points; one of them does not exist, one has a name of ours, one a bad one."""
     name = "learners_of_a_test"
     (tmp_path / f"{name}.py").write_text(
         "from sklearn.ensemble import RandomForestClassifier\n"
@@ -40,7 +41,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text(
         f"[khepera_forage.learners]\nforest = {name}:forest\nmissing = {name}:missing\n"
-        f"number = {name}:number\ntree = {name}:forest\n"
+        f"number = {name}:number\ntree = {name}:forest\nbad name = {name}:forest\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.chdir(tmp_path)
@@ -60,8 +61,9 @@ def test_a_registered_learner_learns_and_decides() -> None:
 
 
 def test_names_are_checked() -> None:
-    with pytest.raises(ValueError, match="name of a learner is 'my forest'; allowed: letters, digits"):
-        register_learner("my forest", GaussianNB)
+    for name in ("my forest", 3):
+        with pytest.raises(ValueError, match=f"name of a learner is {name!r}; allowed: letters, digits"):
+            register_learner(name, GaussianNB)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="name of a learner is 'tree', as that of another"):
         register_learner("tree", GaussianNB)
 
@@ -79,10 +81,26 @@ def test_learners_of_installed_packages_are_found(package: str) -> None:
     forest = found.learners["forest"]
     assert isinstance(forest, OfflineImitation)
     assert as_policy(forest.classifier(seed=1).fit(X, Y)).act(X[0], np.random.default_rng(0)) in Y
-    assert set(found.broken) == {"missing", "number", "tree"}
+    assert set(found.broken) == {"missing", "number", "tree", "bad name"}
     assert found.broken["missing"].startswith(f"{package}:missing: AttributeError")
     assert "TypeError: learner number is 7" in found.broken["number"]
     assert "its name is that of a learner of khepera_forage" in found.broken["tree"]
+    assert found.broken["bad name"].endswith("name of a learner is 'bad name'; allowed: letters, digits and underscores")
+
+
+def test_compare_says_why_a_learner_of_a_package_is_broken(
+    package: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    reason = f"{package}:missing: AttributeError: module '{package}' has no attribute 'missing'"
+    taking_part: list[str] = []
+    monkeypatch.setattr("khepera_forage.comparison.protocol.run", lambda _, found, __: taking_part.extend(found))
+    for command in ("compare --list", "compare --protocol"):
+        assert not main(command.split())
+        assert f"\nmissing is left out: {reason}\n" in f"\n{capsys.readouterr().out}"
+    assert {"tree", "forest"} <= set(taking_part), "ours, and that of the package"
+    assert main("compare --only missing".split()) == 2
+    told = capsys.readouterr().err
+    assert f"--only is 'missing', which cannot be used ({reason}); allowed: teacher, random, imitator" in told
 
 
 def test_error_in_a_package_whose_name_begins_like_ours_shows_where_it_is() -> None:
