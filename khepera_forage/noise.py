@@ -5,6 +5,7 @@ No figure here was fitted to the thesis's result tables. "Assumption" marks a fi
 
 import math
 from dataclasses import dataclass, fields, replace
+from numbers import Real
 from typing import Any
 
 SOURCES: dict[str, tuple[str, ...]] = {
@@ -65,9 +66,7 @@ class Noise:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
-            if not 0 <= value < math.inf:
-                raise ValueError(f"noise {field.name} is {value!r}; allowed: a finite number >= 0")
+            _check(f"noise {field.name}", getattr(self, field.name))
         for name in ("reversal_rate", "loss_rate_one_hole", "loss_rate_two_holes", "loss_rate_food"):
             if getattr(self, name) > 1:
                 raise ValueError(f"noise {name} is {getattr(self, name)!r}; allowed: a probability 0..1")
@@ -114,8 +113,7 @@ class Noise:
         Raises:
             ValueError: A negative share, or one that is not finite.
         """
-        if not 0 <= share < math.inf:
-            raise ValueError(f"share of noise is {share!r}; allowed: a finite number >= 0")
+        _check("share of noise", share)
         values: dict[str, Any] = {}
         for field in fields(self):
             value = getattr(self, field.name) * share
@@ -126,6 +124,11 @@ class Noise:
             elif field.name not in ("loss_rounds", "cable_loss_factor"):
                 values[field.name] = value
         return replace(self, **values)
+
+
+def _check(name: str, value: Any) -> None:
+    if not isinstance(value, Real) or not 0 <= value < math.inf:
+        raise ValueError(f"{name} is {value!r}; allowed: a finite number >= 0")
 
 
 def checked_noise(noise: Any) -> Noise:

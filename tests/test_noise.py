@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import fields, replace
+from typing import Any
 
 import pytest
 
@@ -36,7 +37,7 @@ def test_only_keeps_one_source(source: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_value_that_has_no_meaning_is_refused(name: str) -> None:
-    wrong = [-1, -0.001, math.nan, math.inf]
+    wrong: list[Any] = [-1, -0.001, math.nan, math.inf, "a", None]
     if name in RATES:
         wrong.append(1.001)
         replace(Noise.none(), **{name: 1.0})
@@ -62,7 +63,7 @@ def test_scaled_noise_has_other_sizes_and_the_same_durations() -> None:
     assert replace(nothing, loss_rounds=1, cable_loss_factor=1) == replace(Noise.none(), loss_rounds=1)
 
 
-@pytest.mark.parametrize("share", [-0.1, math.nan, math.inf])
-def test_share_of_noise_that_is_no_size_is_refused(share: float) -> None:
+@pytest.mark.parametrize("share", [-0.1, math.nan, math.inf, "a"])
+def test_share_of_noise_that_is_no_size_is_refused(share: Any) -> None:
     with pytest.raises(ValueError, match=f"share of noise is {share!r}; allowed: a finite number >= 0"):
         Noise.laboratory().scaled(share)

@@ -76,6 +76,11 @@ def train_command(arguments: argparse.Namespace) -> int:
     with closing(options.training_env(arguments, patience=arguments.patience)) as env:
         try:
             record(env, files, rows, arguments)
+        except FileExistsError:  # all files were new when the command began
+            allowed = "another one, or --continue after that run has ended"
+            raise FileExistsError(
+                f"--out is {str(arguments.out)!r}, where another run writes; allowed: {allowed}"
+            ) from None
         except (OSError, KeyboardInterrupt):
             print("the same command with --continue goes on from here", file=sys.stderr)
             raise

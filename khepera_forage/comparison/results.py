@@ -171,6 +171,8 @@ def read_results(source: str) -> Results:
             learners[name] = ReadLearner(one["title"], needs, one["settings"])
         curves = [_curve_of(value, learners) for value in content["curves"]]
         return Results(str(content["made_with"]), learners, curves, origin)
+    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise ValueError(f"{path}: not JSON: {error}; allowed: a results.json of khepera-forage compare") from None
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         what = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else error
         raise ValueError(f"{path}: {what}") from None

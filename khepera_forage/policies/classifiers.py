@@ -62,8 +62,8 @@ class ClassifierPolicy:
         fine = levels.shape == np.shape(classes) and np.all(levels >= 0.0)  # NaN fails the comparison
         if not fine or abs(levels.sum() - 1.0) > TOLERANCE:
             raise ValueError(
-                f"{type(self.classifier).__name__} predicts the probabilities {levels} of the classes {classes}; "
-                "allowed: one for each class, none negative, with the sum 1"
+                f"{type(self.classifier).__name__} predicts the probabilities {np.round(levels, 4).tolist()} of the "
+                f"classes {np.array(classes).tolist()}; allowed: one for each class, none negative, with the sum 1"
             )
         probabilities: NDArray[np.float64] = levels.astype(np.float64, copy=False)
         return probabilities

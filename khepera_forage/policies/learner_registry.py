@@ -89,9 +89,9 @@ def learner_at(place: str) -> tuple[str, Learner]:
     Raises:
         ValueError: There is no such place, or no learner.
     """
-    module, colon, name = place.partition(":")
+    module, _, name = place.partition(":")
     allowed = "allowed: package.module:name of what makes a classifier"
-    if not colon or not module or not name.isidentifier():
+    if module[:1] in ("", ".") or not name.isidentifier():
         raise ValueError(f"learner is {place!r}; {allowed}")
     if os.getcwd() not in sys.path:
         sys.path.insert(0, os.getcwd())

@@ -104,6 +104,13 @@ def test_interrupted_training_is_continued_with_the_same_result(run: Run) -> Non
     assert "rows kept" in run(f"{recall} --recover")
 
 
+def test_training_beside_another_run_ends_with_what_is_allowed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    run(f"{TRAIN} part --episodes 1")
+    monkeypatch.setattr("khepera_forage.cli.train.require_new", lambda *_: None)  # as if the other run began later
+    allowed = "--out is 'part', where another run writes; allowed: another one, or --continue after that run has ended"
+    assert allowed in run.refused(f"{TRAIN} part --episodes 1")
+
+
 def test_full_disk_ends_training_with_what_to_do_and_is_continued(run: Run, capsys: pytest.CaptureFixture[str]) -> None:
     whole, part = Path("whole"), Path("part")
     run(f"{TRAIN} whole --episodes 2")

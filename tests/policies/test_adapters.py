@@ -67,7 +67,9 @@ class Probabilities:
         return np.array([self.levels] * len(rows))
 
 
-@pytest.mark.parametrize("levels", [(np.nan, 0.5, 0.5), (0.5, 0.5, 0.5), (-0.5, 1.0, 0.5), (0.5, 0.5), (0.0, 0.0, 0.0)])
+@pytest.mark.parametrize(
+    "levels", [(np.nan, 0.5, 0.5), (0.5, 0.5, 0.5), (-0.5, 1.0, 0.5), (0.5, 0.5), (0.0, 0.0, 0.0), [1 / 30] * 30]
+)
 def test_numbers_that_are_no_probabilities_are_refused(levels: tuple[float, ...]) -> None:
     policy = as_policy(Probabilities(*levels))
     with pytest.raises(ValueError, match=r"Probabilities predicts the probabilities .* of the classes .*; allowed"):

@@ -85,7 +85,9 @@ def test_learners_of_installed_packages_are_found(package: str) -> None:
     assert found.broken["missing"].startswith(f"{package}:missing: AttributeError")
     assert "TypeError: learner number is 7" in found.broken["number"]
     assert "its name is that of a learner of khepera_forage" in found.broken["tree"]
-    assert found.broken["bad name"].endswith("name of a learner is 'bad name'; allowed: letters, digits and underscores")
+    assert found.broken["bad name"].endswith(
+        "name of a learner is 'bad name'; allowed: letters, digits and underscores"
+    )
 
 
 def test_compare_says_why_a_learner_of_a_package_is_broken(
@@ -111,7 +113,7 @@ def test_error_in_a_package_whose_name_begins_like_ours_shows_where_it_is() -> N
         names["fit"]()
 
 
-@pytest.mark.parametrize("place", ["nowhere:forest", "{0}", ":forest", "{0}:missing", "{0}:number"])
+@pytest.mark.parametrize("place", ["nowhere:forest", "{0}", ":forest", "./{0}.py:forest", "{0}:missing", "{0}:number"])
 def test_a_wrong_place_is_named(place: str, package: str) -> None:
     place = place.format(package)
     with pytest.raises(ValueError, match=f"learner is '{place}'.*; allowed: .*what makes a classifier$"):
