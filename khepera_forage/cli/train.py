@@ -77,10 +77,8 @@ def train_command(arguments: argparse.Namespace) -> int:
         try:
             record(env, files, rows, arguments)
         except FileExistsError:  # all files were new when the command began
-            allowed = "another one, or --continue after that run has ended"
-            raise FileExistsError(
-                f"--out is {str(arguments.out)!r}, where another run writes; allowed: {allowed}"
-            ) from None
+            allowed = "allowed: another one, or --continue after that run has ended"
+            raise FileExistsError(f"--out is {str(arguments.out)!r}, where another run writes; {allowed}") from None
         except (OSError, KeyboardInterrupt):
             print("the same command with --continue goes on from here", file=sys.stderr)
             raise
@@ -131,6 +129,9 @@ def _unfinished(
         print(f"{file.path} was interrupted; its vectors are kept in {kept}")
     left = [file for file in files if not file.path.exists()]
     numbers = {file.number for file in left}
+    without = {file.number for file in files} - numbers - {row.file for row in rows if row.complete}
+    if without:
+        print(f"{attempts} has no row of the complete episodes {', '.join(map(str, sorted(without)))}", file=sys.stderr)
     return left, [row for row in rows if row.file not in numbers]
 
 

@@ -104,6 +104,18 @@ def test_interrupted_training_is_continued_with_the_same_result(run: Run) -> Non
     assert "rows kept" in run(f"{recall} --recover")
 
 
+def test_continued_training_names_complete_episodes_without_a_row(run: Run, capsys: pytest.CaptureFixture[str]) -> None:
+    run(f"{TRAIN} . --episodes 3")
+    lines = Path("attempts.csv").read_text().splitlines(keepends=True)
+    Path("attempts.csv").write_text("".join(lines[:2]))  # a row of the first episode
+    for episodes in (4, 4):  # and when all files are there
+        assert main(f"{TRAIN} . --episodes {episodes} --continue".split()) == 0
+        assert capsys.readouterr().err == "attempts.csv has no row of the complete episodes 2, 3\n"
+    Path("attempts.csv").unlink()
+    assert main(f"{TRAIN} . --episodes 5 --continue".split()) == 0
+    assert capsys.readouterr().err == "attempts.csv has no row of the complete episodes 1, 2, 3, 4\n"
+
+
 def test_training_beside_another_run_ends_with_what_is_allowed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     run(f"{TRAIN} part --episodes 1")
     monkeypatch.setattr("khepera_forage.cli.train.require_new", lambda *_: None)  # as if the other run began later

@@ -28,7 +28,7 @@ def own_registry(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    """A package as pip installs it, with entry points; one of them does not exist, one has a name of ours, one a bad one."""
+    """A package as pip installs it, with entry points: one does not exist, one has a name of ours, one a bad name."""
     name = "learners_of_a_test"
     (tmp_path / f"{name}.py").write_text(
         "from sklearn.ensemble import RandomForestClassifier\n"
@@ -100,7 +100,7 @@ def test_compare_says_why_a_learner_of_a_package_is_broken(
         assert not main(command.split())
         assert f"\nmissing is left out: {reason}\n" in f"\n{capsys.readouterr().out}"
     assert {"tree", "forest"} <= set(taking_part), "ours, and that of the package"
-    assert main("compare --only missing".split()) == 2
+    assert main(["compare", "--only", "missing"]) == 2
     told = capsys.readouterr().err
     assert f"--only is 'missing', which cannot be used ({reason}); allowed: teacher, random, imitator" in told
 
