@@ -127,7 +127,7 @@ class Noise:
 
 
 def _check(name: str, value: Any) -> None:
-    if not isinstance(value, Real) or not 0 <= value < math.inf:
+    if not isinstance(value, Real) or not 0 <= float(value) < math.inf:
         raise ValueError(f"{name} is {value!r}; allowed: a finite number >= 0")
 
 
