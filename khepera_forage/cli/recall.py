@@ -123,12 +123,14 @@ def _forage(env: BehavioursEnv, arguments: argparse.Namespace) -> Callable[..., 
 
 def _learner(name: str) -> OfflineImitation:
     """The learner of `--learner`, which must learn from experience vectors."""
-    known = {**LEARNERS, **installed_learners().learners}
+    installed = installed_learners()
+    known = {**LEARNERS, **installed.learners}
     usable = {key: value for key, value in known.items() if isinstance(value, OfflineImitation)}
     if name in usable:
         return usable[name]
     if ":" not in name:
-        raise ValueError(f"--learner is {name!r}; allowed: {', '.join(usable)}, or package.module:name")
+        why = installed.why_not(name)
+        raise ValueError(f"--learner is {name!r}{why}; allowed: {', '.join(usable)}, or package.module:name")
     try:
         _, learner = learner_at(name)
     except ValueError as error:

@@ -117,16 +117,16 @@ def compare(given: Arguments) -> int:
     """
     against = read_results(given.against) if given.against else None
     own = _own_learners(given.learner or [])
-    known, broken = all_learners() | own, installed_learners().broken
+    known, installed = all_learners() | own, installed_learners()
     for name in given.only or ():
         if name not in known:
-            why = f", which cannot be used ({broken[name]})" if name in broken else ""
-            raise ValueError(f"--only is {name!r}{why}; allowed: {', '.join(known)}")
+            raise ValueError(f"--only is {name!r}{installed.why_not(name)}; allowed: {', '.join(known)}")
     chosen = [*(given.only or (BASELINES if own else known)), *own]
-    where = given.arenas or ARENAS  # the protocol says itself who cannot take part
-    missing = {name: why for name in chosen if not given.protocol and (why := unable(known[name], where))}
+    missing = {}
+    if not given.protocol:  # which says itself who cannot take part
+        missing = {name: why for name in chosen if (why := unable(known[name], given.arenas or ARENAS))}
     learners = {name: learner for name, learner in known.items() if name in chosen and name not in missing}
-    missing |= {} if given.only or own else broken
+    missing |= {} if given.only or own else installed.broken
     for name, reason in missing.items():
         print(f"{name} is left out: {reason}")
     if given.protocol:

@@ -45,6 +45,10 @@ class Installed(NamedTuple):
     learners: dict[str, Learner]
     broken: dict[str, str]
 
+    def why_not(self, name: str) -> str:
+        """The part of a message that says why a learner cannot be used; empty if it is not here."""
+        return f", which cannot be used ({self.broken[name]})" if name in self.broken else ""
+
 
 def register_learner(name: str, learner: Any) -> Learner:
     """Make a learner known to every comparison of this process.

@@ -12,6 +12,7 @@ from sklearn.naive_bayes import GaussianNB
 
 import khepera_forage
 from khepera_forage.cli.main import main
+from khepera_forage.experience import Experience
 from khepera_forage.policies import as_policy, register_learner
 from khepera_forage.policies.learner_registry import LearnerError, installed_learners, learner_at, own_errors
 from khepera_forage.policies.learners import LEARNERS, OfflineImitation
@@ -90,7 +91,7 @@ def test_learners_of_installed_packages_are_found(package: str) -> None:
     )
 
 
-def test_compare_says_why_a_learner_of_a_package_is_broken(
+def test_commands_say_why_a_learner_of_a_package_is_broken(
     package: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     reason = f"{package}:missing: AttributeError: module '{package}' has no attribute 'missing'"
@@ -100,9 +101,11 @@ def test_compare_says_why_a_learner_of_a_package_is_broken(
         assert not main(command.split())
         assert f"\nmissing is left out: {reason}\n" in f"\n{capsys.readouterr().out}"
     assert {"tree", "forest"} <= set(taking_part), "ours, and that of the package"
-    assert main(["compare", "--only", "missing"]) == 2
-    told = capsys.readouterr().err
-    assert f"--only is 'missing', which cannot be used ({reason}); allowed: teacher, random, imitator" in told
+    Experience([(0, 60, 0, 215, 40)], [0]).save("g1.csv")
+    for words in ("compare --only", "recall --experience g1.csv --learner"):
+        assert main([*words.split(), "missing"]) == 2
+        told = capsys.readouterr().err
+        assert f"{words.split()[-1]} is 'missing', which cannot be used ({reason}); allowed: " in told
 
 
 def test_error_in_a_package_whose_name_begins_like_ours_shows_where_it_is() -> None:
