@@ -29,7 +29,7 @@ class Noise:
     uniformly (standard deviation 5.8 %) and ENKI +-5 % (2.9 %); between the two."""
     wheel_bias: float = 0.02
     """Standard deviation of a lasting share by which one wheel travels too far. Assumption: the sources' wheel
-    diameters differ by 6 % between robots (7.5 to 7.96 mm)."""
+    radii differ by 6 % (7.5 to 7.96 mm)."""
     proximity_gain: float = 0.1
     """Largest error of an infra-red reading, as a share of it, uniform in both directions (KSIM2, WSU: 10 %)."""
     proximity_floor: float = 6
