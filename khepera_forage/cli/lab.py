@@ -43,8 +43,10 @@ _WARM_UP, _POLL = 2.0, 0.05
 def new_command(arguments: argparse.Namespace) -> int:
     """Find robots and camera, check each, and write lab.toml."""
     file: Path = arguments.out
-    if file.exists():
-        raise FileExistsError(f"{file} is there already; allowed: another --out")
+    picture, measured = file.with_suffix(".png"), file.with_name(f"{file.stem}_calibration.toml")
+    for path in (file, picture, *(() if arguments.calibration else (measured,))):
+        if path.exists():
+            raise FileExistsError(f"{path} is there already; allowed: another --out")
     if not file.absolute().parent.is_dir():
         raise FileNotFoundError(f"--out is {file}; allowed: a file in a folder that exists")
     kind = arguments.robot or _answer(f"Kind of robots ({', '.join(DRIVERS)}): ")
@@ -72,8 +74,8 @@ def new_command(arguments: argparse.Namespace) -> int:
     about = partial(lab_text, kind, ports, foods or (), camera or "", arena=arguments.arena)
     settings = _written(file, about, calibration)
     if not is_mat:
-        if _passes("picture", _save_picture, settings, file.with_suffix(".png")) and calibration is None:
-            calibration = _calibrated(camera, settings, file.with_name("calibration.toml"))
+        if _passes("picture", _save_picture, settings, picture) and calibration is None:
+            calibration = _calibrated(camera, settings, measured)
             settings = _written(file, about, calibration)
         works.append(_passes("camera", _check_camera, settings))
         if calibration is None:

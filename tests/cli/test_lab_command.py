@@ -86,11 +86,14 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(monkeypatch: pytest.Monk
     assert Path("labs/lab.png").stat().st_size > 0
     assert places == [(600, 600), (1250, 600), (1250, 830), (600, 830)], "the corners of the corridor"
     settings = load_settings("labs/lab.toml")
-    assert settings.camera.calibration is not None
+    assert settings.camera.calibration == Path("labs/lab_calibration.toml")
     assert Calibration.load(settings.camera.calibration).camera == (1000, 1000, 2000)
     assert settings.tracker.marker_height == 35, "on top of a robot that is 45 mm high, on the plan"
     assert settings.camera.size is None, "frames have the size of the calibration"
     assert settings.tracker.markers == "tags", "a larger marker would hide the food that an e-puck2 pushes"
+    for name in ("lab.toml", "lab.png", "lab_calibration.toml"):  # each is kept
+        assert f"{name} is there already; allowed: another --out" in run.refused("lab new --out labs/lab.toml")
+        Path("labs", name).rename(f"labs/other_{name}")
 
 
 def test_period_of_the_file_must_be_the_decided_round_duration(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
