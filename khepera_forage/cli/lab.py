@@ -12,7 +12,7 @@ from typing import Any
 from khepera_forage.cli.main import main
 from khepera_forage.cli.options import Group, command, option, out, refuse_ignored
 from khepera_forage.envs.arguments import set_up_of
-from khepera_forage.envs.laboratories import TAG_SIZE, load_settings
+from khepera_forage.envs.laboratories import TAG_SIZE, check_room, load_settings
 from khepera_forage.extras import require
 from khepera_forage.lab.settings_file import LabSettings, RobotSettings
 from khepera_forage.robots.drivers import DRIVERS
@@ -135,15 +135,18 @@ def lab_text(
     (x, y, gap), room = _FLOOR, PICTURE_HEIGHT * MM_PER_PIXEL
     if issubclass(driver, MatRobot):
         (x, y, gap), room = _MAT, driver.mat_size[1]
-    _, low, _, high = named_arena(arena, set_up_of(DEFAULT_DECISIONS)).bounds
+    one = named_arena(arena, set_up_of(DEFAULT_DECISIONS))
+    _, low, _, high = one.bounds
     step = high - low + gap
     low = min(y, (room + gap - step * len(ports)) / 2)
+    offsets = [(x, low + number * step) for number in range(len(ports))]
+    if issubclass(driver, MatRobot):
+        check_room([one.shifted(*offset) for offset in offsets], *driver.mat_size)
     lines = [f"food_cubes = {toml(tuple(foods))}"] if foods else []
     # Only the slowest speeds at first: what a robot does then can be stopped by hand.
     lines += ["safe_speed = 6", "", "[arena]", f"name = {toml(arena)}"]
-    for number, port in enumerate(ports):
-        offset = toml((x, low + number * step))
-        lines += ["", "[[robots]]", f"type = {toml(kind)}", f"port = {toml(port)}", f"offset = {offset}"]
+    for port, offset in zip(ports, offsets, strict=True):
+        lines += ["", "[[robots]]", f"type = {toml(kind)}", f"port = {toml(port)}", f"offset = {toml(offset)}"]
     if camera:
         lines += ["", "[camera]", f"source = {camera if camera.isdigit() else toml(camera)}"]
         lines += [f"calibration = {toml(calibration)}"] if calibration else []

@@ -93,14 +93,19 @@ def virtual_cubes(
     original = _arena(arena, decisions)
     x1, y1, _, y2 = original.bounds
     placed = [original.shifted(_BORDER - x1, _BORDER - y1 + i * (y2 - y1 + _GAP)) for i in range(robots)]
-    width, height = ToioRobot.mat_size
-    if any(copy.bounds[2] > width or copy.bounds[3] > height for copy in placed):
-        raise ValueError(f"{robots} arenas {original.name} do not fit a mat of {width:.0f} x {height:.0f} mm")
+    check_room(placed, *ToioRobot.mat_size)
     ports = [f"{VIRTUAL}robot {i}" for i in range(robots)]
     foods = tuple(f"{VIRTUAL}food {i}" for i in range(robots * len(original.foods)))
     entries = _entries(original, placed, ports, decisions, "holes", type=ToioRobot.model.name)
     period = decisions.round_duration
     return VirtualCubeLaboratory(LabSettings(original, entries, CameraSettings(), period, food_cubes=foods))
+
+
+def check_room(arenas: Sequence[Arena], width: float, height: float) -> None:
+    """Complain about arenas that do not fit a mat."""
+    if not all(x1 >= 0 and y1 >= 0 and x2 <= width and y2 <= height for x1, y1, x2, y2 in (a.bounds for a in arenas)):
+        count = f"{len(arenas)} x {arenas[0].name}"
+        raise ValueError(f"arenas are {count}; allowed: what fits a mat of {width:.0f} x {height:.0f} mm")
 
 
 _BORDER, _GAP = 20.0, 6.0

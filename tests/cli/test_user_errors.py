@@ -93,6 +93,8 @@ def files(empty_folder_without_display: None, monkeypatch: pytest.MonkeyPatch) -
         ("lab check missing.toml", "No such file or directory: 'missing.toml'"),
         ("lab check mine.toml", "mine.toml: robots is empty; allowed: at least one table [[robots]]"),
         ("lab new --out mine.toml", "mine.toml is there already; allowed: another --out"),
+        ("lab new --robot toio --port virtual:a virtual:b --food-cube virtual:f virtual:g --arena rectangle",
+         "arenas are 2 x rectangle; allowed: what fits a mat of 712 x 506 mm"),
         ("lab new --out none/lab.toml", "lab.toml; allowed: a file in a folder that exists"),
         ("lab new --robot toio --camera 0", "--camera has no effect here; allowed: for robots under a camera"),
         ("lab new --robot khepera --food-cube a", "--food-cube has no effect here; allowed: with --robot toio"),

@@ -114,6 +114,7 @@ def test_lost_cube_stops_all_and_takes_a_person(lab: VirtualCubeLaboratory) -> N
     ("old", "new", "message"),
     [
         ("[30, 256]", "[300, 256]", "robots[1].offset is [300.0, 256.0]: its arena leaves the mat"),
+        ("[30, 256]", "[-1, 256]", "robots[1].offset is [-1.0, 256.0]: its arena leaves the mat"),
         ('type = "toio"\nport = "virtual:l', 'port = "virtual:l', "robots are of types khepera, toio; allowed: one"),
         ('port = "virtual:l', 'baud = 1\nport = "virtual:l', "robots[1].baud is given; allowed: for a robot with a"),
         ('"toio"\nport = "virtual:l', '"cube"\nport = "virtual:l', "robots[1].type is 'cube'; allowed: khepera, e"),
