@@ -73,7 +73,9 @@ def new_command(arguments: argparse.Namespace) -> int:
         camera = _answer("Camera (a number, a file or a URL): ")
     about = partial(lab_text, kind, ports, foods or (), camera or "", arena=arguments.arena)
     settings = _written(file, about, calibration)
-    if not is_mat:
+    if is_mat:
+        works.append(_passes("food", _check_food, settings))
+    else:
         if _passes("picture", _save_picture, settings, picture) and calibration is None:
             calibration = _calibrated(camera, settings, measured)
             settings = _written(file, about, calibration)
