@@ -99,6 +99,7 @@ def test_replies_belong_to_the_requests_of_their_exchange(
         (b"", b"", 6, "received nothing$"),
         (b"", b"N", 6, "received nothing$"),
         (b"\x80\xf8\r\n", b"", 24, "is the robot set to 115200 baud"),
+        (b"\x80\xf8", b"", 6, r"received only b'(\\x80\\xf8)+' \(is the robot set to 115200 baud"),
         (b"n,1,2\r\n", b"N", 24, r"received only b'n,1,2'$"),
     ],
 )

@@ -330,7 +330,7 @@ class Line:
 
         Returns the number of garbled lines, whether there were error replies, and what was received instead of a reply.
         """
-        garbled, rejected, reason = 0, False, "received nothing"
+        garbled, rejected, heard, reason = 0, False, False, ""
         self._forget_answered()
         taken = {slot.command for slot in self._pending}
         if to_send[0].command in taken:
@@ -343,7 +343,7 @@ class Line:
         while any(slot.reply is None for slot in missing):
             self._check()
             if not self._lines:
-                self._read(1)
+                heard |= bool(self._read(1))
             line = self._lines.popleft() if self._lines else None
             now = self.now()
             if now > (self.deadline if line else min(deadline, self.deadline)):
@@ -367,6 +367,8 @@ class Line:
             rest = max(1, len(to_send) - garbled + 1)
             wait = self._on_wire(rest * _MAX_REPLY_LENGTH) + self.timing.latency + _WAIT_AFTER_GARBAGE
             deadline = min(deadline, now + wait)
+        if not reason:
+            reason = self._reason(begun) if heard and (begun := self._splitter.incomplete) else "received nothing"
         return garbled, rejected, reason
 
     def _assign(self, reply: Reply) -> int:

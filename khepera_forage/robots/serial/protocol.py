@@ -169,16 +169,20 @@ class Protocol:
 
 
 class LineSplitter:
-    """Splits bytes into lines, without LF, CR or CR LF; drops empty ones, and cuts longer ones than `MAX_LINE` off."""
+    """Splits bytes into lines, without LF, CR or CR LF; drops empty ones, and cuts longer ones than `MAX_LINE` off.
+
+    Attributes:
+        incomplete: The beginning of the next line.
+    """
 
     def __init__(self) -> None:
-        self._incomplete = b""
+        self.incomplete = b""
         self._skips = False
 
     def feed(self, data: bytes) -> list[bytes]:
         """Take the next chunk; returns the lines that it completes, oldest first. Never raises."""
-        *lines, rest = re.split(rb"[\r\n]", self._incomplete + data)
-        self._incomplete = rest[:MAX_LINE]
+        *lines, rest = re.split(rb"[\r\n]", self.incomplete + data)
+        self.incomplete = rest[:MAX_LINE]
         if lines and self._skips:
             del lines[0]
             self._skips = False
@@ -186,7 +190,7 @@ class LineSplitter:
 
     def skip(self) -> None:
         """Drop the line that is not complete yet."""
-        self._skips = bool(self._incomplete)
+        self._skips = bool(self.incomplete)
 
 
 def seconds_on_wire(count: int, baud: int, stop_bits: int = 2) -> float:
