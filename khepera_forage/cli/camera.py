@@ -3,10 +3,11 @@
 import argparse
 import math
 import re
+import sys
 import time
 from collections import Counter, deque
 from collections.abc import Iterator, Sequence
-from contextlib import closing, nullcontext
+from contextlib import closing, nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,6 +37,10 @@ VIRTUAL = "virtual"
 Point = tuple[float, float]
 _ENOUGH_COVERAGE = 0.5
 """Share of the picture within the points from which the held-out error holds for most of the picture."""
+_GOOD = 10.0
+"""Greatest held-out error in mm (root mean square) without a warning: places measured with care give 1 to 3."""
+_SUSPECTS = 8
+"""Points, those with the largest errors, of which one may be wrong: to leave one out takes half a second."""
 _CROSS_COLOUR = (255, 60, 60)
 _PAUSE = 0.02
 """Seconds between two pictures of the window."""
@@ -165,6 +170,7 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
     """Measure which point of the floor each pixel shows, and save that as a calibration file."""
     require("khepera-forage camera calibrate", "camera")
     from khepera_forage.vision.calibration import fit_calibration
+    from khepera_forage.vision.detection import check_view
     from khepera_forage.vision.tags import find_floor_tags, fit_to_tags
 
     name, given = next((name, each) for name in ("points", "places", "tags") if (each := getattr(arguments, name)))
@@ -195,6 +201,7 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
             picture, floor = list(seen.values()), [tags[tag] for tag in seen]
         else:
             fit = fit_calibration(picture, floor, arguments.camera, size)
+        check_view(fit.calibration, TrackerSettings())
         _print_errors(fit, picture, floor)
     fit.calibration.save(arguments.out)
     print(f"written to {arguments.out}")
@@ -202,7 +209,7 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
 
 def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequence[Point]) -> None:
     """How far each point is off, in the fit and when it is held out; and what the errors mean."""
-    from khepera_forage.vision.calibration import LENS_POINTS, root_mean_square
+    from khepera_forage.vision.calibration import LENS_POINTS, fit_calibration, root_mean_square
 
     def summary(errors: Sequence[float]) -> str:
         return f"{root_mean_square(errors):.1f} mm (root mean square), {np.nanmax(errors):.1f} mm at most"
@@ -230,6 +237,19 @@ def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequen
             "can be much larger; add points near the corners"
         )
     print(f"a pixel in the middle is {calibration.mm_per_pixel():.2f} mm wide")
+    if not (error := root_mean_square(fit.held_out)) > _GOOD:
+        return
+    errors = []
+    for i in np.argsort(fit.residuals)[-_SUSPECTS:].tolist():
+        others, places = ([*group[:i], *group[i + 1 :]] for group in (picture, floor))
+        with suppress(ValueError):  # these may fit no camera
+            without = root_mean_square(fit_calibration(others, places, size=calibration.size).held_out)
+            if without >= 0:  # nan for four points
+                errors.append((without, *picture[i], *floor[i]))
+    hint = "from six points on, this line names the worst"
+    if errors:
+        hint = "without the point {1:g},{2:g}={3:g},{4:g} it is {0:.1f} mm".format(*min(errors))
+    print(f"warning: the held-out error is {error:.1f} mm, above {_GOOD:g} mm; {hint}", file=sys.stderr)
 
 
 def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point]:

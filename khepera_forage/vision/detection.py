@@ -31,6 +31,8 @@ _NATIVE = (0.8, 1.25)
 """Region pixels per pixel of a frame between which the frame is used as it is; others are resized to 5 mm a pixel."""
 _LEAST_SCALE = 0.55
 """Pixels of a frame per region pixel below which markers with holes cannot be read."""
+_LEAST_VIEW = 400.0
+"""Least width in mm of the picture: an arena is longer, and places that are given in cm make it 320 at most."""
 _NEAR, _DARK, _MOST_DARK = 1.5, 0.6, 0.5
 """Radii of food where floor is expected, the share of the floor's brightness below which a place is dark, and the
 least share of dark places around a white part of a tag."""
@@ -109,6 +111,18 @@ TROUBLES = {
 """What makes a shape uncertain, with its remedy."""
 
 
+def check_view(calibration: Calibration, settings: TrackerSettings) -> None:
+    """Complain about a camera that is not above markers and food, or that shows less floor than a robot needs."""
+    width, height = calibration.size
+    for z in (settings.marker_height, settings.food_height):
+        calibration.to_region(width / 2, height / 2, z)  # raises an error for heights above the camera
+    if calibration.mm_per_pixel() < (least := _LEAST_VIEW / max(width, height)):
+        raise ValueError(
+            f"a pixel in the middle of the picture shows {calibration.mm_per_pixel():.2g} mm of the floor; "
+            f"allowed: at least {least:.2g} mm: give places in mm"
+        )
+
+
 class Detector:
     """Detects tags, markers and food in frames of one calibration.
 
@@ -120,9 +134,8 @@ class Detector:
     """
 
     def __init__(self, settings: TrackerSettings, calibration: Calibration) -> None:
+        check_view(calibration, settings)
         width, height = calibration.size
-        for z in (settings.marker_height, settings.food_height):
-            calibration.to_region(width / 2, height / 2, z)  # raises an error for heights above the camera
         scale = MM_PER_PIXEL / calibration.mm_per_pixel()
         self._tags = TagDetector(settings, calibration)
         if settings.markers != "tags" and scale < _LEAST_SCALE:

@@ -10,6 +10,7 @@ import numpy as np
 import pygame
 import pytest
 
+from khepera_forage.cli.main import main
 from khepera_forage.cli.window import Window
 from khepera_forage.rollouts.rendered_training import RenderedTraining
 from khepera_forage.vision.calibration import Calibration, Lens
@@ -113,6 +114,22 @@ def test_wrong_points_are_reported(run: Run) -> None:
     for middle, largest in (("320,240=1600,1300", (30, 200)), ("320,240=1600,1200", (0, 0.01))):
         distances = re.findall(r": (\d+\.\d) mm off", run(f"{CALIBRATE} {CORNERS} {middle}"))
         assert largest[0] <= max(map(float, distances)) <= largest[1]
+
+
+@pytest.mark.parametrize(
+    ("more", "hint"),
+    [
+        ("", "360.6 mm, above 10 mm; from six points on, this line names the worst"),
+        ("320,10=500,800", "664.5 mm, above 10 mm; without the point 320,240=200,200 it is 0.0 mm"),
+    ],
+)
+def test_calibration_with_a_wrong_point_is_written_with_a_warning(
+    more: str, hint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    points = f"10,10=0,800 630,10=1000,800 630,470=1000,0 10,470=0,0 320,240=200,200 {more}"
+    assert main([*CALIBRATE.split(), *points.split()]) == 0
+    assert capsys.readouterr().err == f"warning: the held-out error is {hint}\n"
+    assert Path("calibration.toml").exists()
 
 
 def test_calibrate_from_clicks_in_a_window(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
