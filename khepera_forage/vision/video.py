@@ -108,7 +108,8 @@ class VideoSource:
 
     The thread reads frames as they arrive and keeps only the newest, so that a slow user never receives old frames from
     a driver's buffer. A video file is played at its own speed, which may vary, like a camera, and is lost when it
-    ends. Failed reads are repeated, and streams opened again, until the timeout. Colour becomes grey.
+    ends; a still picture stays. Failed reads are repeated, and streams opened again, until the timeout. Colour becomes
+    grey.
 
     Frames of another size with the aspect ratio of `settings.size` are scaled to it, and other aspect ratios are
     refused. Without a size, that of the first frame is taken.
@@ -152,6 +153,7 @@ class VideoSource:
         # The newest frame and when it came; why the source ended, and the error. Both are replaced as a whole.
         self._latest: tuple[Frame, float] | None = None
         self._end: tuple[str, Exception | None] | None = None
+        self._frames = 0
         self._ready, self._closing = threading.Event(), threading.Event()
         self._reader: threading.Thread | None = None
         self._capture = self._opened()
@@ -258,7 +260,10 @@ class VideoSource:
             good, picture = self._capture.read()
             if good:
                 self._latest = self._scaled(as_grey(picture)), time.monotonic()  # type: ignore[arg-type] # uint8
+                self._frames += 1
                 self._ready.set()
+            elif self._is_file and self._frames == 1:
+                good, self._latest = True, (self._latest[0][:], time.monotonic())  # type: ignore[index] # there is one
             elif self._is_file:
                 self._finish("it has no frames" if self._latest is None else "the video has ended")
             return good
