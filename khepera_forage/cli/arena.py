@@ -98,6 +98,7 @@ def write_command(arguments: argparse.Namespace) -> None:
         raise ValueError(f"file is {str(path)!r}; allowed: a name that ends in {ARENA_FILES}")
     if path.exists():
         raise FileExistsError(f"{path} exists; choose another name, or remove it first")
+    path.parent.mkdir(parents=True, exist_ok=True)
     write_arena(arena, path)
     print(f"{path}: {arena.name}; `khepera-forage arena show {path}` draws it")
 

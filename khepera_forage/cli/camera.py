@@ -68,6 +68,8 @@ def open_source(arguments: argparse.Namespace, paced: bool, size: tuple[int, int
         from khepera_forage.rollouts.rendered_training import RenderedTraining
 
         return RenderedTraining(arguments.seed, paced=paced)
+    if Path(arguments.source).is_file():
+        refuse_ignored(arguments, ["--rate", "--exposure", "--focus"], "with a device")
     from khepera_forage.vision.video import VideoSettings, VideoSource
 
     settings = VideoSettings(arguments.size or size, arguments.rate, arguments.exposure, arguments.focus)
@@ -291,15 +293,19 @@ _FILM = "save the last picture (.png), or all pictures as a film (.gif, .mp4, .a
     option("--calibration", "calibration file, from `calibrate`", given_path, "FILE"),
     option("--markers", "what robots carry (holes)", choices=tuple(_IN_USE), default="holes"),
     option("--numbers", "markers or tags in use, such as 1-4 (all of the kind; tags: 1-4)", ids, "NUMBERS"),
-    option("--tag-size", "side of a robot's tag (80)", float, "MM", default=TrackerSettings().tag_size),
+    option("--tag-size", "side of a robot's tag (80)", float, "MM"),
     option("--food-tags", "tags on food (none)", ids, "IDS", default=()),
-    option("--food-tag-size", "side of food's tags (24)", float, "MM", default=TrackerSettings().food_tag_size),
+    option("--food-tag-size", "side of food's tags (24)", float, "MM"),
     option("--frames", f"stop after N frames (no limit; {_FILM_FRAMES} with --out)", whole_number(1), "N"),
     option("--out", _FILM, given_path, "FILE"),
 )
 def preview_command(arguments: argparse.Namespace) -> None:
     """Show the camera's picture with the regions that the tracker finds."""
     path: Path | None = arguments.out
+    if arguments.markers != "tags":
+        refuse_ignored(arguments, ["--tag-size"], "with --markers tags")
+    if not arguments.food_tags:
+        refuse_ignored(arguments, ["--food-tag-size"], "with --food-tags")
     if path is not None:
         check_ending(path, (".png", *FILM_EXTRAS))
         needed = "camera", FILM_EXTRAS.get(path.suffix.lower(), "camera")
@@ -310,14 +316,9 @@ def preview_command(arguments: argparse.Namespace) -> None:
     from khepera_forage.vision.tracker import Tracker
 
     calibration = Calibration.load(arguments.calibration) if arguments.calibration else None
-    numbers = arguments.numbers or _IN_USE[arguments.markers]
-    settings = TrackerSettings(
-        markers=arguments.markers,
-        numbers=numbers,
-        tag_size=arguments.tag_size,
-        food_tags=arguments.food_tags,
-        food_tag_size=arguments.food_tag_size,
-    )
+    numbers = _IN_USE[arguments.markers] if arguments.numbers is None else arguments.numbers
+    sizes = {key: side for key in ("tag_size", "food_tag_size") if (side := getattr(arguments, key)) is not None}
+    settings = TrackerSettings(markers=arguments.markers, numbers=numbers, food_tags=arguments.food_tags, **sizes)
     size = None if calibration is None else calibration.size
     with closing(open_source(arguments, path is None, size)) as source:
         pictures = _pictures(source, Tracker(settings, calibration), frames, Path(arguments.source).is_file())
@@ -396,12 +397,12 @@ def _save(pictures: Iterator[NDArray[np.uint8]], path: Path, source: str) -> Non
 
 
 @command(
-    option("--grid", "markers of the table of twelve instead, such as 1-12", ids, "NUMBERS", default=()),
+    option("--grid", "markers of the table of twelve instead, such as 1-12", ids, "NUMBERS"),
     out("markers.svg", "file, whose name ends in .svg, .png or .pdf"),
 )
 def markers_command(arguments: argparse.Namespace) -> None:
     """Write a page with the robots' markers at true size, to print."""
-    is_grid = bool(arguments.grid)
+    is_grid = arguments.grid is not None
     numbers = TrackerSettings(markers="grid", numbers=arguments.grid).numbers if is_grid else (1, 2)
     path = save_pages(arguments.out, marker_pages(numbers, is_grid))
     print(f"{path}: {len(numbers)} markers on A4; print it at 100 %")

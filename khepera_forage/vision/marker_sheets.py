@@ -161,6 +161,7 @@ def save_pages(path: str | os.PathLike[str], pages: Sequence[Page]) -> Path:
         raise ValueError(f"page of markers {str(path)!r}; allowed: a name that ends in {', '.join(FORMATS)}")
     if len(pages) > 1 and suffix != ".pdf":
         raise ValueError(f"{str(path)!r} would have {len(pages)} pages; allowed: a name that ends in .pdf")
+    path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as partial:
         if suffix == ".pdf":
             with PdfPages(partial) as file:

@@ -148,9 +148,11 @@ class Tracker:
         """The detector, and the frame as grey levels, of the calibration's size."""
         grey, detector = as_grey(frame), self._detector
         high, wide = grey.shape
-        if detector is None and min(high, wide) >= 16:
+        if detector is None:
+            if min(high, wide) < 16:
+                raise ValueError(f"frame is {wide} x {high}; allowed: at least 16 x 16")
             detector = self._prepare(Calibration.identity(size=(wide, high)))
-        if detector is None or (wide, high) != self.calibration.size:
+        if (wide, high) != self.calibration.size:
             raise ValueError(
                 f"frame is {wide} x {high}; allowed: {self.calibration.size[0]} x {self.calibration.size[1]}, as "
                 "calibrated: set the camera to this size, or calibrate again"

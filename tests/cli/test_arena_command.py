@@ -77,10 +77,10 @@ def test_written_arena_is_the_one_named(run: Run) -> None:
     for name in FAMILY:
         run(f"arena write {name} {name}.toml")
         assert read_arena(f"{name}.toml") == family_arena(name)
-    run("arena write procedural level.toml --level 9")
-    assert read_arena("level.toml") == procedural_arena(9, "medium")
-    assert "`khepera-forage arena show copy.toml` draws it" in run("arena write level.toml copy.toml")
-    assert Path("copy.toml").read_text() == Path("level.toml").read_text()
+    run("arena write procedural new/level.toml --level 9")
+    assert read_arena("new/level.toml") == procedural_arena(9, "medium")
+    assert "`khepera-forage arena show copy.toml` draws it" in run("arena write new/level.toml copy.toml")
+    assert Path("copy.toml").read_text() == Path("new/level.toml").read_text()
 
 
 def test_recall_takes_a_named_arena_and_an_arena_file(run: Run) -> None:

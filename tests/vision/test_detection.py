@@ -181,6 +181,7 @@ CALIBRATED = Calibration.identity()
     [
         (CALIBRATED, np.zeros((480, 640)), r"frame is \(480, 640\) of float64; allowed: .* uint8"),
         (CALIBRATED, np.zeros((480, 640, 2), np.uint8), r"frame is \(480, 640, 2\).*x 3 colours"),
+        (None, np.zeros((8, 8), np.uint8), "frame is 8 x 8; allowed: at least 16 x 16"),
         (CALIBRATED, np.zeros((720, 1280), np.uint8), "frame is 1280 x 720; allowed: 640 x 480, as calibrated"),
         (None, np.zeros((240, 320), np.uint8), r"shows 10\.0 mm of the floor; allowed: up to 9\.1 mm"),
     ],
