@@ -62,6 +62,9 @@ _WIDE, _ALL_BRIGHT = 0.85, 0.95
 """Least width of a shape that may hide food, as a share of the side of a square of food's area; and least share of it
 that is bright: tags have black cells."""
 
+_CROSSED, _DARK_STRIP = (0.7, 1.2), 0.8
+"""Length of what may be food under a cable, in diameters of food; and the share of the floor's brightness below which
+something beside it is a cable."""
 _MIN_FILL = 0.7
 """Least share of the ellipse with the same moments that food fills; the end of a kinked cable fills less."""
 _AREA = (0.8, 1.7)
@@ -106,6 +109,8 @@ TROUBLES = {
     "touching it may not be seen: cover it, or light the floor evenly",
     "bright shape": "the bright shape at {place} is neither food nor a marker, and food in it is not seen: move the "
     "lamp if it is a reflection, or take it away",
+    "crossed food": "the bright spot at {place} may be food, not seen because a cable hides a part of it: lead the "
+    "cable elsewhere",
     "bright food": "the bright spot at {place} is brighter than white paper: a reflection",
 }
 """What makes a shape uncertain, with its remedy."""
@@ -153,6 +158,7 @@ class Detector:
         self._gap_kernel = np.ones((max(1, math.ceil(_GAP * scale)) + 1,) * 2, np.uint8)
         # In pixels of the picture.
         self._food_area = math.pi * settings.food_radius**2 * scale**2
+        self._diameter = 2 * settings.food_radius * scale
         self._marker_area = MARKER_LENGTH * MARKER_WIDTH * scale**2
         self._diagonal = math.hypot(MARKER_LENGTH, MARKER_WIDTH) * scale
         self._least, self._most = (share * self._marker_area for share in _MARKER_AREA)
@@ -236,7 +242,7 @@ class Detector:
             foods, rest = self._foods_among(self._joined(rest))
             found += foods
         for piece in rest:
-            self._report_unknown(piece)
+            self._report_unknown(piece, seen)
         return found
 
     def _middle(self, piece: Contour) -> tuple[float, float]:
@@ -337,17 +343,22 @@ class Detector:
                 self._white += (_NEWEST if self._white else 1.0) * (white - self._white)
             self._blur += (_NEWEST if self._blur else 1.0) * (max(blur, _LEAST_BLUR) - self._blur)
 
-    def _report_unknown(self, piece: Contour) -> None:
+    def _report_unknown(self, piece: Contour, markers: Sequence[DetectedMarker]) -> None:
         """Report a shape that is neither food nor a marker, if it may be a part of a marker, or hide food."""
         (u, v), size, _ = cv2.minAreaRect(piece)
         place = u + 0.5, v + 0.5
+        patch = cut_patch(self._picture, piece)
         is_part = filled_area(piece) >= _PART * self._marker_area and math.hypot(*size) <= 1.2 * self._diagonal
+        is_food = _CROSSED[0] < max(size) / self._diameter < _CROSSED[1]
+        is_food &= all(_distance(marker, place) >= self._diameter for marker in markers)  # one hides food, too
         if is_part and self._settings.markers != "tags":
             self._report("cover", *place, self._settings.marker_height)
-        elif min(size) >= _WIDE * math.sqrt(self._food_area):
-            patch = cut_patch(self._picture, piece)
-            if patch.white[patch.filled > 0].mean() >= _ALL_BRIGHT * 255:  # no tag
-                self._report("bright shape", *place, self._settings.food_height)
+        elif is_food and patch.grey.min() < _DARK_STRIP * patch.floor:
+            self._report("crossed food", *place, self._settings.food_height)
+        elif min(size) >= _WIDE * math.sqrt(self._food_area) and (
+            patch.white[patch.filled > 0].mean() >= _ALL_BRIGHT * 255  # no tag
+        ):
+            self._report("bright shape", *place, self._settings.food_height)
 
     def _report_bright_area(self) -> None:
         """Report a bright wall or sheet that is wide enough to be taken for floor."""
@@ -493,5 +504,9 @@ class Detector:
 
 def _covers(marker: DetectedMarker, piece: Contour) -> bool:
     """Whether the middle of a piece lies within a marker."""
-    middle = piece.mean(axis=(0, 1)) + 0.5
-    return cv2.pointPolygonTest(marker.corners.astype(np.float32), middle.tolist(), False) >= 0
+    return _distance(marker, (piece.mean(axis=(0, 1)) + 0.5).tolist()) <= 0
+
+
+def _distance(marker: DetectedMarker, place: Sequence[float]) -> float:
+    """Pixels from a marker to a place in the picture, negative within it."""
+    return -cv2.pointPolygonTest(marker.corners.astype(np.float32), place, True)

@@ -152,9 +152,7 @@ def test_calibrate_from_clicks_in_a_window(monkeypatch: pytest.MonkeyPatch, run:
 
 def test_tags_are_printed_and_calibrate_a_camera_that_is_then_watched(run: Run) -> None:
     """From a film of the floor to a preview that notices that the camera was knocked."""
-    assert "tags.pdf: 2 pages of A4; print at 100 %" in run(
-        "camera tags --robots 1-2 --floor 38 --out new/tags.pdf"
-    )
+    assert "tags.pdf: 2 pages of A4; print at 100 %" in run("camera tags --robots 1-2 --floor 38 --out new/tags.pdf")
     assert Path("new/tags.pdf").read_bytes().startswith(b"%PDF")
     for name, shift in (("before", (20.0, 10.0)), ("after", (20.0, 50.0))):
         write_film(Path(f"{name}.avi"), [floor_scene(848, 480, shift).frame()] * 10)

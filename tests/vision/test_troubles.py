@@ -1,7 +1,7 @@
 """Troubles of real pictures: what the tracker reports is right, or a warning names the cause."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -67,15 +67,19 @@ def shadow(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     return (picture * (1 - rng.uniform(0.2, 0.8) * part(marker, rng, 0.1, 0.9))).astype(np.uint8)
 
 
+def across(place: Sequence[float], reach: float, rng: np.random.Generator) -> NDArray[np.float64]:
+    """A straight cable at any angle, at most `reach` pixels beside a place in mm: points in pixels."""
+    turn = rng.uniform(0, math.pi)
+    along = np.array((math.cos(turn), math.sin(turn)))
+    middle = np.array(place[:2]) / 5 + rng.uniform(-reach, reach) * np.array((-along[1], along[0]))
+    curve: NDArray[np.float64] = middle + 40 * np.linspace(-1, 1, 13)[:, None] * along
+    return curve
+
+
 def two_cables(picture: Frame, marker: Marker, rng: np.random.Generator) -> Frame:
     """Two cables of 4 to 12 mm over one marker."""
     for _ in range(2):
-        turn = rng.uniform(0, math.pi)
-        along = np.array((math.cos(turn), math.sin(turn)))
-        normal = np.array((-along[1], along[0]))
-        middle = np.array(marker[:2]) / 5 + rng.uniform(-8, 8) * normal
-        curve = middle + 40 * np.linspace(-1, 1, 13)[:, None] * along
-        draw_cable(picture, curve, rng.uniform(4, 12) / 5, float(rng.choice([30, 60, 130])))
+        draw_cable(picture, across(marker, 8, rng), rng.uniform(4, 12) / 5, float(rng.choice([30, 60, 130])))
     return picture
 
 
@@ -268,3 +272,20 @@ def test_food_in_the_corner_of_wide_bright_walls_is_found_or_a_warning_names_the
         found = tracker.detect(renderer.frame((), (tuple(place),)))
         if not any(position_error(food, *place) < 1 for food in found):
             assert tracker.warnings["bright area"].startswith("the area around (")
+
+
+@pytest.mark.parametrize(("width", "least"), [(4, 40), (8, 10), (12, 0)])
+def test_food_under_a_cable_is_found_or_a_warning_names_its_place(width: float, least: int) -> None:
+    renderer, tracker, found = SceneRenderer(seed=5), Tracker(), 0
+    for _ in range(40):
+        x, y = renderer.rng.uniform((300, 300), (2900, 2100)).tolist()
+
+        def crossed(picture: Frame, place: tuple[float, float] = (x, y)) -> Frame:
+            draw_cable(picture, across(place, 2, renderer.rng), width / 5, LABORATORY.cable)
+            return picture
+
+        seen = tracker.detect(renderer.frame((), ((x, y),), crossed))
+        assert all(position_error(food, x, y) < 1 for food in seen)
+        assert list(tracker.warnings) == ([] if seen else ["crossed food"])
+        found += len(seen)
+    assert found >= least
