@@ -43,10 +43,7 @@ _WARM_UP, _POLL = 2.0, 0.05
 def new_command(arguments: argparse.Namespace) -> int:
     """Find robots and camera, check each, and write lab.toml."""
     file: Path = arguments.out
-    picture, measured = file.with_suffix(".png"), file.with_name(f"{file.stem}_calibration.toml")
-    for path in (file, picture, *(() if arguments.calibration else (measured,))):
-        if path.exists():
-            raise FileExistsError(f"{path} is there already; allowed: another --out")
+    _refuse_existing(file)
     if not file.absolute().parent.is_dir():
         raise FileNotFoundError(f"--out is {file}; allowed: a file in a folder that exists")
     kind = arguments.robot or _answer(f"Kind of robots ({', '.join(DRIVERS)}): ")
@@ -59,6 +56,8 @@ def new_command(arguments: argparse.Namespace) -> int:
     else:
         kinds = [name for name, each in DRIVERS.items() if issubclass(each, MatRobot)]
         refuse_ignored(arguments, ["--food-cube"], f"with --robot {' or '.join(kinds)}")
+        picture, measured = file.with_suffix(".png"), file.with_name(f"{file.stem}_calibration.toml")
+        _refuse_existing(picture, *([] if arguments.calibration else [measured]))
     ports = arguments.port
     if not ports:
         print("Found at this computer:", *(driver.find() or ["none"]), sep="\n  ")
@@ -85,6 +84,13 @@ def new_command(arguments: argparse.Namespace) -> int:
     print(f"{file} is written")
     print(f"then: khepera-forage lab check {file}; khepera-forage train --lab {file}")
     return 0 if all(works) else 1
+
+
+def _refuse_existing(*files: Path) -> None:
+    """Complain about files that are there already."""
+    for file in files:
+        if file.exists():
+            raise FileExistsError(f"{file} is there already; allowed: another --out")
 
 
 def _written(file: Path, about: Callable[[str | None], str], calibration: str | None) -> LabSettings:

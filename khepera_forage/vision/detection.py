@@ -347,18 +347,20 @@ class Detector:
         """Report a shape that is neither food nor a marker, if it may be a part of a marker, or hide food."""
         (u, v), size, _ = cv2.minAreaRect(piece)
         place = u + 0.5, v + 0.5
-        patch = cut_patch(self._picture, piece)
         is_part = filled_area(piece) >= _PART * self._marker_area and math.hypot(*size) <= 1.2 * self._diagonal
-        is_food = _CROSSED[0] < max(size) / self._diameter < _CROSSED[1]
-        is_food &= all(_distance(marker, place) >= self._diameter for marker in markers)  # one hides food, too
+        as_long = _CROSSED[0] < max(size) / self._diameter < _CROSSED[1]
+        as_wide = min(size) >= _WIDE * math.sqrt(self._food_area)
         if is_part and self._settings.markers != "tags":
             self._report("cover", *place, self._settings.marker_height)
-        elif is_food and patch.grey.min() < _DARK_STRIP * patch.floor:
-            self._report("crossed food", *place, self._settings.food_height)
-        elif min(size) >= _WIDE * math.sqrt(self._food_area) and (
-            patch.white[patch.filled > 0].mean() >= _ALL_BRIGHT * 255  # no tag
-        ):
-            self._report("bright shape", *place, self._settings.food_height)
+        elif as_long or as_wide:
+            patch = cut_patch(self._picture, piece)
+            is_crossed = as_long and patch.grey.min() < _DARK_STRIP * patch.floor
+            if is_crossed and all(
+                _distance(marker, place) >= self._diameter for marker in markers
+            ):  # one hides food, too
+                self._report("crossed food", *place, self._settings.food_height)
+            elif as_wide and patch.white[patch.filled > 0].mean() >= _ALL_BRIGHT * 255:  # no tag
+                self._report("bright shape", *place, self._settings.food_height)
 
     def _report_bright_area(self) -> None:
         """Report a bright wall or sheet that is wide enough to be taken for floor."""

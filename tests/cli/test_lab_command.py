@@ -94,7 +94,9 @@ def test_new_shows_the_picture_and_calibrates_by_clicks(monkeypatch: pytest.Monk
     assert settings.camera.size is None, "frames have the size of the calibration"
     assert settings.tracker.markers == "tags", "a larger marker would hide the food that an e-puck2 pushes"
     for name in ("lab.toml", "lab.png", "lab_calibration.toml"):  # each is kept
-        assert f"{name} is there already; allowed: another --out" in run.refused("lab new --out labs/lab.toml")
+        assert f"{name} is there already; allowed: another --out" in run.refused(
+            "lab new --robot e-puck2 --out labs/lab.toml"
+        )
         Path("labs", name).rename(f"labs/other_{name}")
 
 
