@@ -6,7 +6,7 @@ from typing import Any
 
 from khepera_forage.envs.arguments import set_up_of, timing_of
 from khepera_forage.extras import require
-from khepera_forage.lab.settings_file import CameraSettings, LabSettings, RobotSettings, parse, usual_marker
+from khepera_forage.lab.settings_file import CameraSettings, LabSettings, RobotSettings, fits, parse, usual_marker
 from khepera_forage.lab.virtual_laboratory import VirtualCubeLaboratory, VirtualLaboratory
 from khepera_forage.robots.model import KHEPERA, model_of
 from khepera_forage.robots.serial.line import DEFAULT_TIMEOUT
@@ -103,7 +103,7 @@ def virtual_cubes(
 
 def check_room(arenas: Sequence[Arena], width: float, height: float) -> None:
     """Complain about arenas that do not fit a mat."""
-    if not all(x1 >= 0 and y1 >= 0 and x2 <= width and y2 <= height for x1, y1, x2, y2 in (a.bounds for a in arenas)):
+    if not all(fits(arena, width, height) for arena in arenas):
         count = f"{len(arenas)} x {arenas[0].name}"
         raise ValueError(f"arenas are {count}; allowed: what fits a mat of {width:.0f} x {height:.0f} mm")
 

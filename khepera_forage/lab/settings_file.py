@@ -250,12 +250,17 @@ def _check(settings: LabSettings) -> None:
             raise ValueError(f"food_cubes has {cube!r}, which is given twice; allowed: a cube of its own for each food")
     width, height = driver.mat_size
     for i, arena in enumerate(arenas):
-        x1, y1, x2, y2 = arena.bounds
-        if not (x1 >= 0 and x2 <= width and y1 >= 0 and y2 <= height):
+        if not fits(arena, width, height):
             raise ValueError(
                 f"robots[{i}].offset is {list(settings.robots[i].offset)}: its arena leaves the mat; allowed: within "
                 f"0 to {width:.0f} and 0 to {height:.0f} mm"
             )
+
+
+def fits(arena: Arena, width: float, height: float) -> bool:
+    """Whether an arena lies on a mat of this size, whose corner is the origin."""
+    x1, y1, x2, y2 = arena.bounds
+    return x1 >= 0 and y1 >= 0 and x2 <= width and y2 <= height
 
 
 _TOLERANCE_KEYS = {"position": number(1.0, 100.0, "mm"), "heading": number(1.0, 90.0, "degrees")}
