@@ -16,7 +16,7 @@ from khepera_forage.comparison.learning import (
     RecallBatch,
     all_learners,
     check_form,
-    identity,
+    fingerprint,
     learn_and_forage,
     settings_text,
     unable,
@@ -192,7 +192,7 @@ def _rows(
         for number in replications
         for name, learner in learners.items()
     ]
-    settings = {f"learner {name}": identity(learner) for name, learner in learners.items()}
+    settings = {f"learner {name}": fingerprint(learner) for name, learner in learners.items()}
     settings["arenas"] = " ".join(arenas)
     with workers(given.backend, given.jobs, given.address) as execute:
         rows = collect(given, units, {RecallBatch: "rows"}, execute, settings, others=True)

@@ -270,7 +270,7 @@ def unable(learner: Compared, arenas: Sequence[str] = ARENAS) -> str:
     return ""
 
 
-def identity(learner: Compared) -> str:
+def fingerprint(learner: Compared) -> str:
     """What the rows of a learner depend on, in one line: its settings and, of a user's learner, the code's file."""
     student = learner.learner if isinstance(learner, InteractiveImitation) else learner
     make = getattr(student, "make", None)

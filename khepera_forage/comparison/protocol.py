@@ -35,7 +35,7 @@ from khepera_forage.comparison.compiled_learning import (
     thinned,
     varied_arenas,
 )
-from khepera_forage.comparison.learning import BASELINES, Compared, identity, learn_and_forage, unable
+from khepera_forage.comparison.learning import BASELINES, Compared, fingerprint, learn_and_forage, unable
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.estimates import Estimate, Measure, Table, Value, mean, pick, table_of
 from khepera_forage.experience import Experience
@@ -62,7 +62,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
 """Places of recalls. Those of a group count alike."""
 OFFLINE, TEACHING, WHEELS, VOCABULARY = TRACK_NAMES
 ROUNDS = 600
-"""At most, in a training episode; the rewards of its data have -1/600 a round."""
+"""Of a training episode at most; its rewards have -1/600 a round, and the environment of its dataset this limit."""
 THESIS, RANDOM, VARIED, THINNED = "thesis's", "random", "varied arenas", "varied arenas, thinned"
 """Teachers. The last one gives as many experience vectors as the thesis's teacher, drawn from those of the third."""
 AS_HEARD, PERMUTED, LATE, SILENT, WRONG = "as heard", "permuted", "3 late", "half silent", "a fifth wrong"
@@ -354,7 +354,7 @@ def wheels_learner(name: str, episodes: Sequence[RawEpisode], seed: int) -> Call
 def _recorded(data: str, amount: int, seed: int, replication: int) -> list[tuple[Experience, RawEpisode]]:
     """The first raw episodes of a replication."""
     keys = np.random.SeedSequence(seed, spawn_key=(5, replication)).spawn(amount)
-    return recorded(recall_wheels_env(CORRIDOR) if data == ALONE else TrainingEnv(), keys)
+    return recorded(recall_wheels_env(CORRIDOR) if data == ALONE else TrainingEnv(max_cycles=ROUNDS), keys)
 
 
 def _seed(seed: int, *purpose: int) -> int:
@@ -430,7 +430,7 @@ def run(given: Arguments, learners: Mapping[str, Compared], execute: Execute) ->
     for name, why in missing.items():
         print(f"{name} is left out: {why}")
     able = {name: one for name, one in learners.items() if name not in missing}
-    settings = {"protocol": PROTOCOL} | {f"learner {name}": identity(one) for name, one in able.items()}
+    settings = {"protocol": PROTOCOL} | {f"learner {name}": fingerprint(one) for name, one in able.items()}
     most = given.seeds if given.seeds_given else max(track.seeds for track in TRACKS.values())
     found = Rows(())
     if TEACHING in chosen:
@@ -533,7 +533,10 @@ def datasets(seed: int, episodes: int | None = None) -> dict[str, Callable[[], M
     def heard() -> Made:
         each = max(offline.amounts[THESIS])
         some = list(np.ndindex(offline.seeds, each))[:episodes]
-        trained = [train_learners(1, CORRIDOR, _seed(seed, 2, i), episodes=each) for i in range(some[-1][0] + 1)]
+        trained = [
+            train_learners(1, CORRIDOR, _seed(seed, 2, i), episodes=each, max_cycles=ROUNDS)
+            for i in range(some[-1][0] + 1)
+        ]
         parts = [trained[i].experience_of(0, k) for i, k in some]
         about = f"Training episodes in the corridor; {each} of each replication, one replication after the other."
         return about, parts, {"rewards": [trained[i].rewards_of(0, k) for i, k in some], "limit": ROUNDS}
