@@ -211,7 +211,7 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
 
 def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequence[Point]) -> None:
     """How far each point is off, in the fit and when it is held out; and what the errors mean."""
-    from khepera_forage.vision.calibration import LENS_POINTS, fit_calibration, root_mean_square
+    from khepera_forage.vision.calibration import LENS_POINTS, root_mean_square
 
     def summary(errors: Sequence[float]) -> str:
         return f"{root_mean_square(errors):.1f} mm (root mean square), {np.nanmax(errors):.1f} mm at most"
@@ -239,19 +239,25 @@ def _print_errors(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequen
             "can be much larger; add points near the corners"
         )
     print(f"a pixel in the middle is {calibration.mm_per_pixel():.2f} mm wide")
-    if not (error := root_mean_square(fit.held_out)) > _GOOD:
-        return
+    if (error := root_mean_square(fit.held_out)) > _GOOD:  # nan is not
+        hint = _suspect(fit, picture, floor)
+        print(f"warning: the held-out error is {error:.1f} mm, above {_GOOD:g} mm; {hint}", file=sys.stderr)
+
+
+def _suspect(fit: "CalibrationFit", picture: Sequence[Point], floor: Sequence[Point]) -> str:
+    """The point without which the held-out error is smallest."""
+    from khepera_forage.vision.calibration import fit_calibration, root_mean_square
+
     errors = []
     for i in np.argsort(fit.residuals)[-_SUSPECTS:].tolist():
         others, places = ([*group[:i], *group[i + 1 :]] for group in (picture, floor))
         with suppress(ValueError):  # these may fit no camera
-            without = root_mean_square(fit_calibration(others, places, size=calibration.size).held_out)
+            without = root_mean_square(fit_calibration(others, places, size=fit.calibration.size).held_out)
             if without >= 0:  # nan for four points
                 errors.append((without, *picture[i], *floor[i]))
-    hint = "from six points on, this line names the worst"
-    if errors:
-        hint = "without the point {1:g},{2:g}={3:g},{4:g} it is {0:.1f} mm".format(*min(errors))
-    print(f"warning: the held-out error is {error:.1f} mm, above {_GOOD:g} mm; {hint}", file=sys.stderr)
+    if not errors:
+        return "from six points on, this line names the worst"
+    return "without the point {1:g},{2:g}={3:g},{4:g} it is {0:.1f} mm".format(*min(errors))
 
 
 def _clicked_points(source: "FrameSource", floor: Sequence[Point]) -> list[Point]:
