@@ -50,7 +50,7 @@ _FAR = 30.0
 
 def put_down(robot: Any, constants: Any) -> None:
     """Put a robot down at its pose for an episode: at rest, its gripper raised and open, and not seen yet."""
-    bits = draw(robot, DRAW_BIAS)  # the first one smooths, and in `begin_round` the last one
+    bits = draw(robot, DRAW_BIAS)  # these smooth both numbers; in `begin_round` the last of three does
     bias = constants.noise.wheel_bias
     robot.bias_left = robot.left_wheel_error + bias * normal(draw(robot, DRAW_BIAS + 2), bits)
     robot.bias_right = bias * normal(draw(robot, DRAW_BIAS + 1), bits >> 32)

@@ -73,7 +73,7 @@ from khepera_forage.vision.shapes import (
 )
 
 _SMOOTHING = 9
-"""Which of the numbers that follow from a draw, as if it were a key, smooths the normal number of the same draw."""
+"""Number of the bits that smooth the error of a marker's heading; their key are the 64 random bits of that error."""
 _FRONT = 6
 """Sensors that a lowered arm hides."""
 _SURE = 5.0

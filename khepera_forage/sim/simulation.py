@@ -27,7 +27,7 @@ class SimulatedKhepera:
 
     Args:
         records: The `RobotState` records of an enclosure.
-        number: Of its own record. It is looked up at each use: a copied array would not be that of a kept element.
+        number: Of its record, looked up at each use: a kept element of an array would not belong to the array's copy.
     """
 
     def __init__(self, records: Sequence[Any], number: int) -> None:

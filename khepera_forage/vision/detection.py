@@ -32,7 +32,7 @@ _NATIVE = (0.8, 1.25)
 _LEAST_SCALE = 0.55
 """Pixels of a frame per region pixel below which markers with holes cannot be read."""
 _LEAST_VIEW = 400.0
-"""Least width in mm of the picture: an arena is longer, and places that are given in cm make it 320 at most."""
+"""Least width in mm that a picture shows: an arena is longer, and with places in cm the usual 3200 mm would be 320."""
 _NEAR, _DARK, _MOST_DARK = 1.5, 0.6, 0.5
 """Radii of food where floor is expected, the share of the floor's brightness below which a place is dark, and the
 least share of dark places around a white part of a tag."""
@@ -354,10 +354,8 @@ class Detector:
             self._report("cover", *place, self._settings.marker_height)
         elif as_long or as_wide:
             patch = cut_patch(self._picture, piece)
-            is_crossed = as_long and patch.grey.min() < _DARK_STRIP * patch.floor
-            if is_crossed and all(
-                _distance(marker, place) >= self._diameter for marker in markers
-            ):  # one hides food, too
+            is_apart = all(_distance(marker, place) >= self._diameter for marker in markers)  # a marker hides food, too
+            if as_long and is_apart and patch.grey.min() < _DARK_STRIP * patch.floor:
                 self._report("crossed food", *place, self._settings.food_height)
             elif as_wide and patch.white[patch.filled > 0].mean() >= _ALL_BRIGHT * 255:  # no tag
                 self._report("bright shape", *place, self._settings.food_height)

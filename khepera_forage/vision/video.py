@@ -263,7 +263,8 @@ class VideoSource:
                 self._frames += 1
                 self._ready.set()
             elif self._is_file and self._frames == 1:
-                good, self._latest = True, (self._latest[0][:], time.monotonic())  # type: ignore[index] # there is one
+                # A still picture: a view of it counts as another frame.
+                good, self._latest = True, (self._latest[0][:], time.monotonic())  # type: ignore[index]
             elif self._is_file:
                 self._finish("it has no frames" if self._latest is None else "the video has ended")
             return good
