@@ -19,7 +19,7 @@ from pathlib import Path
 import gymnasium as gym
 import numpy as np
 
-import khepera_forage  # noqa: F401 (registers the environments)
+from khepera_forage import Decisions
 from khepera_forage.envs.laboratories import load_settings, virtual_laboratory
 from khepera_forage.envs.training import TrainingEnv
 from khepera_forage.experience import Experience
@@ -32,6 +32,9 @@ from khepera_forage.rollouts.row_files import RowWriter
 from khepera_forage.rollouts.rows import RecallRow
 from khepera_forage.rollouts.training import train
 
+SLOW_ARMS = Decisions(lowering_speed=0)
+"""For real arms, which take longer than a round (docs/laboratory.md); virtual ones are as the default decisions say."""
+
 
 def open_laboratory(lab: Path | None, robots: int) -> Laboratory:
     """The laboratory of a file, or a virtual one; for a recall, which needs one robot, the last one of the file."""
@@ -42,10 +45,13 @@ def open_laboratory(lab: Path | None, robots: int) -> Laboratory:
     return Laboratory(settings if robots > 1 else settings.for_recall())
 
 
-def train_beside_the_teacher(laboratory: Laboratory, episodes: int, seed: int, folder: Path) -> Experience:
+def train_beside_the_teacher(
+    laboratory: Laboratory, decisions: Decisions, episodes: int, seed: int, folder: Path
+) -> Experience:
     """Complete training episodes; each experience vector is on disk as soon as it is recorded."""
     # The operator is asked for the marks themselves: no placement errors are simulated.
-    env = TrainingEnv(num_learners=len(laboratory.robots) - 1, world=laboratory, noise=Noise.none())
+    learners = len(laboratory.robots) - 1
+    env = TrainingEnv(num_learners=learners, world=laboratory, noise=Noise.none(), decisions=decisions)
     paths = [folder / f"g{number}.csv" for number in range(1, episodes + 1)]
     for path, one in zip(paths, np.random.SeedSequence(seed).spawn(episodes), strict=True):
         experience, attempts = train(env, one, path=path)
@@ -53,9 +59,11 @@ def train_beside_the_teacher(laboratory: Laboratory, episodes: int, seed: int, f
     return Experience.load(*paths)
 
 
-def forage_alone(laboratory: Laboratory, experience: Experience, recalls: int, seed: int, path: Path) -> None:
+def forage_alone(
+    laboratory: Laboratory, decisions: Decisions, experience: Experience, recalls: int, seed: int, path: Path
+) -> None:
     """Recalls, with a line for each; one in which a robot or the camera was lost has no result."""
-    env = gym.make("khepera_forage/Corridor-v1", world=laboratory)
+    env = gym.make("khepera_forage/Corridor-v1", world=laboratory, decisions=decisions)
     imitator = NearestNeighbourImitator().fit(*experience.arrays())
     with RowWriter(path, RecallRow) as rows:
         for number, one in enumerate(np.random.SeedSequence(seed).generate_state(recalls).tolist()):
@@ -80,10 +88,11 @@ def main(given: list[str] | None = None) -> None:
     if list(arguments.out.glob("g*.csv")):
         parser.error(f"{arguments.out} has experience files; allowed: another --out")
     arguments.out.mkdir(parents=True, exist_ok=True)
+    decisions, seed, out = SLOW_ARMS if arguments.lab else Decisions(), arguments.seed, arguments.out
     with open_laboratory(arguments.lab, robots=2) as laboratory:
-        experience = train_beside_the_teacher(laboratory, arguments.episodes, arguments.seed, arguments.out)
+        experience = train_beside_the_teacher(laboratory, decisions, arguments.episodes, seed, out)
     with open_laboratory(arguments.lab, robots=1) as laboratory:
-        forage_alone(laboratory, experience, arguments.recalls, arguments.seed, arguments.out / "recalls.csv")
+        forage_alone(laboratory, decisions, experience, arguments.recalls, seed, out / "recalls.csv")
 
 
 if __name__ == "__main__":

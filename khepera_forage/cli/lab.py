@@ -82,7 +82,9 @@ def new_command(arguments: argparse.Namespace) -> int:
         if calibration is None:
             print("next: khepera-forage camera calibrate; name its file as calibration under [camera]")
     print(f"{file} is written")
-    print(f"then: khepera-forage lab check {file}; khepera-forage train --lab {file}")
+    # For arms that take longer than a round, as a Khepera's does.
+    decided = " --decision lowering_speed=0" if driver.model.has_gripper else ""
+    print(f"then: khepera-forage lab check {file}; khepera-forage train --lab {file}{decided}")
     return 0 if all(works) else 1
 
 

@@ -84,19 +84,25 @@ def open_serial_robot(arguments: argparse.Namespace) -> SerialRobot:
     return robot
 
 
-def moved(robot: SerialRobot, command: str, value: int) -> int:
-    """The position at which the arm or the jaw stands still after a command, or where it is after 4 s."""
+def moved(robot: SerialRobot, command: str, value: int) -> tuple[int, float]:
+    """The position at which the arm or the jaw stands still after a command, or where it is after 4 s.
+
+    Returns:
+        The position, and the seconds after which it was first seen there.
+    """
     robot.request(command, value)
-    is_arm = command == _ARM
-    end = time.monotonic() + _REST_TIMEOUT
-    last, equal = math.nan, 0
+    is_arm, begin = command == _ARM, time.monotonic()
+    last, equal, seconds = math.nan, 0, 0.0
     while True:
         time.sleep(CONTROL_PERIOD)
-        (position,) = robot.request("T,1,H", int(is_arm))
-        equal = equal + 1 if position == last else 0
-        last = position = int(position)
-        if equal >= _REST_READINGS or time.monotonic() > end:
-            return position
+        (position,) = map(int, robot.request("T,1,H", int(is_arm)))
+        passed = time.monotonic() - begin
+        if position == last:
+            equal += 1
+        else:
+            last, equal, seconds = position, 0, passed
+        if equal >= _REST_READINGS or passed > _REST_TIMEOUT:
+            return position, seconds
 
 
 @command(*PORT)
@@ -232,7 +238,7 @@ def grip_command(arguments: argparse.Namespace) -> None:
         raise ValueError(f"--robot {arguments.robot} has no gripper; allowed: {', '.join(able)}")
     with open_serial_robot(arguments) as robot:
         command, value = _MOVEMENTS[arguments.action]
-        position = moved(robot, command, value)
+        position, _ = moved(robot, command, value)
         (barrier,) = robot.request("T,1,G")
         print(f"{'arm' if command == _ARM else 'jaw'} at {position}, barrier {barrier}")
 
@@ -332,21 +338,27 @@ def _counters(robot: RealRobot) -> tuple[int, int]:
 
 
 def _arm(robot: SerialRobot) -> str:
-    return _reached(robot, _ARM, _ARM_TOLERANCE, {"raised": ARM_RAISED, "lowered": _LOWERED, "again": ARM_RAISED})
+    measured, seconds = _reached(
+        robot, _ARM, _ARM_TOLERANCE, {"raised": ARM_RAISED, "lowered": _LOWERED, "again": ARM_RAISED}
+    )
+    slow = seconds > 1.5 * CONTROL_PERIOD
+    advice = "; longer than a round: train and recall with --decision lowering_speed=0" if slow else ""
+    return f"{measured} in {seconds:.1f} s{advice}"
 
 
 def _jaw(robot: SerialRobot) -> str:
-    return _reached(robot, _JAW, _JAW_TOLERANCE, {"closed": JAW_CLOSED, "opened": JAW_OPEN})
+    return _reached(robot, _JAW, _JAW_TOLERANCE, {"closed": JAW_CLOSED, "opened": JAW_OPEN})[0]
 
 
-def _reached(robot: SerialRobot, command: str, tolerance: int, targets: Mapping[str, int]) -> str:
-    """Move the arm or the jaw to one position after the other."""
-    positions = []
+def _reached(robot: SerialRobot, command: str, tolerance: int, targets: Mapping[str, int]) -> tuple[str, float]:
+    """Move the arm or the jaw to one position after the other; the positions, and the seconds of the last movement."""
+    told, seconds = [], 0.0
     for name, target in targets.items():
-        positions.append(moved(robot, command, target if command == _ARM else int(target == JAW_CLOSED)))
-        if abs(positions[-1] - target) > tolerance:
-            raise CheckError(f"{name}, it stopped at {positions[-1]}; expected: about {target}")
-    return ", ".join(f"{name}: {position}" for name, position in zip(targets, positions, strict=True))
+        position, seconds = moved(robot, command, target if command == _ARM else int(target == JAW_CLOSED))
+        if abs(position - target) > tolerance:
+            raise CheckError(f"{name}, it stopped at {position}; expected: about {target}")
+        told.append(f"{name}: {position}")
+    return ", ".join(told), seconds
 
 
 def _barrier(robot: SerialRobot) -> str:

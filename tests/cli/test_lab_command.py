@@ -116,11 +116,12 @@ def test_period_of_the_file_must_be_the_decided_round_duration(monkeypatch: pyte
     assert "a round of this world lasts 0.2 s, and decision round_duration is 0.1 s" in refused
     for period in ("period = 0.2\n", ""):
         Path("lab.toml").write_text(period + file)
-        run(f"{recall} round_duration=0.2 --decision food_to_home=200")
+        run(f"{recall} round_duration=0.2 --decision food_to_home=200 --decision lowering_speed=0")
         assert opened[-1].period == 0.2
         assert opened[-1].arena.home.x - opened[-1].arena.foods[0].x == 200
         (row,) = read_rows(Path("rows.csv"), RecallRow)
-        assert row.decisions == decisions_text(Decisions(round_duration=0.2, food_to_home=200))
+        assert row.decisions == decisions_text(Decisions(round_duration=0.2, food_to_home=200, lowering_speed=0))
+        assert row.delivered == 1, "although the arm takes a second"
 
 
 @pytest.mark.parametrize("arena", ARENAS)

@@ -154,6 +154,8 @@ def test_selftest_of_a_working_robot_passes(rig: Rig, run: Run) -> None:
     assert "10 of 10 passed" in out
     assert out.count(" pass ") == 10
     assert "FAIL" not in out
+    (seconds,) = re.findall(r"again: 215 in (.*) s; longer than a round: .* --decision lowering_speed=0\n", out)
+    assert float(seconds) >= 0.5, "the arm needs 1 s for 40 positions, and moved by 25"
 
 
 def test_selftest_of_a_robot_that_does_not_move_fails(
