@@ -145,21 +145,23 @@ class TagDetector:
             search(grey, MARKER_NUMBERS["tags"], _LEAST_PIXELS, self._never_seen)
         warnings, detections = {}, []
         for tag, places in found.items():
-            seen = [self._detection(tag, corners) for corners in places]
-            texts = [place_text(detection.x, detection.y) for detection, _ in seen]
-            detection, side = seen[0]
             food = tag in self._settings.food_tags
             size = self._settings.food_tag_size if food else self._settings.tag_size
+            seen = [self._detection(tag, corners) for corners in places]
+            # What else looks like a tag, such as food beside one, seldom has its size.
+            right = [one for one in seen if abs(one[1] / size - 1) <= _SIZE_TOLERANCE]
+            if len(right) == 1:
+                detections.append(right[0][0])
+                continue
+            texts = [place_text(detection.x, detection.y) for detection, _ in seen]
             if len(seen) > 1:
                 where = " and ".join(texts)
                 warnings["tag twice"] = f"tag {tag} is seen twice, at {where}: use each id once"
-            elif abs(side / size - 1) > _SIZE_TOLERANCE:
-                warnings["tag size"] = (
-                    f"tag {tag} at {texts[0]} measures {side:.0f} mm instead of {size:g} mm: print it at 100 %, or "
-                    "change its size in the settings"
-                )
             else:
-                detections.append(detection)
+                warnings["tag size"] = (
+                    f"tag {tag} at {texts[0]} measures {seen[0][1]:.0f} mm instead of {size:g} mm: print it at 100 %, "
+                    "or change its size in the settings"
+                )
         return detections, warnings | self._moved(grey)
 
     def _detection(self, tag: int, corners: Corners) -> tuple[Detection, float]:

@@ -90,6 +90,16 @@ def test_tagged_food_is_food_and_tags_contain_none() -> None:
     assert [(d.holes, round(5 * d.x), round(5 * d.y)) for d in found] == [(0, 500, 400), (3, 1000, 900)]
 
 
+def test_what_looks_like_a_larger_tag_of_the_same_id_is_none() -> None:
+    """Food beside an e-puck2's tag was read as another one, and the robot lost its marker."""
+    scene, tracker = SheetScene(1280, 720), Tracker(TAGS)
+    scene.put(tag_sheet(5, 100.0), (500.0, 500.0, 0.0))
+    scene.put(tag_sheet(5, 130.0), (1500.0, 1000.0, 0.0))
+    (tag,) = tracker.detect(scene.frame())
+    assert (round(5 * tag.x), round(5 * tag.y)) == (500, 500)
+    assert list(tracker.warnings) == ["bright shape"]
+
+
 @pytest.mark.parametrize("cable", [0.0, 6.0])
 def test_tag_that_is_seen_twice_is_not_reported(cable: float) -> None:
     scene, tracker = SheetScene(1280, 720), Tracker(TAGS)
