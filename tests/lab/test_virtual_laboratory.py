@@ -5,6 +5,7 @@ import os
 import signal
 import threading
 import time
+from collections import deque
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,9 +22,11 @@ from khepera_forage.noise import Noise
 from khepera_forage.policies import Teacher
 from khepera_forage.robots.khepera import Motors
 from khepera_forage.rollouts import training
-from khepera_forage.rollouts.recall import recall_env
+from khepera_forage.rollouts.recall import recall, recall_env
 from khepera_forage.sim.arena import Pose
 from khepera_forage.sim.world import Layout
+from khepera_forage.task.decisions import Decisions
+from khepera_forage.vision.video import Frame, FrameSource
 from tests.lab.laboratories import QUIET, layout_of
 from tests.version_0_1 import SET_UP, V0_1
 
@@ -81,6 +84,28 @@ def test_training_leads_around_corners() -> None:
         for arena, food in zip(lab.arenas, lab.simulation.food_places(), strict=True):
             assert math.dist(arena.home, food[:2]) < arena.home_radius
     assert attempt.complete
+
+
+class LateFrames:
+    """Shows each frame three rounds late."""
+
+    def __init__(self, source: FrameSource) -> None:
+        self.source, self.frames = source, deque[Frame](maxlen=4)
+
+    def newest(self) -> tuple[Frame, float]:
+        self.frames.append(self.source.newest()[0])
+        return self.frames[0], 0.0
+
+    def close(self) -> None:
+        self.source.close()
+
+
+def test_teacher_with_a_slow_arm_under_a_camera_that_is_0_3_s_late_brings_food_home() -> None:
+    decisions = Decisions(lowering_speed=0, arm_travel_time=1)
+    with virtual_laboratory("corridor", 1, decisions, timeout=2.0, camera=LateFrames) as lab:
+        env = recall_env("corridor", world=lab, decisions=decisions)
+        rows = [recall(env, Teacher.of(env), seed) for seed in range(2)]
+    assert [row.delivered for row in rows] == [1, 1]
 
 
 @pytest.mark.parametrize(
