@@ -89,18 +89,24 @@ def check_backend(backend: Any) -> str:
     return str(backend)
 
 
-def motor_action(action: Any) -> NDArray[np.float64]:
+def motor_action(action: Any, who: str = "") -> NDArray[np.float64]:
     """An action of the Wheels environments: left wheel, right wheel, arm, jaw.
+
+    Args:
+        action: Any value.
+        who: Whose action, for the message.
 
     Raises:
         ValueError: Not four finite numbers in -1..1.
     """
     try:
         values = np.asarray(action, dtype=np.float64)
+        right = values.shape == (4,) and np.all(np.abs(values) <= 1.0)  # NaN fails the comparison too
     except (TypeError, ValueError):
-        raise ValueError(f"action is {action!r}; allowed: four numbers in -1..1") from None
-    if values.shape != (4,) or not np.all(np.abs(values) <= 1.0):  # NaN fails the comparison too
-        raise ValueError(f"action is {action!r}; allowed: four numbers in -1..1 (left, right, arm, jaw)")
+        right = False
+    if not right:
+        of_whom = f" of {who}" if who else ""
+        raise ValueError(f"action{of_whom} is {action!r}; allowed: four numbers in -1..1 (left, right, arm, jaw)")
     return values
 
 

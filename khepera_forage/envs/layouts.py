@@ -190,8 +190,8 @@ def training_layout(arenas: Sequence[Arena], noise: Noise, key: int) -> Layout:
 def no_room_on_marks(arena: Arena, noise: Noise) -> ValueError:
     """The error of training marks on which nothing stands free."""
     message = (
-        f"{arena.name}: start or food too near a wall for a placement error of {noise.placement_error:g} mm; move the "
-        "marks, or make the error smaller"
+        f"{arena.name}: start or food too near a wall or each other for a placement error of "
+        f"{noise.placement_error:g} mm; move the marks, or make the error smaller"
     )
     try:
         check_layout((arena,), Layout((arena.start,), arena.foods))

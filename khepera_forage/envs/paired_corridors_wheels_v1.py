@@ -71,7 +71,7 @@ class WheelsTrainingEnv(TrainingEnv):
         Raises:
             ValueError: It is not.
         """
-        return motor_action(action)
+        return motor_action(action, agent)
 
     def _take(self, attempt: TrainingEpisode, i: int, action: NDArray[np.float64]) -> None:
         attempt.command(i, decode_motors(*action.tolist()))

@@ -30,6 +30,7 @@ _TRANSPARENT = {
     *("DummyVecEnv", "SubprocVecEnv", "SyncVectorEnv", "AsyncVectorEnv", "VecMonitor", "VecCheckNan"),
     *("VecVideoRecorder", "Monitor", "PassiveEnvChecker", "OrderEnforcing", "TimeLimit", "RecordVideo"),
     *("RecordEpisodeStatistics", "HumanRendering", "Autoreset", "FlattenObservation", "DtypeObservation"),
+    *("NormalizeReward", "ActionMasker"),
 }
 """Classes around an environment that leave observations as they are, or change them as its space says."""
 _ALLOWED = (

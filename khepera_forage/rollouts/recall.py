@@ -14,10 +14,11 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.arguments import whole_number
 from khepera_forage.envs.behaviours_env import BehavioursEnv
+from khepera_forage.envs.recall import RecallEnv
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.noise import Noise
 from khepera_forage.policies import Neighbours
-from khepera_forage.policies.models import completed
+from khepera_forage.policies.models import as_policy, completed
 from khepera_forage.rollouts.rows import IMITATOR, STATES, RecallRow
 from khepera_forage.sim.arena import Arena
 from khepera_forage.sim.simulation import Simulation
@@ -29,7 +30,7 @@ from khepera_forage.task.states import Behaviour, behaviour_number
 from khepera_forage.vision.scene import MM_PER_PIXEL
 
 Callback = Callable[[], object]
-_Env = TypeVar("_Env", bound=gym.Env[Any, Any])
+_Env = TypeVar("_Env", bound=RecallEnv[Any])
 
 
 class RecallInterruptedError(ConnectionError):
@@ -64,18 +65,20 @@ def recall_env(
         limit: Time limit in steps; that of the environment by default.
         **kwargs: Further arguments of the environment.
     """
+    return _env_of(BehavioursEnv, "", arena, noise, limit, **kwargs)
+
+
+def _env_of(
+    kind: type[_Env], suffix: str, arena: str | Arena, noise: Noise | str | None, limit: int | None, **kwargs: Any
+) -> _Env:
+    """A recall environment without wrappers; the suffix is that of its kind in names of environments."""
     settings = settings_of(arena)
-    if isinstance(arena, Arena):
-        settings |= {} if limit is None else {"limit": limit}
-        return BehavioursEnv(noise=noise, **{**settings, **kwargs})
-    return _unwrapped(BehavioursEnv, f"{environment_name(arena)}-v1", noise, limit, **kwargs)
-
-
-def _unwrapped(kind: type[_Env], name: str, noise: Noise | str | None, limit: int | None, **kwargs: Any) -> _Env:
-    """A registered environment without its wrappers; the name is without that of this package."""
     if limit is not None:
         kwargs["limit"] = limit
-    env = gym.make(f"khepera_forage/{name}", noise=noise, disable_env_checker=True, **kwargs).unwrapped
+    if isinstance(arena, Arena):
+        return kind(noise=noise, **settings | kwargs)
+    name = f"khepera_forage/{environment_name(arena)}{suffix}-v1"
+    env = gym.make(name, noise=noise, disable_env_checker=True, **kwargs).unwrapped
     assert isinstance(env, kind)
     return env
 
@@ -91,7 +94,10 @@ def behaviours_env(env: gym.Env[Any, Any]) -> Any:
     """
     own, given, left_out = getattr(env, "unwrapped", env), env, []
     if not hasattr(type(own), "forager") or not isinstance(own.action_space, spaces.Discrete):
-        raise TypeError(f"env is {env}; allowed: Corridor-v1, Rectangle-v1, or another BehavioursEnv")
+        raise TypeError(
+            f"env is {env}; allowed: Corridor-v1, Rectangle-v1, or another BehavioursEnv; "
+            "recall_wheels takes CorridorWheels-v1 and other environments of motors"
+        )
     while isinstance(given, gym.Wrapper):
         if not isinstance(given, PassiveEnvChecker | OrderEnforcing):
             left_out.append(type(given).__name__)
@@ -163,7 +169,7 @@ def recall(
                     levels = neighbours.confidence_levels()
                     own.confidence = tuple(levels.get(b, 0.0) for b in list(Behaviour)[:STATES])
             else:
-                action = Behaviour(behaviour_number(policy.act(observation, rng), who=type(policy).__name__))
+                action = Behaviour(behaviour_number(policy.act(observation, rng), STATES, type(policy).__name__))
             if callback is not None:
                 callback()
             food_distance = observation["robot_food_distance"].item()
@@ -241,17 +247,10 @@ class WheelsRecall(NamedTuple):
 
 
 def recall_wheels_env(
-    arena: str, noise: Noise | str | None = "laboratory", limit: int | None = None, **kwargs: Any
+    arena: str | Arena, noise: Noise | str | None = "laboratory", limit: int | None = None, **kwargs: Any
 ) -> WheelsEnv:
-    """The recall environment of a named arena whose actions are motor commands.
-
-    Args:
-        arena: One of `ARENAS`.
-        noise: The laboratory's noise by default.
-        limit: Time limit in steps; that of the environment by default.
-        **kwargs: Further arguments of the environment.
-    """
-    return _unwrapped(WheelsEnv, f"{environment_name(arena)}Wheels-v1", noise, limit, **kwargs)
+    """The recall environment of an arena whose actions are motor commands; arguments as of `recall_env`."""
+    return _env_of(WheelsEnv, "Wheels", arena, noise, limit, **kwargs)
 
 
 def recall_wheels(env: gym.Env[Any, Any], policy: Any, seed: int, *, callback: Callback | None = None) -> WheelsRecall:
@@ -260,7 +259,7 @@ def recall_wheels(env: gym.Env[Any, Any], policy: Any, seed: int, *, callback: C
     Args:
         env: From `recall_wheels_env`, or another environment of motors as `gym.make` returns it, with its wrappers.
         policy: Its `act(observation, rng)` gives motors for raw data: left wheel, right wheel, arm and jaw, each -1..1,
-            as `CorridorWheels-v1` takes them. A `ModelPolicy` can be one.
+            as `CorridorWheels-v1` takes them. Or a trained model, of which `as_policy` makes such a policy.
         seed: Of the episode: places, noise, and random choices of the policy.
         callback: Called before every step and at the end.
 
@@ -272,6 +271,8 @@ def recall_wheels(env: gym.Env[Any, Any], policy: Any, seed: int, *, callback: C
     rng = np.random.default_rng((seed, 1))
     if not isinstance(own, WheelsEnv):
         raise TypeError(f"env is {env}; allowed: CorridorWheels-v1, RectangleWheels-v1, or another WheelsEnv")
+    if not callable(getattr(policy, "act", None)):
+        policy = as_policy(policy)
     observation, _ = env.reset(seed=seed)
     done = False
     with stopping(own):

@@ -7,7 +7,14 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
-from gymnasium.wrappers import DtypeObservation, FlattenObservation, NormalizeObservation, TimeLimit, TransformReward
+from gymnasium.wrappers import (
+    DtypeObservation,
+    FlattenObservation,
+    NormalizeObservation,
+    NormalizeReward,
+    TimeLimit,
+    TransformReward,
+)
 from gymnasium.wrappers.vector import RecordEpisodeStatistics
 from stable_baselines3 import PPO
 from stable_baselines3.common.env_checker import check_env
@@ -17,7 +24,7 @@ from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecChec
 import khepera_forage  # noqa: F401 (registers the environments)
 from khepera_forage.policies import ModelPolicy, as_policy
 from khepera_forage.policies.features import behaviour_features, wheels_features
-from khepera_forage.rollouts.recall import recall
+from khepera_forage.rollouts.recall import recall, recall_wheels
 from khepera_forage.rollouts.sb3_vector_env import VecEnvAdapter
 from khepera_forage.wrappers import ActionRepeat, VectorActionRepeat
 
@@ -28,6 +35,7 @@ WRAPPED: list[tuple[Callable[[Any], Any], int]] = [
     (lambda env: FlattenObservation(ActionRepeat(env, 3)), 3),
     (lambda env: ActionRepeat(DtypeObservation(FlattenObservation(env), np.float32), 3), 3),
     (lambda env: TransformReward(ActionRepeat(FlattenObservation(env), 2), lambda reward: float(reward) / 2), 2),
+    (NormalizeReward, 1),
 ]
 
 
@@ -80,6 +88,11 @@ def test_model_of_the_adapter_acts_as_in_training(wheels: bool, normalize: bool,
     envs = gym.make_vec(name, num_envs=1, vectorization_mode="sync", **kwargs)
     env: Any = VecCheckNan(VecEnvAdapter(envs, wheels_features if wheels else behaviour_features, hold))
     assert_acts_as_in_training(trained(VecNormalize(env) if normalize else env), hold, wheels)
+
+
+def test_model_of_motors_forages_as_its_policy() -> None:
+    env, model = made(wheels=True), trained(made(FlattenObservation, wheels=True))
+    assert recall_wheels(env, model, 1) == recall_wheels(env, as_policy(model), 1)
 
 
 def test_action_holds_however_it_was_held() -> None:

@@ -14,6 +14,7 @@ from gymnasium.error import ResetNeeded
 
 from khepera_forage import Decisions, Noise
 from khepera_forage.envs import paired_arenas_v1, paired_corridors_v1, paired_procedural_v1
+from khepera_forage.envs import paired_corridors_wheels_v1 as wheels
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.rollouts.compiled.training import train_learners
@@ -102,7 +103,7 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (("arenas",), {"arena": ["t_maze", "doors"]}, "max_cycles is None; allowed with several arenas: a whole number"),
     (("learners",), {"options": {"foods": [(90.0, 115.0)]}, "decisions": V0_1}, "overlaps"),
     (("learners",), {"options": {"place": 1}}, "reset option 'place'"),
-    (("learners",), {"noise": Noise(placement_error=1e6)}, "too near a wall for a placement error"),
+    (("learners",), {"noise": Noise(placement_error=1e6)}, "too near a wall or each other for a placement error"),
     (("procedural", "paired procedural"), {"split": "dev"}, "split is 'dev'; allowed: 'train', 'test'"),
     (("procedural", "paired procedural"), {"arena": "corridor"}, "arena is 'corridor'; allowed here: none"),
     (("procedural",), {"foods": 3}, "foods is 3; allowed here: none"),
@@ -151,6 +152,8 @@ FORMS: dict[str, Form] = {
     "parallel, one wrong": (partial(paired_corridors_v1.parallel_env, max_cycles=1), [SAID], "call reset",
                             [SAID | {"learner_0": 11}, SAID | {"learner_0": None}],
                             "action of learner_0 is (11|None); allowed: a whole number from 0 to 10"),
+    "parallel wheels": (partial(wheels.parallel_env, max_cycles=1), [dict.fromkeys(SAID, np.ones(4))], "call reset",
+                        [dict.fromkeys(SAID, np.full(4, 2.0))], f"action of teacher_0 is .*{FOUR}"),
     "pairs": (partial(paired_corridors_v1.vector_env, 2), [EACH], "",
               [{}, {"teacher_0": [0, 1]}, EACH | {"learner_0": [0, 11]}, EACH | {"learner_0": [0]}], "allowed: "),
 }  # fmt: skip

@@ -110,6 +110,8 @@ def test_recall_takes_an_agent_without_rng_and_a_seed_of_numpy() -> None:
     assert recall(env, observes, seed=TWO) == recall(env, Fixed(3), seed=2)
     wheels = recall_wheels_env("corridor", limit=5)
     assert recall_wheels(wheels, Fixed(np.zeros(4)), TWO) == recall_wheels(wheels, Fixed(np.zeros(4)), 2)
+    own = recall_wheels_env(checked_arena("corridor", Decisions()), limit=5)
+    assert recall_wheels(own, Fixed(np.ones(4)), 1) == recall_wheels(wheels, Fixed(np.ones(4)), 1)
 
 
 def test_robot_stops_after_an_interrupt_of_its_policy() -> None:
@@ -137,10 +139,11 @@ WRONG: list[tuple[Callable[..., Any], tuple[Any, ...], str]] = [
     (recall, (recall_env("corridor"), ModelPolicy(Fixed(np.array([2.7]))), 0), "action of Fixed is .*; allowed: "),
     (recall, (recall_env("corridor"), Teacher(), 0.5), "seed is 0.5; allowed: a whole number"),
     (recall, (3, Teacher(), 0), "env is 3; allowed: Corridor-v1"),
-    (recall, (gym.make("khepera_forage/CorridorWheels-v1"), Teacher(), 0), "env is <.*>; allowed: Corridor-v1, Rec"),
+    (recall, (gym.make("khepera_forage/CorridorWheels-v1"), Teacher(), 0), "env is <.*>; allowed: .*; recall_wheels"),
     (recall, (gym.make("CartPole-v1"), Teacher(), 0), "env is <.*>; allowed: Corridor-v1, Rectangle-v1"),
     (recall_wheels, (gym.make(NAME), Teacher(), 1), "env is <.*>; allowed: CorridorWheels-v1"),
     (recall_env, (3,), "arena is 3; allowed: an Arena"),
+    (recall_wheels_env, ("corridr",), "arena is 'corridr'; allowed: an Arena, or one of 'corridor', "),
     (ModelPolicy, (Fixed(0), None, 0), "hold is 0; allowed: a whole number of at least 1"),
     (Teacher.of, (3,), "env is 3; allowed: one environment of this package, not a batch"),
     *((train, (paired_corridors_v1.env(), seed), f"seed is {seed!r}; allowed: a whole number of at least 0")
