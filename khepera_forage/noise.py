@@ -8,6 +8,8 @@ from dataclasses import dataclass, fields, replace
 from numbers import Real
 from typing import Any
 
+from khepera_forage.robots.proximity import MAX_READING
+
 SOURCES: dict[str, tuple[str, ...]] = {
     "wheels": ("wheel_slip", "wheel_bias"),
     "infra-reds": ("proximity_gain", "proximity_floor"),
@@ -19,6 +21,13 @@ SOURCES: dict[str, tuple[str, ...]] = {
 }
 """The fields that belong to each trouble of the laboratory, for experiments that switch them one by one."""
 
+_MOST = dict.fromkeys(
+    ("reversal_rate", "loss_rate_one_hole", "loss_rate_two_holes", "loss_rate_food", *SOURCES["wheels"]), 1.0
+) | {"proximity_floor": MAX_READING, "position_jitter": 1.0}
+"""Largest values; those of the others are 1e9, with which nothing overflows."""
+_UNSCALED = ("loss_rounds", "cable_loss_factor")
+"""Fields that are no size of an error; at least 1."""
+
 
 @dataclass(frozen=True, slots=True)
 class Noise:
@@ -26,18 +35,19 @@ class Noise:
 
     wheel_slip: float = 0.05
     """Standard deviation of each wheel's travel, as a share of it, drawn every round. KSIM2 draws +-10 %
-    uniformly (standard deviation 5.8 %) and ENKI +-5 % (2.9 %); between the two."""
+    uniformly (standard deviation 5.8 %) and ENKI +-5 % (2.9 %); between the two. At most 1: much more
+    would carry robots through walls."""
     wheel_bias: float = 0.02
     """Standard deviation of a lasting share by which one wheel travels too far. Assumption: the sources' wheel
-    radii differ by 6 % (7.5 to 7.96 mm)."""
+    radii differ by 6 % (7.5 to 7.96 mm). At most 1, likewise."""
     proximity_gain: float = 0.1
     """Largest error of an infra-red reading, as a share of it, uniform in both directions (KSIM2, WSU: 10 %)."""
     proximity_floor: float = 6
-    """Readings up to this are noise, uniform in 0..this (KSIM2, WSU)."""
+    """Readings up to this are noise, uniform in 0..this (KSIM2, WSU). At most 1023, the largest reading."""
     position_jitter: float = 0.06
     """Standard deviation of a region's centre in pixels of 5 mm. Measured on rendered frames: a bare threshold is off
     by 0.09 to 0.12, version 0.1 of our tracker was by 0.04 for markers and 0.06 for food, and ours is by 0.03 at most
-    (docs/tracker.md)."""
+    (docs/tracker.md). At most 1: a robot at a wall would otherwise be seen outside its arena."""
     heading_jitter: float = 0.35
     """Standard deviation of a marker's orientation in degrees, before it is rounded to whole ones. Measured:
     version 0.1 of our tracker on rendered frames; ours is better, 0.08 (docs/tracker.md)."""
@@ -66,14 +76,10 @@ class Noise:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            _check(f"noise {field.name}", getattr(self, field.name))
-        for name in ("reversal_rate", "loss_rate_one_hole", "loss_rate_two_holes", "loss_rate_food"):
-            if getattr(self, name) > 1:
-                raise ValueError(f"noise {name} is {getattr(self, name)!r}; allowed: a probability 0..1")
-        if self.loss_rounds < 1:
-            raise ValueError(f"noise loss_rounds is {self.loss_rounds!r}; allowed: at least 1 round")
-        if self.cable_loss_factor < 1:
-            raise ValueError(f"noise cable_loss_factor is {self.cable_loss_factor!r}; allowed: at least 1")
+            name, value = field.name, getattr(self, field.name)
+            least, most = int(name in _UNSCALED), _MOST.get(name, 1e9)
+            if not isinstance(value, Real) or not least <= float(value) <= most:  # NaN fails the comparison
+                raise ValueError(f"noise {name} is {value!r}; allowed: a number from {least} to {most:g}")
 
     @classmethod
     def laboratory(cls) -> "Noise":
@@ -108,27 +114,16 @@ class Noise:
         """Errors that are `share` times as large. How long a loss lasts and what a cable adds stay the same.
 
         Args:
-            share: At least 0; rates grow up to 1.
+            share: At least 0; errors grow up to what is allowed.
 
         Raises:
             ValueError: A negative share, or one that is not finite.
         """
-        _check("share of noise", share)
-        values: dict[str, Any] = {}
-        for field in fields(self):
-            value = getattr(self, field.name) * share
-            if field.name == "proximity_floor":
-                values[field.name] = round(value)
-            elif field.name.startswith(("loss_rate", "reversal_rate")):
-                values[field.name] = min(value, 1.0)
-            elif field.name not in ("loss_rounds", "cable_loss_factor"):
-                values[field.name] = value
-        return replace(self, **values)
-
-
-def _check(name: str, value: Any) -> None:
-    if not isinstance(value, Real) or not 0 <= float(value) < math.inf:
-        raise ValueError(f"{name} is {value!r}; allowed: a finite number >= 0")
+        if not isinstance(share, Real) or not 0 <= float(share) < math.inf:
+            raise ValueError(f"share of noise is {share!r}; allowed: a finite number >= 0")
+        names = [field.name for field in fields(self) if field.name not in _UNSCALED]
+        values = {name: min(getattr(self, name) * share, _MOST.get(name, 1e9)) for name in names}
+        return replace(self, **values | {"proximity_floor": round(values["proximity_floor"])})
 
 
 def checked_noise(noise: Any) -> Noise:

@@ -9,7 +9,8 @@ import pytest
 from khepera_forage.noise import SOURCES, Noise
 
 NAMES = [field.name for field in fields(Noise)]
-RATES = ["reversal_rate", "loss_rate_one_hole", "loss_rate_two_holes", "loss_rate_food"]
+MOST: dict[str, float] = {"proximity_floor": 1023, "position_jitter": 1, "wheel_slip": 1, "wheel_bias": 1}
+MOST |= dict.fromkeys(["reversal_rate", "loss_rate_one_hole", "loss_rate_two_holes", "loss_rate_food"], 1)
 
 
 def test_default_is_the_laboratory_and_none_has_no_noise() -> None:
@@ -38,9 +39,9 @@ def test_only_keeps_one_source(source: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_value_that_has_no_meaning_is_refused(name: str) -> None:
     wrong: list[Any] = [-1, -0.001, math.nan, math.inf, "a", None]
-    if name in RATES:
-        wrong.append(1.001)
-        replace(Noise.none(), **{name: 1.0})
+    if name in MOST:
+        wrong.append(MOST[name] + 0.001)
+        replace(Noise.none(), **{name: MOST[name]})
     if name in ("loss_rounds", "cable_loss_factor"):
         wrong.append(0.5)
     for value in wrong:
@@ -57,7 +58,8 @@ def test_scaled_noise_has_other_sizes_and_the_same_durations() -> None:
     for each in (half, double):
         assert (each.loss_rounds, each.cable_loss_factor) == (noise.loss_rounds, noise.cable_loss_factor)
     assert noise.scaled(1) == noise
-    assert noise.scaled(1e6).reversal_rate == 1
+    huge = noise.scaled(1e6)
+    assert {name: getattr(huge, name) for name in MOST} == MOST
     nothing = noise.scaled(0)
     assert (nothing.loss_rounds, nothing.cable_loss_factor) == (noise.loss_rounds, noise.cable_loss_factor)
     assert replace(nothing, loss_rounds=1, cable_loss_factor=1) == replace(Noise.none(), loss_rounds=1)
