@@ -5,7 +5,7 @@ No figure here was fitted to the thesis's result tables. "Assumption" marks a fi
 
 import math
 from dataclasses import dataclass, fields, replace
-from numbers import Real
+from numbers import Integral, Real
 from typing import Any
 
 from khepera_forage.robots.proximity import MAX_READING
@@ -80,6 +80,7 @@ class Noise:
             least, most = int(name in _UNSCALED), _MOST.get(name, 1e9)
             if not isinstance(value, Real) or not least <= float(value) <= most:  # NaN fails the comparison
                 raise ValueError(f"noise {name} is {value!r}; allowed: a number from {least} to {most:g}")
+            object.__setattr__(self, name, int(value) if isinstance(value, Integral) else float(value))
 
     @classmethod
     def laboratory(cls) -> "Noise":

@@ -23,6 +23,7 @@ from tests.version_0_1 import V0_1
 SMALL = replace(DIFFICULTIES["easy"], name="small", foods=1)
 ARGUMENTS: list[dict[str, Any]] = [
     {"noise": Noise.only("wheels")},
+    {"noise": Noise(wheel_slip=np.float32(0.1), loss_rounds=np.int64(3))},  # type: ignore[arg-type]
     {"noise": "none", "foods": 2, "limit": 30, "render_mode": "rgb_array"},
     {"decisions": Decisions(next_to_food=22), "food_types": FoodType.PUSHABLE},
     {"food_types": {FoodType.PUSHABLE: 1.0, "poisonous": 1.0}},
