@@ -203,7 +203,7 @@ class ArenaPool:
         decisions: Where start, food and home are in the thesis's arenas (figure 5.1).
 
     Raises:
-        ValueError: An unknown name, an empty sequence, or something else.
+        ValueError: An unknown name, an empty sequence, a sequence whose diagonal is no length, or something else.
     """
 
     def __init__(self, arenas: Arenas, decisions: Decisions) -> None:
@@ -219,6 +219,9 @@ class ArenaPool:
         else:
             self._checked[0] = checked_arena(arenas, decisions)
             self._arenas = (self._checked[0],)
+        self._declared = known = getattr(self._arenas, "diagonal", None)
+        if known is not None and not (isinstance(known, numbers.Real) and 0 < float(known) < math.inf):
+            raise ValueError(f"diagonal of a sequence of arenas is {known!r}; allowed: a finite number of mm above 0")
 
     def __len__(self) -> int:
         return len(self._arenas)
@@ -227,12 +230,19 @@ class ArenaPool:
         """The arena with this number.
 
         Raises:
-            ValueError: It is no arena, its name is unknown, or it is too narrow.
+            ValueError: It is no arena, its name is unknown, it is too narrow, or it has a larger diagonal than the
+                sequence says.
         """
         if number not in self._checked:
             if len(self._checked) == _MOST_KEPT:
                 self._checked.clear()
-            self._checked[number] = checked_arena(self._arenas[number], self._decisions, _name_of(number))
+            arena = checked_arena(self._arenas[number], self._decisions, _name_of(number))
+            if self._declared is not None and whole_pixels(arena.diagonal) > self.diagonal:
+                raise ValueError(
+                    f"{_name_of(number)} has a diagonal of {arena.diagonal:g} mm; allowed: at most {self._declared:g}, "
+                    "the diagonal of the sequence"
+                )
+            self._checked[number] = arena
         return self._checked[number]
 
     def number(self, key: int, episode: int) -> int:
@@ -242,10 +252,8 @@ class ArenaPool:
     @cached_property
     def diagonal(self) -> int:
         """The largest diagonal of all arenas, in pixels."""
-        known = getattr(self._arenas, "diagonal", None)
-        if known is None:
-            known = max(arena.diagonal for arena in self._given())
-        return whole_pixels(known)
+        known = self._declared
+        return whole_pixels(max(arena.diagonal for arena in self._given()) if known is None else known)
 
     def _given(self) -> list[Arena]:
         """All arenas of the sequence, not yet checked for ways that are too narrow.

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections import UserList
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
@@ -57,6 +58,16 @@ BACKENDS = "allowed: 'pymunk', 'compiled'"
 LEAST_1 = "allowed: a whole number of at least 1"
 ARENAS = "allowed: an Arena, or one of 'corridor', 'rectangle', 't_maze'"
 FOODS = "allowed: a whole number from 1 to 16"
+
+
+class OneArena(UserList[Any]):
+    """A sequence of an arena of 1304 mm that says which diagonal no arena exceeds."""
+
+    def __init__(self, diagonal: Any) -> None:
+        super().__init__([BLOCKS])
+        self.diagonal = diagonal
+
+
 WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (ALL, {"food_types": "CHEESE"}, "'CHEESE'.*allowed.*PICKABLE, PUSHABLE, POISONOUS"),
     (ALL, {"food_types": {"PICKABLE": math.nan}}, "nan.*allowed: a number >= 0"),
@@ -71,6 +82,10 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (RECALLS, {"arena": (HALL, "nowhere")}, "arena 1 of a sequence is 'nowhere'; allowed: an Arena, or one of 'corr"),
     (RECALLS, {"arena": ["corridor", 3]}, "arena 1 of a sequence is 3; allowed: an Arena, or one of 'corridor'"),
     (("pymunk",), {"arena": {**asdict(BLOCKS), "foods": []}}, "foods has 0 places"),
+    ((*RECALLS, "training"), {"arena": OneArena(1300)},
+     "arena 0 of a sequence has a diagonal of 1303.84 mm; allowed: at most 1300, the"),
+    *((RECALLS, {"arena": OneArena(wrong)}, f"diagonal of a sequence of arenas is {wrong!r}; allowed: a finite number")
+      for wrong in ("x", math.nan, math.inf, 0, -5)),
     (RECALLS, {"arena": CLOSED}, "closed: there is no way between the start"),
     (("pymunk",), {"arena": {"name": "blocks"}}, r"arena is \{'name': 'blocks'\}; allowed: an Arena"),
     (("learners",), {"arena": CORRIDOR.shifted(3000.0, 0.0)}, "what the camera sees"),
