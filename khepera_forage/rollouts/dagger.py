@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from khepera_forage.envs.arguments import whole_number
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.policies import Policy, Teacher, state_vector_of
 from khepera_forage.policies.classifiers import policy_of
@@ -80,10 +81,13 @@ def dagger(
         expert: Policy that labels states; by default the teacher.
 
     Raises:
-        ValueError: A number of queries is below 1.
+        TypeError: `make` makes nothing.
+        ValueError: A number of queries or the seed is out of range.
     """
-    if queries < 1 or queries_a_round < 1:
-        raise ValueError(f"{queries} queries, {queries_a_round} a round; allowed: at least 1")
+    if not callable(make):
+        raise TypeError(f"make is {make!r}; allowed: what makes a classifier when called, such as its class")
+    queries, seed = whole_number("queries", queries, 1), whole_number("seed", seed, 0)
+    queries_a_round = whole_number("queries_a_round", queries_a_round, 1)
     expert = Teacher() if expert is None else expert
     vectors: list[StateVector] = []
     behaviours: list[int] = []

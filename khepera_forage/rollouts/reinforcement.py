@@ -4,7 +4,7 @@ import copy
 import logging
 import pickle
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from importlib import import_module
 from importlib.util import find_spec
@@ -17,6 +17,7 @@ from gymnasium.vector import AutoresetMode
 
 import khepera_forage  # noqa: F401 - registers the environments
 from khepera_forage.envs.arena_settings import environment_name
+from khepera_forage.envs.arguments import whole_number
 from khepera_forage.envs.backends import COMPILED, check_backend
 from khepera_forage.policies.features import behaviour_features, wheels_features
 from khepera_forage.policies.learners import ReinforcementLearner
@@ -99,12 +100,18 @@ def reinforce(
         One for each amount, in increasing order.
 
     Raises:
-        ValueError: No amount, or one that is not above 0; another arena or backend.
+        TypeError: Another kind of learner.
+        ValueError: No amount, or one that is not above 0; a seed or number of environments out of range; another arena
+            or backend.
         ImportError: stable-baselines3, or numba for the backend `compiled`, is not installed.
     """
-    wanted = sorted(set(amounts))
-    if not wanted or wanted[0] < 1:
-        raise ValueError(f"amounts are {list(amounts)}; allowed: one or more, each above 0")
+    if not isinstance(learner, ReinforcementLearner):
+        raise TypeError(f"learner is {learner!r}; allowed: a ReinforcementLearner, such as LEARNERS['ppo']")
+    wanted = sorted({whole_number("amount", one, 1) for one in amounts}) if isinstance(amounts, Iterable) else []
+    if not wanted:
+        raise ValueError(f"amounts are {amounts!r}; allowed: one or more whole numbers of at least 1")
+    seed = whole_number("seed", seed, 0, 2**32 - 1)
+    envs = None if envs is None else whole_number("envs", envs, 1)
     algorithm = algorithm_named(learner.algorithm)
     from stable_baselines3.common.callbacks import BaseCallback
     from stable_baselines3.common.logger import Logger

@@ -217,12 +217,13 @@ def train(
     Raises:
         IncompleteTrainingError: None of the attempts was complete.
         FileExistsError: There is a file at `path`.
+        ValueError: The seed or the number of attempts is out of range.
     """
     own = getattr(env, "unwrapped", env)
     if not isinstance(own, TrainingEnv) or not isinstance(own.action_space(TEACHER), spaces.Discrete):
         raise TypeError(f"env is {env}; allowed: a TrainingEnv of behaviours, such as paired_corridors_v1.env()")
     env, rows = own, []
-    attempts = env.decisions.most_attempts if attempts is None else attempts
+    attempts = env.decisions.most_attempts if attempts is None else whole_number("attempts", attempts, 1)
     if not isinstance(seed, np.random.SeedSequence):
         seed = np.random.SeedSequence(whole_number("seed", seed, 0))
     for number, attempt_seed in enumerate(seed.generate_state(attempts).tolist(), 1):

@@ -2,6 +2,7 @@
 
 import pickle
 import random
+import re
 import sys
 from dataclasses import replace
 from functools import partial
@@ -109,10 +110,20 @@ def test_arena_decides_the_environment() -> None:
 def test_wrong_arguments_and_missing_extras_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ValueError, match="arena is 'ring'; allowed: corridor, rectangle"):
         reinforce(FROM_STEPS["ppo"], [1], 0, arena="ring")
-    amounts: list[int]
-    for amounts in ([], [-5, 10]):
-        with pytest.raises(ValueError, match=r"amounts are \[.*\]; allowed: one or more, each above 0"):
+    amounts: Any
+    for amounts in ([], 5, None):
+        with pytest.raises(ValueError, match=re.escape(f"amounts are {amounts}; allowed: one or more whole numbers")):
             reinforce(FROM_STEPS["ppo"], amounts, 0)
+    for amounts in ([-5, 10], ["a"], [1.5]):
+        with pytest.raises(ValueError, match=f"amount is {amounts[0]!r}; allowed: a whole number of at least 1"):
+            reinforce(FROM_STEPS["ppo"], amounts, 0)
+    wrong: Any
+    for wrong in ({"seed": -1}, {"seed": 1.5}, {"seed": 2**32}, {"seed": 0, "envs": 0}):
+        with pytest.raises(ValueError, match=r"(seed|envs) is .*; allowed: a whole number"):
+            reinforce(FROM_STEPS["ppo"], [1], **wrong)
+    imitator: Any = LEARNERS["tree"]
+    with pytest.raises(TypeError, match=r"learner is .*; allowed: a ReinforcementLearner"):
+        reinforce(imitator, [1], 0)
     with pytest.raises(ValueError, match="algorithm is 'A2C'; allowed: PPO, DQN, SAC"):
         algorithm_named("A2C")
     monkeypatch.setitem(sys.modules, "stable_baselines3", None)

@@ -53,7 +53,7 @@ def test_start_experience_is_learned_without_queries(env: BehavioursEnv) -> None
 
 @pytest.mark.parametrize(("queries", "a_round"), [(0, 100), (10, 0)])
 def test_number_of_queries_below_one_is_an_error(env: BehavioursEnv, queries: int, a_round: int) -> None:
-    with pytest.raises(ValueError, match="allowed: at least 1"):
+    with pytest.raises(ValueError, match="allowed: a whole number of at least 1"):
         dagger(make, env, queries, 0, queries_a_round=a_round)
 
 

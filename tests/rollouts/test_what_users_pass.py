@@ -133,6 +133,7 @@ def test_confidence_levels_of_an_earlier_policy_are_not_shown() -> None:
     assert shown == [False] * 4 + [True] * 4
 
 
+NO_COUNTS: list[Any] = [-1, 0, "a", 1.5]
 WRONG: list[tuple[Callable[..., Any], tuple[Any, ...], str]] = [
     (recall, (recall_env("corridor"), 3, 0), "learner is 3; allowed: an instance with act"),
     (recall, (recall_env("corridor"), Fixed(1.5), 0), "action of Fixed is 1.5; allowed: a whole"),
@@ -148,6 +149,12 @@ WRONG: list[tuple[Callable[..., Any], tuple[Any, ...], str]] = [
     (Teacher.of, (3,), "env is 3; allowed: one environment of this package, not a batch"),
     *((train, (paired_corridors_v1.env(), seed), f"seed is {seed!r}; allowed: a whole number of at least 0")
       for seed in (-1, 1.5, "1", None)),
+    *((partial(train, attempts=wrong), (paired_corridors_v1.env(), 0), f"attempts is {wrong!r}; allowed: a whole n")
+      for wrong in NO_COUNTS),
+    (dagger, (tree(), recall_env("corridor"), 1, 0), "make is .*Tree.*; allowed: what makes a classifier"),
+    (dagger, (tree, recall_env("corridor"), 1, -1), "seed is -1; allowed: a whole number of at least 0"),
+    *((dagger, (tree, recall_env("corridor"), wrong, 0), f"queries is {wrong!r}; allowed: a whole number of at least 1")
+      for wrong in (1.5, "a")),
     *((train, (env, 0), "allowed: a TrainingEnv of behaviours, such as paired_corr")
       for env in (3, gym.make("CartPole-v1"), paired_corridors_wheels_v1.env())),
 ]  # fmt: skip
