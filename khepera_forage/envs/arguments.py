@@ -312,7 +312,7 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
         number = int(value)
         if number >= least and (most is None or number <= most):
             return number
-    allowed = f"of at least {least}" if most is None else f"from {least} to {most}"
+    allowed = f"of at least {least}" if most is None else f"from {least} to {most:,}"
     raise ValueError(f"{name} is {value!r}; allowed: a whole number {allowed}")
 
 

@@ -124,6 +124,8 @@ class ForagingWorld:
 
     def __init__(self, markers: tuple[int, ...], settings: Settings, world: World | None, backend: str) -> None:
         self._markers, self._settings, self._backend = markers, settings, check_backend(backend)
+        if world is not None and not hasattr(world, "robots"):
+            raise ValueError(f"world is {world!r}; allowed: a World, such as a laboratory, or None")
         kinds: Any = [settings.model] if world is None else world.robots
         self._odds = food_odds(settings.food_types, all(kind.has_gripper for kind in kinds), settings.arena)
         if world is None:

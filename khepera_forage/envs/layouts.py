@@ -77,13 +77,24 @@ def random_layout(
         ValueError: The arena has no room, an unknown option, a wrong number of values, or a place that is not on the
             free floor.
     """
-    given_start, given = given_places(arena, foods, options or {})
+    given_start, given = given_places(arena, foods, checked_options(options))
     start = Start() if given_start is None else Start(*given_start)
     places = [Place() for _ in range(foods)] if given is None else [Place(*place) for place in given]
     has_start, has_places = given_start is not None, given is not None
     if not draw_layout(start, places, key, floor_of(arena), arena_map_of(arena), decisions, has_start, has_places):
         raise no_room(arena.name, foods)
     return _layout_of(start, places)
+
+
+def checked_options(options: Any) -> dict[str, Any]:
+    """The options of a reset; none for None.
+
+    Raises:
+        ValueError: No mapping.
+    """
+    if options is not None and not isinstance(options, Mapping):
+        raise ValueError(f"options is {options!r}; allowed: a mapping of 'start' and 'foods', or None")
+    return dict(options or {})
 
 
 def given_places(arena: Arena, foods: int, options: Mapping[str, Any]) -> tuple[Pose | None, tuple[Point, ...] | None]:

@@ -15,7 +15,7 @@ from pettingzoo.utils.env import AECEnv, ParallelEnv
 from khepera_forage.counter_rng import key_of
 from khepera_forage.envs.arguments import PYMUNK, Arenas, FoodOdds, Settings, whole_number
 from khepera_forage.envs.forager import Forager, ForagingWorld
-from khepera_forage.envs.layouts import arenas_with_marks, training_layout
+from khepera_forage.envs.layouts import arenas_with_marks, checked_options, training_layout
 from khepera_forage.envs.rendering import RENDER_MODES, Screen, View, training_view
 from khepera_forage.envs.training_episode import TrainingEpisode, observation_box
 from khepera_forage.noise import Noise
@@ -213,7 +213,9 @@ class TrainingEnv(AECEnv[str, Any, Any]):
             self._episode = 0
         key, number = self._key, self._episode
         arenas = self._paired.arenas_of(key, number)
-        layout = training_layout(arenas_with_marks(arenas, options or {}), self._noise, layout_key(key, number))
+        layout = training_layout(
+            arenas_with_marks(arenas, checked_options(options)), self._noise, layout_key(key, number)
+        )
         self._paired.enter(arenas)
         self.agents, self._episode = [], number + 1  # after an error from here on, another reset is needed
         self.world.reset(self.np_random.spawn(1)[0], layout)

@@ -115,6 +115,6 @@ MODELS = {model.name: model for model in (KHEPERA, E_PUCK, TOIO)}
 
 def model_of(robot: str) -> RobotModel:
     """The model with a name; raises `ValueError` for an unknown one."""
-    if robot not in MODELS:
+    if robot not in tuple(MODELS):  # unlike a dictionary, it takes what has no hash
         raise ValueError(f"robot is {robot!r}; allowed: {', '.join(map(repr, MODELS))}")
     return MODELS[robot]

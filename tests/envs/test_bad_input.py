@@ -58,6 +58,7 @@ BACKENDS = "allowed: 'pymunk', 'compiled'"
 LEAST_1 = "allowed: a whole number of at least 1"
 ARENAS = "allowed: an Arena, or one of 'corridor', 'rectangle', 't_maze'"
 FOODS = "allowed: a whole number from 1 to 16"
+MOST = "is 10{30}; allowed: a whole number from 1 to 1,000,000,000"
 
 
 class OneArena(UserList[Any]):
@@ -94,10 +95,14 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (RECALLS, {"foods": 17}, f"foods is 17; {FOODS}"),
     (RECALLS, {"foods": 1.5}, f"foods is 1.5; {FOODS}"),
     (("kernel",), {"foods": 16}, "no room for a robot and 16 food objects"),
-    (RECALLS, {"limit": -3}, f"limit is -3; {LEAST_1}"),
+    (RECALLS, {"limit": -3}, "limit is -3; allowed: a whole number"),
+    (("compiled", "vector", "kernel"), {"limit": 10**30}, f"limit {MOST}"),
+    *((("learners", "pairs"), {name: 10**30}, f"{name} {MOST}") for name in ("max_cycles", "patience")),
+    (("pymunk", "class", "training"), {"world": 5}, "world is 5; allowed: a World"),
     (("class",), {"render_mode": "ansi"}, "'ansi'; allowed: .*rgb_array"),
     (("vector",), {"render_mode": "human"}, "render_mode is 'human'"),
     (ENVS, {"robot": "nao"}, "robot is 'nao'; allowed: 'khepera', 'e-puck2', 'toio'"),
+    (ENVS, {"robot": []}, r"robot is \[\]; allowed: 'khepera'"),
     (ENVS, {"robot": "toio", "food_types": {"PICKABLE": 0.1, "PUSHABLE": 0.9}},
      "PICKABLE.*allowed for robots without a gripper: PUSHABLE and POISONOUS"),
     *((ENVS, {"backend": wrong}, BACKENDS) for wrong in ("batch", "Compiled", "", None, 1, ["compiled"])),
@@ -117,6 +122,7 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (PAIRED, {"patience": -1}, "patience is -1; allowed"),
     (("arenas",), {"arena": ["t_maze", "doors"]}, "max_cycles is None; allowed with several arenas: a whole number"),
     (("learners",), {"options": {"foods": [(90.0, 115.0)]}, "decisions": V0_1}, "overlaps"),
+    (("learners",), {"options": 5}, "options is 5; allowed: a mapping"),
     (("learners",), {"options": {"place": 1}}, "reset option 'place'"),
     (("learners",), {"noise": Noise(placement_error=1e6)}, "too near a wall or each other for a placement error"),
     (("procedural", "paired procedural"), {"split": "dev"}, "split is 'dev'; allowed: 'train', 'test'"),
@@ -222,6 +228,7 @@ def test_wrong_seeds_and_masks_of_many_worlds_are_refused() -> None:
         ({"foods": [(5, 5), (300, 300)]}, "food at .5, 5. mm"),
         ({"foods": [(math.nan, 5), (300, 300)]}, "nan.*finite"),
         ({"foods": [(300, 300)]}, "1 foods given; allowed: 2"),
+        (5, "options is 5; allowed: a mapping of 'start' and 'foods'"),
         ({"food": [(300, 300)]}, "reset option 'food' is unknown; allowed: 'start', 'foods'"),
     ],
 )

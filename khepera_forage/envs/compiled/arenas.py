@@ -38,6 +38,8 @@ settings_dtype = np.dtype(
 )
 """What all worlds of a batch share."""
 
+MOST_ROUNDS = 10**9
+"""Largest limit of rounds: counts have 64 bits."""
 _COUNTS = ("walls", "corners", "waypoints")
 _MAP, _FLOOR, _PATHS = (
     [name for name in kind._fields if name not in ("walls", "paths", *PathTables._fields[8:], "home_x", "home_y")]
@@ -208,7 +210,7 @@ def settings_record(settings: Settings, foods: int, limit: int, holes: int) -> N
     record["constants"] = array_of(constants_of(noise, timing_of(decisions), model))
     record["decisions"] = np.array([tuple(decisions.values(model.has_gripper))], decisions_dtype)  # type: ignore[arg-type]
     record["odds"] = food_odds(food_types, model.has_gripper, arena)
-    record["limit"], record["holes"] = whole_number("limit", limit, 1), holes
+    record["limit"], record["holes"] = whole_number("limit", limit, 1, MOST_ROUNDS), holes
     return record
 
 

@@ -13,7 +13,7 @@ from khepera_forage.envs.arguments import COMPILED, ArenaPool, Settings, timing_
 from khepera_forage.envs.compiled.arenas import PreparedArenas, arena_at, map_of, settings_record
 from khepera_forage.envs.compiled.step import WorldRecords, begin, carry_out, drive, motors_of, new_worlds, world_of
 from khepera_forage.envs.forager import Forager
-from khepera_forage.envs.layouts import arena_map_of, given_places
+from khepera_forage.envs.layouts import arena_map_of, checked_options, given_places
 from khepera_forage.geometry.paths import ChosenWaypoint
 from khepera_forage.records import columns_of, dtype_of
 from khepera_forage.robots.khepera import ARM_DOWN, JAW_OPEN, Motors
@@ -118,7 +118,7 @@ class CompiledBatch:
         self._turns["place"] = self._arenas.forget(self._turns["place"])
         kept = [part[worlds] for part in (*self.worlds, self._turns)]
         try:
-            self._begin(worlds, options or {})
+            self._begin(worlds, checked_options(options))
         except ValueError:
             for part, rows in zip((*self.worlds, self._turns), kept, strict=True):
                 part[worlds] = rows

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import keys_of, random_bits
 from khepera_forage.envs.arguments import FoodOdds, Settings, checked_arena, whole_number
-from khepera_forage.envs.compiled.arenas import arena_at, arena_block, ground_of, map_of, settings_record
+from khepera_forage.envs.compiled.arenas import MOST_ROUNDS, arena_at, arena_block, ground_of, map_of, settings_record
 from khepera_forage.envs.compiled.step import (
     WorldRecords,
     carry_out,
@@ -27,7 +27,13 @@ from khepera_forage.envs.compiled.step import (
     stand_ready,
     world_of,
 )
-from khepera_forage.envs.layouts import arena_map_of, arenas_with_marks, no_room_on_marks, paired_copies
+from khepera_forage.envs.layouts import (
+    arena_map_of,
+    arenas_with_marks,
+    checked_options,
+    no_room_on_marks,
+    paired_copies,
+)
 from khepera_forage.envs.training_episode import observation_box
 from khepera_forage.noise import Noise
 from khepera_forage.records import dtype_of
@@ -78,7 +84,7 @@ def paired_sides(
     """
     noise, decisions = settings.noise, settings.decisions
     arena: Any = settings.arena
-    arenas = tuple(arenas_with_marks(paired_copies(checked_arena(arena, decisions), robots), options or {}))
+    arenas = tuple(arenas_with_marks(paired_copies(checked_arena(arena, decisions), robots), checked_options(options)))
     check_layout(arenas, Layout(tuple(a.start for a in arenas), tuple(food for a in arenas for food in a.foods)))
     foods, anchor = len(arenas[0].foods), cable_anchor(arenas)
     blocks = [arena_block(side, anchor) for side in arenas]
@@ -86,7 +92,8 @@ def paired_sides(
     records = [settings_record(settings, foods, max_cycles, holes=min(i + 1, 2)) for i in range(robots)]
     attempt = np.zeros(1, dtype_of(AttemptState))
     attempt["limit"] = max_cycles
-    attempt["patience"] = decisions.patience if patience is None else whole_number("patience", patience, 1)
+    patience = decisions.patience if patience is None else patience
+    attempt["patience"] = whole_number("patience", patience, 1, MOST_ROUNDS)
     attempt["error"], attempt["heading_error"] = (noise.placement_error, np.radians(noise.placement_heading_error))
     sides = Sides(
         np.concatenate(blocks),
@@ -229,7 +236,7 @@ class PairedBatch:
         robot: str = KHEPERA.name,
     ) -> None:
         self.num_envs = whole_number("num_envs", num_envs, 1)
-        self.max_cycles = whole_number("max_cycles", max_cycles, 1)
+        self.max_cycles = whole_number("max_cycles", max_cycles, 1, MOST_ROUNDS)
         robots = whole_number("num_learners", num_learners, 1) + 1
         self._settings = Settings.of(arena, noise, food_types, decisions, robot)
         self.decisions = self._settings.decisions

@@ -16,6 +16,7 @@ from khepera_forage.envs.arguments import COMPILED, Arenas, FoodOdds, Settings, 
 from khepera_forage.envs.backends import check_compiled
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.envs.compiled.batch import CompiledBatch, bodies_of, forager_of
+from khepera_forage.envs.layouts import checked_options
 from khepera_forage.envs.recall import episode_info
 from khepera_forage.envs.rendering import Screen, View, recall_view
 from khepera_forage.envs.wheels_env import WheelsEnv, raw_data_of
@@ -117,7 +118,7 @@ class RecallVectorEnv(VectorEnv):
             ValueError: A seed or an option out of range, or an arena with no room. The present episodes then go on.
             ResetNeeded: A mask before the first reset.
         """
-        options = dict(options or {})
+        options = checked_options(options)
         mask = self._mask(options.pop("reset_mask", None))
         worlds = np.flatnonzero(mask)
         given: dict[int, int] = {}

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from khepera_forage.compilation import entry, rule, share_out
 from khepera_forage.counter_rng import keys_of, random_bits
 from khepera_forage.envs.arguments import FoodOdds, Settings, whole_number
+from khepera_forage.envs.compiled.arenas import MOST_ROUNDS
 from khepera_forage.envs.compiled.pairs import Sides, carry_out_pair, paired_sides, pairing_dtype, put_on_marks
 from khepera_forage.envs.compiled.step import WorldRecords, new_worlds
 from khepera_forage.envs.layouts import no_room_on_marks
@@ -157,7 +158,7 @@ def train_learners(
     n, episodes = whole_number("n", n, 1), whole_number("episodes", episodes, 1)
     settings = Settings.of(arena, noise, food_types, decisions)
     decisions = settings.decisions
-    limit = whole_number("max_cycles", max_cycles, 1)
+    limit = whole_number("max_cycles", max_cycles, 1, MOST_ROUNDS)
     most = decisions.most_attempts if attempts is None else whole_number("attempts", attempts, 1)
     arenas, sides, terms = paired_sides(2, settings, limit, patience, options)
     first_seed = whole_number("seed", seed, 0)
