@@ -19,7 +19,9 @@ _TURN_EXACT = math.radians(4)
 _AROUND = 80.0
 """mm on the plan by which a cube keeps away from the others on its way."""
 _STEP = 0.05
-"""Seconds from one command to the next."""
+"""Seconds from one command to the next on the way."""
+_LONGEST, _SETTLE = 0.3, 0.25
+"""Seconds of a movement near the place, and after it: longer than Bluetooth delays commands and places."""
 _MAX_DRIVE = 40.0
 """Seconds after which a cube gives up."""
 _MAX_REPEATS = 10
@@ -89,7 +91,8 @@ class CubeOperator:
     def _drive(self, cube: MatRobot, place: Point, heading: float | None = None) -> None:
         """Drive a cube to a place, and turn it; stops it in any case."""
         try:
-            for _ in range(round(_MAX_DRIVE / _STEP)):
+            passed = 0.0
+            while passed < _MAX_DRIVE:
                 cube.receive()
                 distance = math.hypot(place.x - cube.pose.x, place.y - cube.pose.y)
                 wanted = self._direction(cube, place) if distance > _EXACT else heading
@@ -98,23 +101,31 @@ class CubeOperator:
                 turn = math.remainder(wanted - cube.pose.heading, math.tau)
                 if distance <= _EXACT and abs(turn) <= _TURN_EXACT:
                     return
-                self._step(cube, distance, turn)
+                wait = self._step(cube, distance, turn)
+                self._sleep(wait)
+                passed += wait
         finally:
             cube.stop()
 
-    def _step(self, cube: MatRobot, distance: float, turn: float) -> None:
-        """One short command: turn on the spot, or drive with a small correction."""
-        speed = _FAST if distance > _CLOSE else _SLOW
-        if distance <= _EXACT or abs(turn) > math.radians(20 if distance > _CLOSE else 12):
-            # Wheels do not turn slower than the slowest speed: turn for a shorter time.
-            rate = 2 * _SLOW * SPEED_UNIT / cube.model.plan_base
-            milliseconds = max(10, min(1000 * _STEP, 1000 * abs(turn) / rate))
+    def _step(self, cube: MatRobot, distance: float, turn: float) -> float:
+        """One short command: turn on the spot, or drive with a small correction.
+
+        Returns:
+            Seconds until the next one: on the way before it ends, otherwise when the cube has come to rest.
+        """
+        far, slow = distance > _CLOSE, _SLOW * SPEED_UNIT
+        correction = max(-2.0, min(2.0, 4 * turn))
+        if distance <= _EXACT or abs(turn) > math.radians(20 if far else 12):
             side = math.copysign(_SLOW, turn)
-            cube.turn_for(-side, side, 10 * round(milliseconds / 10))
+            left, right, seconds = -side, side, abs(turn) * cube.model.plan_base / (2 * slow)
+        elif far:
+            cube.turn_for(_FAST - correction, _FAST + correction, COMMAND_DURATION)
+            return _STEP
         else:
-            correction = max(-2.0, min(2.0, 4 * turn))
-            cube.turn_for(speed - correction, speed + correction, COMMAND_DURATION)
-        self._sleep(_STEP)
+            left, right, seconds = _SLOW - correction, _SLOW + correction, distance / slow
+        milliseconds = 10 * max(1, round(100 * min(seconds, _LONGEST)))
+        cube.turn_for(left, right, milliseconds)
+        return milliseconds / 1000 + _SETTLE
 
     def _direction(self, cube: MatRobot, place: Point) -> float:
         """The heading to a place, around the other cubes, in radians."""

@@ -63,6 +63,15 @@ def test_cubes_drive_to_their_places_for_every_episode_and_are_sensed(lab: Virtu
         assert not any(lab.table.cube(name).turning for name in ("robot 0", "robot 1"))
 
 
+def test_cubes_reach_their_places_by_late_commands(lab: VirtualCubeLaboratory) -> None:
+    lab.table.latency = 0.25
+    layout = layout_of(lab.arenas)
+    lab.reset(np.random.default_rng(0), layout)
+    for pose, start in zip(lab.poses(), layout.starts, strict=True):
+        assert math.dist(pose[:2], start[:2]) <= 15
+        assert abs(math.degrees(pose.heading - start.heading)) <= 10
+
+
 @pytest.mark.parametrize(("safe_speed", "fastest"), [(1, 8), (6, 10)])
 def test_cubes_drive_to_their_places_within_the_safe_speed(
     safe_speed: int, fastest: int, monkeypatch: pytest.MonkeyPatch

@@ -7,6 +7,7 @@ import asyncio
 import math
 import threading
 import time
+from collections import deque
 from collections.abc import Awaitable, Callable
 from typing import Any
 from uuid import UUID
@@ -35,12 +36,12 @@ class VirtualTable:
     """A mat with cubes, of which some are `unplugged` (their names): they have lost their connection.
 
     A clock of its own makes it independent of the machine's load; `interval` is the computer's time in seconds from one
-    position of a cube to the next.
+    position of a cube to the next. Motor commands take effect after `latency`, in seconds of the clock.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic, interval: float = 0.01) -> None:
         self.unplugged: set[str] = set()
-        self.clock, self.interval = clock, interval
+        self.clock, self.interval, self.latency = clock, interval, 0.0
         self._now = clock()
         self._lock = threading.RLock()
         self._cubes: dict[str, VirtualCube] = {}
@@ -96,16 +97,19 @@ class VirtualCube(DummyCube):
         self._table, self._name = table, name
         self._units = (0, 0)
         self._until = math.inf
+        self._commands = deque[tuple[float, float, tuple[int, int]]]()  # from when, until when, units
         self._connected = False
         self._task: asyncio.Task[None] | None = None
 
     @property
     def turning(self) -> bool:
-        """Whether a wheel turns."""
-        return any(self._units)
+        """Whether a wheel turns, or is about to."""
+        return any(self._commands[-1][2] if self._commands else self._units)
 
     def drive(self, now: float, seconds: float) -> None:
         """Drive for a short time."""
+        while self._commands and self._commands[0][0] <= now:
+            _, self._until, self._units = self._commands.popleft()
         if now > self._until:
             self._units = 0, 0
         left, right = (unit * _SPEED * seconds for unit in self._units)
@@ -136,9 +140,9 @@ class VirtualCube(DummyCube):
             raise ConnectionError("the cube is not connected")
         if char_uuid == ToioUuid.Motor.value and data[0] in (1, 2):
             self._table.advance()
-            limited = data[0] == 2 and data[7] > 0
-            self._until = self._table.clock() + data[7] / 100 if limited else math.inf
-            self._units = _effective(data[2], data[3]), _effective(data[5], data[6])
+            limited, begin = data[0] == 2 and data[7] > 0, self._table.clock() + self._table.latency
+            units = _effective(data[2], data[3]), _effective(data[5], data[6])
+            self._commands.append((begin, begin + data[7] / 100 if limited else math.inf, units))
 
     async def register_notification_handler(self, char_uuid: UUID, notification_handler: Any) -> bool:
         """Send positions to a function; there are no other notifications."""
