@@ -64,6 +64,9 @@ def test_new_writes_a_file_that_check_accepts(monkeypatch: pytest.MonkeyPatch, r
     assert "FAIL   1 food cubes for 2 places; allowed: one each, or for recalls alone 1" in food
     assert food in made
     assert last == "1 to repair; begin with the first"
+    assert made.endswith("khepera-forage train --lab lab.toml\n")
+    arms = run("lab new --robot khepera --port /dev/none --camera none.avi --out arms.toml", status=1)
+    assert arms.endswith("khepera-forage train --lab arms.toml --decision lowering_speed=0\n")
 
 
 def test_new_shows_the_picture_and_calibrates_by_clicks(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
