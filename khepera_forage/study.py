@@ -43,6 +43,7 @@ from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
 
 from joblib import Parallel, delayed
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from khepera_forage import __version__
 from khepera_forage.estimates import Table
@@ -57,6 +58,10 @@ if TYPE_CHECKING:
 
 SMOKE_TEST = "A run with --quick is a smoke test: it supports no claim."
 UNITS = "units.jsonl.gz"
+DIED = (
+    "a process of the work was killed, or died of a crash or of too little memory; finished units are kept, and the "
+    "same command goes on"
+)
 """File of a study's folder with its settings and the rows of every finished unit, one line each."""
 _LIBRARIES = ("pymunk", "gymnasium", "pettingzoo", "numpy", "scikit-learn")
 
@@ -299,15 +304,22 @@ def done(unit: WorkUnit) -> Done:
     return unit.key, unit.run()
 
 
-def in_processes(jobs: int | None) -> Execute:
-    """Processes of this machine, 1 for this process alone; None is joblib's present backend."""
+def in_processes(jobs: int) -> Execute:
+    """Processes of this machine, 1 for this process alone.
+
+    Raises:
+        ChildProcessError: One of them died.
+    """
 
     def execute(units: Sequence[WorkUnit]) -> Iterator[Done]:
         with _ended_by_sigterm(), warnings.catch_warnings():
             # joblib replaces a process whose memory has grown, as torch's does, and warns of it.
             warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
             running = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
-            yield from running(delayed(done)(unit) for unit in units)
+            try:
+                yield from running(delayed(done)(unit) for unit in units)
+            except TerminatedWorkerError:
+                raise ChildProcessError(DIED) from None
 
     return execute
 
@@ -347,7 +359,7 @@ def collect(
         file: Name of the file that keeps the rows of finished units.
 
     Raises:
-        SystemExit: The folder holds rows of other settings, or damaged ones.
+        SystemExit: The folder holds rows of other settings, or damaged ones; or a process of the work died.
     """
     keys = [unit.key for unit in units]
     assert len(set(keys)) == len(keys), "two units have the same key"
@@ -360,8 +372,11 @@ def collect(
         number = f"{len(units) - len(open_units)} of {len(units)}"
         print(f"{number} units are done already, in {given.out} (--fresh does them again)", flush=True)
     running = (execute or in_processes(given.jobs))(open_units) if open_units else iter(())
-    for key, rows in progress(running, total=len(open_units), desc=given.name, unit="unit"):
-        store.add(key, rows)
+    try:
+        for key, rows in progress(running, total=len(open_units), desc=given.name, unit="unit"):
+            store.add(key, rows)
+    except ChildProcessError as error:
+        given.refuse(str(error))
     if others:
         keys = [*(key for key in store.finished if key not in set(keys)), *keys]
     collected = Rows(row for key in keys for row in store.finished[key])

@@ -15,7 +15,7 @@ import pytest
 
 from khepera_forage import figures, study
 from khepera_forage.estimates import Column, Table
-from khepera_forage.study import UNITS, Arguments, Count, Page, Picture, RowStore, collect, parse, write
+from khepera_forage.study import UNITS, Arguments, Count, Job, Page, Picture, RowStore, collect, parse, write
 from tests.limited_disk import largest_file
 
 
@@ -83,6 +83,12 @@ def test_finished_units_are_not_done_again_unless_fresh_and_rows_come_in_the_ord
     assert (tmp_path / "falls.csv").read_text() == "unit,replication,height\na,0,0.5\nb,0,0.5\n", "rows of this run"
     walk(tmp_path, "a", "--fresh", "--seed", "2")
     assert (tmp_path / "steps.csv").read_text() == "unit,number\na,0\na,1\n"
+
+
+def test_a_process_that_dies_ends_the_run_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        collect(given(tmp_path, "--jobs", "2"), [Job("a", os._exit, (7,)), Job("b", os._exit, (7,))], TABLES)
+    assert "walking.py: a process of the work was killed, or died" in capsys.readouterr().err
 
 
 def test_a_run_that_was_killed_at_any_byte_continues(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from joblib import effective_n_jobs, parallel_config
+from joblib import effective_n_jobs
 
 from khepera_forage.comparison.learning import (
     ALL_ARENAS,
@@ -37,6 +37,7 @@ from khepera_forage.files import replacing
 from khepera_forage.policies.learner_registry import installed_learners, learner_at
 from khepera_forage.policies.learners import LEARNERS, InteractiveImitation, Learner, OfflineImitation, Supervision
 from khepera_forage.study import (
+    DIED,
     UNITS,
     Arguments,
     Done,
@@ -46,6 +47,7 @@ from khepera_forage.study import (
     WorkUnit,
     collect,
     command_line,
+    done,
     finish,
     in_processes,
     machine,
@@ -70,8 +72,9 @@ def workers(backend: str, jobs: int, address: str | None) -> Iterator[Execute]:
     """
     number, title = effective_n_jobs(jobs), "processes of this machine"
     with ExitStack() as stack:
+        run = in_processes(jobs)
         if backend == "dask":
-            from distributed import Client, LocalCluster
+            from distributed import Client, KilledWorker, LocalCluster, as_completed
 
             here: dict[str, Any] = {"n_workers": number, "threads_per_worker": 1, "dashboard_address": None}
             cluster = address or stack.enter_context(LocalCluster(**here))
@@ -81,11 +84,17 @@ def workers(backend: str, jobs: int, address: str | None) -> Iterator[Execute]:
                 raise ValueError(f"a worker of Dask has {max(threads)} threads; allowed: 1 (dask worker --nthreads 1)")
             number, title = len(threads), "workers of Dask"
 
+            def run(units: Sequence[WorkUnit]) -> Iterator[Done]:
+                try:  # not by joblib, which waits for ever for what a dead worker did
+                    for _, result in as_completed(client.map(done, units, pure=False), with_results=True):
+                        yield result
+                except KilledWorker as error:
+                    raise ChildProcessError(DIED) from error
+
         def execute(units: Sequence[WorkUnit]) -> Iterator[Done]:
             print(f"{len(units)} units for {number} {title}", flush=True)
-            return in_processes(None)(units)
+            return run(units)
 
-        stack.enter_context(parallel_config(backend, n_jobs=number))
         yield execute
 
 

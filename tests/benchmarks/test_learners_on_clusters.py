@@ -42,6 +42,22 @@ def test_two_workers_make_the_same_rows(here: list[dict[str, str]], tmp_path: Pa
     assert rows(tmp_path / "learners") == here
 
 
+def test_a_worker_that_dies_ends_the_run_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "late.py").write_text(
+        "import os\n"
+        "from sklearn.tree import DecisionTreeClassifier\n"
+        "class Dies(DecisionTreeClassifier):\n"
+        "    def fit(self, X, y):\n"
+        "        return super().fit(X, y) if len(X) < 150 else os._exit(7)\n"
+    )
+    work = ["--quick", "--seeds", "1", "--recalls", "1", "--arenas", "corridor", "--learner", "late:Dies"]
+    command = [*command_of("learners"), *work, "--backend", "dask", "--jobs", "1", "--out", "out"]
+    once = {**os.environ, "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
+    finished = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, timeout=300, env=once)
+    assert finished.returncode == 2
+    assert "khepera-forage compare: a process of the work was killed, or died" in finished.stderr
+
+
 @pytest.fixture
 def dask_cluster(tmp_path: Path) -> Iterator[str]:
     """A scheduler and two workers, each a process of its own."""
