@@ -43,15 +43,17 @@ _SURE = 1e-3
 """Product of two distances from a line, in pixels, or of two areas, above which rounding does not change the sides."""
 _ROUNDING = 0.01
 """mm by which a path may leave a region, along whose edges it runs."""
+_FAR = Corner(1e9, 1e9, 0, 0)
+"""Stands in no way: where there are corners, robots look for ways."""
 _BLUNT = 1.1
 """Corners are cut off at this many clearances, so that robots pass diagonally between two of them."""
 
 
 @lru_cache(maxsize=1 << 14)
 def path_tables_of(arena: Arena) -> PathTables:
-    """The path tables of an arena, in pixels; `NO_CORNERS` if no corner points into its floor."""
+    """The path tables of an arena, in pixels; `NO_CORNERS` if neither a corner nor the home stands in any way."""
     corners = arena.corners
-    if not corners:
+    if not corners and not _home_divides(arena):
         return NO_CORNERS
     floor = _shrunken_floor(arena)
     home = _octagon(arena.home, arena.home_radius + _BERTH)
@@ -69,7 +71,7 @@ def path_tables_of(arena: Arena) -> PathTables:
         bottom / MM_PER_PIXEL,
         CELLS * MM_PER_PIXEL / (right - left),
         CELLS * MM_PER_PIXEL / (top - bottom),
-        tuple(Corner(x / MM_PER_PIXEL, y / MM_PER_PIXEL, before, after) for x, y, before, after in corners),
+        tuple(Corner(x / MM_PER_PIXEL, y / MM_PER_PIXEL, before, after) for x, y, before, after in corners) or (_FAR,),
         tuple(Spot(x, y) for x, y in places.tolist()),
         _in_pixels(shortest_lengths(waypoints, floor)),
         (),
@@ -80,6 +82,16 @@ def path_tables_of(arena: Arena) -> PathTables:
     lengths = shortest_lengths(waypoints, past_home)
     lengths[:, np.hypot(*(places - (home_x, home_y)).T) < berth] = np.inf
     return paths._replace(lengths=_in_pixels(lengths), home_lengths=home_lengths)
+
+
+def _home_divides(arena: Arena) -> bool:
+    """Whether the home reaches across an arena without corners, with floor on either side."""
+    reach = arena.home_radius + _BERTH + CLEARANCE
+    left, bottom, right, top = arena.bounds
+    x, y = arena.home
+    beside = left < x - reach and x + reach < right, bottom < y - reach and y + reach < top
+    across = x - reach <= left and right <= x + reach, y - reach <= bottom and top <= y + reach
+    return (beside[0] and across[1]) or (beside[1] and across[0])
 
 
 def _seen(paths: PathTables, walls: Sequence[Any]) -> Any:

@@ -17,7 +17,7 @@ from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import FoodType
 from khepera_forage.vision.scene import MM_PER_PIXEL
 from tests.arenas import L_ROOM
-from tests.sim.test_waypoints import CLOSED, DOOR, HALL, WINDING
+from tests.sim.test_waypoints import ACROSS, CLOSED, DOOR, HALL, WINDING
 
 pytest.importorskip("numba")
 
@@ -136,6 +136,7 @@ def test_teacher_takes_food_home_past_what_may_be_poison(
     [
         *((arena, 1, {"limit": 1500, "food_types": food}, 0.98) for arena in WINDING for food in CARRIED),
         (HALL, 4, {"limit": 2400}, 0.985),  # whose home is in the middle
+        (ACROSS, 1, {"limit": 900}, 0.99),  # whose home reaches from wall to wall
         ("many_foods", 5, {"limit": 2400}, 0.998),  # not stuck beside the home, nor before released food
         ("rectangle", 2, {"limit": 700, "noise": "none"}, 1),  # gets out of a hover without noise
     ],

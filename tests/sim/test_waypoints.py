@@ -35,6 +35,7 @@ BLOCK = replace(ROOM, name="block", obstacles=(box(300, 300, 500, 500),))
 DOOR = replace(ROOM, name="door", obstacles=(box(390, 0, 410, 300), box(390, 500, 410, 800)))
 CLOSED = replace(ROOM, name="closed", obstacles=(box(390, 0, 410, 340), box(390, 460, 410, 800)))
 HALL = Arena("hall", box(0, 0, 2000, 2000), Point(1000, 1000), 80.0, Pose(200, 200, 0.0), (Point(1800, 1800),))
+ACROSS = Arena("across", box(0, 0, 1100, 360), Point(550, 180), 170.0, Pose(150, 180, 0.0), (Point(300, 180),))
 WINDING = [BLOCK, DOOR, L_ROOM]
 
 
@@ -46,6 +47,13 @@ def test_ways_of_an_arena_without_inward_corners_are_straight(arena: Arena) -> N
     assert too_narrow(arena) == []
     x1, y1, x2, y2 = arena.bounds
     assert way_out(arena) == ((x1 + x2) / 2, (y1 + y2) / 2)
+
+
+def test_a_home_from_wall_to_wall_is_a_barrier() -> None:
+    check_paths(ACROSS)
+    with pytest.raises(ValueError, match=r"no way between food 1 .* and the start .* that does not cross the home"):
+        check_paths(replace(ACROSS, foods=(Point(900, 180),)))
+    assert path_tables_of(replace(ACROSS, home=Point(930, 180))) == NO_CORNERS, "nothing lies behind it"
 
 
 def test_home_is_free_where_a_robot_can_drive_all_the_way_round_it() -> None:
