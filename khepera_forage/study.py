@@ -35,6 +35,7 @@ import threading
 import warnings
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from dataclasses import fields
 from importlib.metadata import version
@@ -43,7 +44,6 @@ from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
 
 from joblib import Parallel, delayed
-from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from khepera_forage import __version__
 from khepera_forage.estimates import Table
@@ -318,7 +318,7 @@ def in_processes(jobs: int) -> Execute:
             running = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
             try:
                 yield from running(delayed(done)(unit) for unit in units)
-            except TerminatedWorkerError:
+            except BrokenProcessPool:
                 raise ChildProcessError(DIED) from None
 
     return execute

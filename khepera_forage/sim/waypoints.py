@@ -89,6 +89,7 @@ def _home_divides(arena: Arena) -> bool:
     reach = arena.home_radius + _BERTH + CLEARANCE
     left, bottom, right, top = arena.bounds
     x, y = arena.home
+    # Along x, and along y.
     beside = left < x - reach and x + reach < right, bottom < y - reach and y + reach < top
     across = x - reach <= left and right <= x + reach, y - reach <= bottom and top <= y + reach
     return (beside[0] and across[1]) or (beside[1] and across[0])
