@@ -80,7 +80,7 @@ def installed_learners() -> Installed:
             if entry.name in LEARNERS:
                 raise ValueError(f"its name is that of a learner of {__package__.partition('.')[0]}")
             found.learners[entry.name] = _described(entry.name, entry.load())
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             found.broken[entry.name] = " ".join(f"{entry.value}: {type(error).__name__}: {error}".split())
     return found
 
@@ -113,7 +113,7 @@ def own_errors(name: str) -> Iterator[None]:
     """A block that calls a learner: errors outside this package become a `LearnerError` that shows where they are."""
     try:
         yield
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         report = traceback.TracebackException.from_exception(error)
         depth = len(report.stack)
         while depth and not report.stack[depth - 1].filename.startswith(_PACKAGE):

@@ -258,6 +258,10 @@ class Fails(RandomForestClassifier):
     def fit(self, X, y):
         raise RuntimeError("my own mistake")
 
+class Quits(RandomForestClassifier):
+    def fit(self, X, y):
+        raise SystemExit("no licence")
+
 class FailsLater(RandomForestClassifier):
     def fit(self, X, y):
         if len(X) > 150:
@@ -297,6 +301,7 @@ def test_a_learner_of_another_form_is_refused_in_one_line(name: str, message: st
     ("place", "line", "error"),
     [
         ("own_learners:Fails", 'raise RuntimeError("my own mistake")', "RuntimeError: my own mistake\n"),
+        ("own_learners:Quits", 'raise SystemExit("no licence")', "SystemExit: no licence\n"),
         ("own_learners:FailsLater", 'raise IndexError("too much")', "IndexError: too much\n"),
         ("broken_module:x", "x = 1 / 0", "ZeroDivisionError: division by zero\n"),
         ("no_python:f", "def f(:", "SyntaxError: invalid syntax\n"),
