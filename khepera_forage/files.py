@@ -20,6 +20,11 @@ def utf8(data: bytes) -> bytes:
     return data.removeprefix(codecs.BOM_UTF8)
 
 
+def has_utf8_name(path: str | os.PathLike[str]) -> bool:
+    """Whether OpenCV can open a file; with another name it crashes."""
+    return str(path).encode(errors="ignore").decode() == str(path)
+
+
 @contextmanager
 def naming_file(path: str | os.PathLike[str], partial: Path | None = None) -> Iterator[None]:
     """A block whose errors of the operating system name a file, as that of a full disk does not.

@@ -116,8 +116,7 @@ def _save_picture(settings: LabSettings, file: Path) -> str:
 
     with closing(open_video(settings, calibration_of(settings))) as source:
         frame, _ = source.newest()
-    if not cv2.imwrite(str(file), frame):
-        raise OSError(f"{file} cannot be written")
+    file.write_bytes(cv2.imencode(".png", frame)[1].tobytes())
     return f"{file}: look whether it shows all arenas, without glare"
 
 

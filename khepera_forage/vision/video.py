@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from khepera_forage.extras import require
+from khepera_forage.files import has_utf8_name
 from khepera_forage.vision.calibration import DEFAULT_SIZE, Size
 
 if TYPE_CHECKING:
@@ -217,6 +218,8 @@ class VideoSource:
         import cv2
 
         source = self._source
+        if not has_utf8_name(str(source)):
+            raise CameraLost(self._name, "cannot be opened; allowed: a name in UTF-8", None)
         capture = cv2.VideoCapture(source if isinstance(source, int) else str(source))
         if not capture.isOpened():
             raise CameraLost(self._name, "cannot be opened", None)

@@ -221,7 +221,8 @@ def test_invalid_frames_endings_and_folders_are_named_and_the_old_file_is_kept(
         save_film([FRAME], tmp_path / "animation.gif", fps=0)
     with pytest.raises(ValueError, match=r"film is 'film.mov'; allowed: a name that ends in .gif, .mp4, .avi"):
         save_film([FRAME], "film.mov", 10.0)
-    with pytest.raises(OSError, match="nowhere"):
-        save_film([FRAME], tmp_path / "nowhere" / "film.mp4", 10.0)
+    for name in ("nowhere/film.mp4", "not\udcffutf-8.avi"):
+        with pytest.raises(OSError, match=f"{name}: OpenCV cannot write a film there; allowed: a name in UTF-8"):
+            save_film([FRAME], tmp_path / name, 10.0)
     assert (tmp_path / "animation.gif").read_text() == "old"
     assert len(list(tmp_path.iterdir())) == 1

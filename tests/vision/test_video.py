@@ -100,6 +100,9 @@ def test_invalid_sources_are_refused(tmp_path: Path) -> None:
     video(wide, [100] * 5, 10, 848, 480)
     with pytest.raises(ValueError, match=r"wide\.avi has frames of 848 x 480; allowed: 640 x 480"):
         VideoSource(wide, settings=VideoSettings(size=(640, 480)))
+    (tmp_path / "not\udcffutf-8.avi").touch()
+    with pytest.raises(CameraLost, match="cannot be opened; allowed: a name in UTF-8"):
+        VideoSource(tmp_path / "not\udcffutf-8.avi")
     with pytest.raises(CameraLost, match="camera 99: cannot be opened"):
         VideoSource("99")
     with pytest.raises(ValueError, match="timeout is 0"):

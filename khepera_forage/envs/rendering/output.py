@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from khepera_forage.envs.rendering.view import View
 from khepera_forage.extras import require
-from khepera_forage.files import replacing
+from khepera_forage.files import has_utf8_name, replacing
 
 if TYPE_CHECKING:
     import PIL.Image
@@ -171,8 +171,8 @@ def save_film(frames: Sequence[NDArray[np.uint8]], path: str | os.PathLike[str],
     with replacing(path) as partial:
         if kind == ".gif":
             _write_gif(frames, partial, fps)
-        elif not _write_video(frames, partial, fps, CODECS[kind]):
-            raise OSError(f"{path}: OpenCV cannot write a film there")
+        elif not has_utf8_name(partial) or not _write_video(frames, partial, fps, CODECS[kind]):
+            raise OSError(f"{path}: OpenCV cannot write a film there; allowed: a name in UTF-8, in a folder that exists")
     return path
 
 
