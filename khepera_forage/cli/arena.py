@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from khepera_forage.cli.options import ARENA_FILES, Group, check_ending, command, option, out, refuse_ignored
+from khepera_forage.cli.options import ARENA_FILES, Group, check_file, command, option, out, refuse_ignored
 from khepera_forage.envs.arena_settings import environment_name, settings_of
 from khepera_forage.envs.arguments import checked_arena, set_up_of
 from khepera_forage.envs.rendering import palette
@@ -70,7 +70,7 @@ def list_command(arguments: argparse.Namespace) -> None:
 def show_command(arguments: argparse.Namespace) -> int:
     """Draw an arena with its shortest paths."""
     require("khepera-forage arena show", "plots")
-    check_ending(arguments.out, (".png",))
+    check_file(arguments.out, (".png",))
     plan = _chosen_plan(arguments)
     findings = _find(plan)
     _draw(plan, findings, arguments.out)

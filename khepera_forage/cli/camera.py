@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.cli.options import Group, check_ending, command, option, out, refuse_ignored, seed
+from khepera_forage.cli.options import Group, check_file, command, option, out, refuse_ignored, seed
 from khepera_forage.envs.rendering.output import FILM_EXTRAS, save_film
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
@@ -313,10 +313,9 @@ def preview_command(arguments: argparse.Namespace) -> None:
     if not arguments.food_tags:
         refuse_ignored(arguments, ["--food-tag-size"], "with --food-tags")
     if path is not None:
-        check_ending(path, (".png", *FILM_EXTRAS))
+        check_file(path, (".png", *FILM_EXTRAS))
         needed = "camera", FILM_EXTRAS.get(path.suffix.lower(), "camera")
         require("khepera-forage camera", *dict.fromkeys(needed))
-        path.parent.mkdir(parents=True, exist_ok=True)
     frames = _FILM_FRAMES if arguments.frames is None and path is not None else arguments.frames
     from khepera_forage.vision.calibration import Calibration
     from khepera_forage.vision.tracker import Tracker

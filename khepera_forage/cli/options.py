@@ -4,6 +4,7 @@ import argparse
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any, NamedTuple
 
 from khepera_forage.envs.behaviours_env import BehavioursEnv
@@ -131,10 +132,15 @@ def refuse_ignored_in_laboratory(arguments: argparse.Namespace) -> None:
     refuse_ignored(arguments, ["--noise"], "without --lab")
 
 
-def check_ending(path: Path, endings: Iterable[str]) -> None:
-    """Refuse a name of `--out` with another ending."""
+def check_file(path: Path, endings: Iterable[str]) -> None:
+    """Refuse a name of `--out` with another ending, or in a folder that cannot be written; makes the folder."""
     if path.suffix.lower() not in endings:
         raise ValueError(f"--out is {str(path)!r}; allowed: a name that ends in {', '.join(endings)}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        TemporaryFile(dir=path.parent).close()
+    except OSError as error:
+        raise OSError(f"--out is {str(path)!r}, where no file can be written: {error.strerror}") from None
 
 
 def arena_of(arguments: argparse.Namespace) -> str | Arena:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from khepera_forage.cli.options import check_ending, command, option, out
+from khepera_forage.cli.options import check_file, command, option, out
 from khepera_forage.comparison.learning import RecallBatch, all_learners
 from khepera_forage.comparison.page import STYLES
 from khepera_forage.comparison.page import figure as figure_of_curves
@@ -39,7 +39,7 @@ _LINE = 0.34
 def plot_command(arguments: argparse.Namespace) -> None:
     """Draw recalls, trainings or comparisons from their files."""
     require("khepera-forage plot", "plots")
-    check_ending(arguments.out, (".png",))
+    check_file(arguments.out, (".png",))
     save(drawn(arguments.files), arguments.out)
     print(f"{arguments.out}: {', '.join(map(str, arguments.files))}")
 

@@ -192,8 +192,7 @@ def _check_watch(arguments: argparse.Namespace) -> None:
         require("khepera-forage watch", *extras)
         open_display()
     else:
-        options.check_ending(arguments.out, FILM_EXTRAS)
-        arguments.out.parent.mkdir(parents=True, exist_ok=True)
+        options.check_file(arguments.out, FILM_EXTRAS)
         require("khepera-forage watch", *dict.fromkeys([*extras, FILM_EXTRAS[arguments.out.suffix.lower()]]))
     arguments.every = arguments.every or EVERY
 

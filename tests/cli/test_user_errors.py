@@ -60,6 +60,7 @@ def files(empty_folder_without_display: None, monkeypatch: pytest.MonkeyPatch) -
         ("watch recall --every 3", f"--every {NOTHING}with --out"),
         ("watch recall --out f.gif --every 9999", "--every: '9999'; allowed: a whole number from 1 to 1,000"),
         ("watch recall --out film.mov", "'film.mov'; allowed: a name that ends in .gif, .mp4, .avi"),
+        ("watch recall --out /proc/film.gif", "--out is '/proc/film.gif', where no file can be written: "),
         ("reproduce --replications 1e9", "--replications: '1e9'; allowed: a whole number from 1 to 100,000"),
         ("reproduce --jobs 0", "--jobs: '0'; allowed: a whole number of at least 1, or -1"),
         ("reproduce --jobs 2", f"--jobs {NOTHING}with --backend pymunk"),

@@ -172,7 +172,9 @@ def save_film(frames: Sequence[NDArray[np.uint8]], path: str | os.PathLike[str],
         if kind == ".gif":
             _write_gif(frames, partial, fps)
         elif not has_utf8_name(partial) or not _write_video(frames, partial, fps, CODECS[kind]):
-            raise OSError(f"{path}: OpenCV cannot write a film there; allowed: a name in UTF-8, in a folder that exists")
+            raise OSError(
+                f"{path}: OpenCV cannot write a film there; allowed: a name in UTF-8, in a folder that exists"
+            )
     return path
 
 
