@@ -15,7 +15,7 @@ def check(name: str, corners: tuple[Corner, ...]) -> None:
             that cross or touch.
     """
     if len(corners) < 3:
-        raise ValueError(f"{name}: walls with {len(corners)} corners; allowed: at least 3")
+        raise ValueError(f"{name}: walls are {[tuple(c) for c in corners]}; allowed: at least 3 corners")
     for corner in corners:
         if not all(math.isfinite(c) for c in corner):
             raise ValueError(f"{name}: wall corner {tuple(corner)}; allowed: finite coordinates in mm")

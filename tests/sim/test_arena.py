@@ -70,7 +70,7 @@ IMPOSSIBLE: list[tuple[dict[str, Any], str]] = [
     (BLOCK, r"food at \(370, 115\) mm is inside a wall"),
     ({"start": Pose(20, 115, 0)}, r"start at \(20, 115\) mm is 20 mm from a wall"),
     ({"start": Pose(90, 115, math.nan)}, "start.*nan"),
-    (walls((0, 0), (650, 0)), "2 corners"),
+    (walls((0, 0), (650, 0)), r"walls are \[\(0, 0\), \(650, 0\)\]; allowed: at least 3 corners"),
     (walls((0, 0), (650, 0), (650, 230), (0, math.nan)), "nan"),
     (walls((0, 0), (300, 0), (650, 0)), "no area"),
     (walls((0, 0), (100, 100), (100, 0), (0, 100)), r"cross or touch at \(50, 50\)"),
@@ -78,7 +78,7 @@ IMPOSSIBLE: list[tuple[dict[str, Any], str]] = [
     (walls((0, 0), (300, 0), (300, 300), (300, 100), (300, 200), (0, 300)), "cross"),  # back on itself
     (walls((0, 0), (300, 0), (300, 300), (0, 0)), r"corner \(0, 0\) follows itself"),
     (obstacle((500, 100), (550, 100), (550, 150)), "home"),
-    (obstacle((200, 20), (250, 20)), "2 corners"),
+    (obstacle((200, 20), (250, 20)), "at least 3 corners"),
     (obstacle((200, 420), (250, 420), (225, 480)), r"obstacle \[\(200, 420\).* stands outside the walls; allowed: "),
     # Through the walls, with and without a corner on the floor.
     (obstacle((200, -20), (250, -20), (225, 40)), "obstacle .* reaches through the walls; allowed: on the floor"),
