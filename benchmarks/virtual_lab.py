@@ -174,7 +174,7 @@ def picture(lines: Sequence[dict[str, Any]]) -> "Figure":
         shown = {line["what"]: (line[ALONE], line[LAB]) for line in lines if line["measure"] == measure.name}
         levels(axes, shown, measure.name, (ALONE, LAB), (THESIS, OURS))
         values = [value for pair in shown.values() for estimate in pair for value in estimate if np.isfinite(value)]
-        lowest, highest = min(0.0, *values), max(values)
+        lowest, highest = min([0.0, *values]), max([1.0, *values])
         axes.set_xlim(lowest - 0.04 * (highest - lowest), highest + 0.06 * (highest - lowest))
         axes.tick_params(axis="y", length=0)
     legend(figure, panels[0], "bars: 95 % interval")

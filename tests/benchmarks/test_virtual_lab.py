@@ -4,9 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from khepera_forage.estimates import Estimate
 from tests.benchmarks.conftest import QuickRun
 from tests.benchmarks.running import read
 from tests.benchmarks.test_scripts import SCRIPTS
+from tests.figure_checks import check_readable, lay_out
 
 pytest.importorskip("serial")
 pytest.importorskip("cv2")
@@ -55,3 +57,11 @@ def test_the_comparison_is_that_of_the_rows(out: Path) -> None:
         assert float(line["pymunk alone"]) == pytest.approx(pymunk, rel=1e-4)
         assert float(line["virtual laboratory"]) == pytest.approx(virtual, rel=1e-4)
         assert float(line["difference"]) == pytest.approx(virtual - pymunk, rel=1e-4, abs=1e-4)
+
+
+def test_worlds_in_which_nothing_was_delivered_are_drawn() -> None:
+    import virtual_lab
+
+    nothing = dict.fromkeys((virtual_lab.ALONE, virtual_lab.LAB), Estimate(0.0, 0.0, 0.0))
+    lines = [{"what": "teacher", "measure": measure.name, **nothing} for measure in virtual_lab.RECALL_MEASURES]
+    check_readable(lay_out(virtual_lab.picture(lines)))
