@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from khepera_forage.cli.options import Group, check_file, command, option, out, refuse_ignored, seed
+from khepera_forage.cli.options import Group, check_file, command, option, out, refuse_ignored
 from khepera_forage.envs.rendering.output import FILM_EXTRAS, save_film
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
@@ -67,7 +67,8 @@ def open_source(arguments: argparse.Namespace, paced: bool, size: tuple[int, int
         refuse_ignored(arguments, ["--size", "--rate", "--exposure", "--focus"], "with a camera")
         from khepera_forage.rollouts.rendered_training import RenderedTraining
 
-        return RenderedTraining(arguments.seed, paced=paced)
+        return RenderedTraining(arguments.seed or 0, paced=paced)
+    refuse_ignored(arguments, ["--seed"], f"with --source {VIRTUAL}")
     if Path(arguments.source).is_file():
         refuse_ignored(arguments, ["--rate", "--exposure", "--focus"], "with a device")
     from khepera_forage.vision.video import VideoSettings, VideoSource
@@ -83,7 +84,7 @@ SOURCE = (
     option("--rate", "frames a second, of a device (its own setting)", float, "N"),
     option("--exposure", "exposure, off automatic, of a device (its own setting)", float, "N"),
     option("--focus", "focus, off automatic, of a device (its own setting)", float, "N"),
-    seed("seed of the virtual camera"),
+    option("--seed", "seed of the virtual camera (0)", whole_number(0)),
 )
 
 
@@ -186,7 +187,7 @@ def calibrate_command(arguments: argparse.Namespace) -> None:
     floor: Sequence[Point] = given
     size = arguments.size or DEFAULT_SIZE
     if name == "points":
-        refuse_ignored(arguments, ["--source", "--rate", "--exposure", "--focus"], "with --places or --tags")
+        refuse_ignored(arguments, ["--source", "--rate", "--exposure", "--focus", "--seed"], "with --places or --tags")
         picture, floor = zip(*given, strict=True)
         for u, v in picture:
             if not (0 <= u <= size[0] and 0 <= v <= size[1]):
