@@ -1,4 +1,4 @@
-"""Two experiments on what the learner does with its records: attribute weights, and rejected alternatives."""
+"""Two experiments on what the learner does with its records: attribute weights, and alternatives of the thesis."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -207,7 +207,7 @@ def alternative_claims(found: fw.Analysis) -> Iterator[Claim]:
 
 ALTERNATIVES = fw.Experiment(
     "alternatives",
-    "Alternatives that the thesis rejected",
+    "Alternatives that the thesis names",
     "4.2.1, 4.5.1, 4.6.1, 4.6.2",
     "Did the thesis choose well where it names an alternative?",
     "One set of training files a replication, and learners that use it in different ways. *Highest confidence*: the "

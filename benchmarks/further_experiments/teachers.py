@@ -189,7 +189,7 @@ HUMAN_TEACHER = fw.Experiment(
         (fw.SCORE, fw.AGREEMENT, fw.DELIVERED, fw.VECTORS, fw.DISTINCT),
     ),
     trainings=("The last column refers to the learner's own state vectors.", (fw.ATTEMPTS, fw.ROUNDS, fw.TRUE)),
-    amount="delay",
+    amount="delay (rounds)",
 )
 
 LEARNERS = (1, 2, 3, 4)

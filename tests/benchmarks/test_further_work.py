@@ -70,7 +70,7 @@ def test_every_experiment_has_page_picture_tables_rows_and_claims(out: Path) -> 
 
 @pytest.mark.parametrize("name", WITH_RECALLS)
 def test_table_is_that_of_the_rows(out: Path, name: str) -> None:
-    key = {"chains_of_learners": "generation", "human_teacher": "delay"}.get(name, "episodes")
+    key = {"chains_of_learners": "generation", "human_teacher": "delay (rounds)"}.get(name, "episodes")
     column = "food settled (%)" if name == "push_and_avoid" else "food delivered (%)"
     table = read(out / name / "table_recalls.csv")
     for line in table:
