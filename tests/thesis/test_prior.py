@@ -33,3 +33,9 @@ def test_readings_are_drawn_with_their_shares() -> None:
     rng = np.random.default_rng(0)
     drawn = [prior.draw(rng).decisions.arm_after_orienting for _ in range(2000)]
     assert drawn.count("as it is") / 2000 == pytest.approx(0.75, abs=0.04)
+
+
+def test_a_prior_without_any_allowed_set_is_refused() -> None:
+    prior = Prior({"close_to_food": PriorRange(12, 13, "a test")}, {})
+    with pytest.raises(ValueError, match=r"none of 1,000 sets .*; the last one: decision close_to_food is 12\."):
+        prior.draw(np.random.default_rng(0))

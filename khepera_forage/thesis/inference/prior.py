@@ -7,7 +7,6 @@ the prior was written, or the laboratory's of `Noise`.
 import json
 import tomllib
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from importlib import resources
 from typing import Any, NamedTuple
@@ -18,6 +17,9 @@ from khepera_forage.envs.arguments import checked_arena
 from khepera_forage.noise import Noise
 from khepera_forage.sim.arenas.thesis import THESIS_ARENAS
 from khepera_forage.task.decisions import FIELDS, Decisions
+
+TRIES = 1_000
+"""Sets that are drawn at most for one laboratory; of those of `PRIOR`, every second one is allowed."""
 
 
 class PriorRange(NamedTuple):
@@ -76,12 +78,19 @@ class Prior:
         return json.dumps(values)
 
     def draw(self, rng: Generator) -> LabModel:
-        """A random laboratory; sets that break a rule between decisions, or do not fit an arena, are drawn again."""
-        while True:
+        """A random laboratory; sets that break a rule between decisions, or do not fit an arena, are drawn again.
+
+        Raises:
+            ValueError: None of `TRIES` sets is allowed.
+        """
+        for _ in range(TRIES):
             values = {name: _value(part, rng) for name, part in self.decisions.items()}
             sizes = {name: _value(part, rng) for name, part in self.noise.items()}
-            with suppress(ValueError):
+            try:
                 return LabModel(_decisions(values), replace(Noise.laboratory(), **sizes))
+            except ValueError as error:
+                reason = error
+        raise ValueError(f"none of {TRIES:,} sets that the prior drew is allowed; the last one: {reason}")
 
 
 def _decisions(values: Mapping[str, Any]) -> Decisions:
