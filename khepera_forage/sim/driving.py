@@ -120,7 +120,7 @@ def glide(robots: Any, i: int, foods: Any, walls: Any, corners: Any, constants: 
     heading = robot.heading + turned
     cos, sin = cosine_sine(heading)
     if (
-        _touches_wall(robot, walls, x, y, cos, sin, jaw)
+        _touches_wall(robot, walls, x, y, cos, sin, jaw, abs(driven))
         or _touches_corner(robot, corners, x, y, cos, sin, jaw, travel)
         or _touches_food(robot, foods, x, y, cos, sin, jaw, travel)
         or _touches_robot(robots, i, x, y, cos, sin, jaw, travel)
@@ -135,8 +135,13 @@ def _towards(target: float, value: float, step: float) -> float:
     return min(target, value + step) if target > value else max(target, value - step)
 
 
-def _touches_wall(robot: Any, walls: Any, x: float, y: float, cos: float, sin: float, jaw: float) -> bool:
-    """Whether the robot would touch a wall at the free end of the round: that pose, and the jaw's position."""
+def _touches_wall(
+    robot: Any, walls: Any, x: float, y: float, cos: float, sin: float, jaw: float, driven: float
+) -> bool:
+    """Whether the robot would touch a wall at the free end of the round: that pose, and the jaw's position.
+
+    A robot that has driven further than its radius could be behind the wall then.
+    """
     tip, wide = tip_of(robot), half_gap(jaw) + FINGER_THICKNESS
     for k in range(len(walls)):
         wall = walls[k]
@@ -146,7 +151,7 @@ def _touches_wall(robot: Any, walls: Any, x: float, y: float, cos: float, sin: f
         off = side * (nx * x + ny * y - wall.offset)
         if off > _EXTENT:
             continue
-        if is_near(x, y, wall, RADIUS):
+        if is_near(x, y, wall, RADIUS) or (off < 0.0 and is_near(robot.x, robot.y, wall, driven)):
             return True
         if not robot.has_gripper:
             continue

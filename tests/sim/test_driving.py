@@ -13,9 +13,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED, PULSE, SPEED_UNIT, WHEEL_BASE
+from khepera_forage.robots.khepera import CONTROL_PERIOD, MAX_SPEED, PULSE, RADIUS, SPEED_UNIT, WHEEL_BASE
+from khepera_forage.robots.model import MODELS
 from khepera_forage.sim.arena import Pose
-from tests.sim.worlds import NONE, apart, make_world, run
+from tests.sim.worlds import NONE, Kind, apart, make_world, of_both_kinds, run
+from tests.version_0_1 import TIMING
 
 PROPERTY = settings(max_examples=60)
 CENTRE = Pose(1000, 1000, 0)
@@ -98,3 +100,12 @@ def test_wheel_bias_is_constant_until_the_next_reset() -> None:
     found = shares(200, 3, wheel_bias=0.02)
     assert np.ptp(found, axis=1).max() < 1e-3
     check_wheels(found.mean(axis=1), 0.02)
+
+
+@of_both_kinds
+@pytest.mark.parametrize("name", ["khepera", "toio"])
+def test_long_rounds_lead_no_robot_through_a_wall(kind: Kind, name: str) -> None:
+    timing, start = TIMING._replace(round_duration=0.5), Pose(RADIUS + 20, 1000, 0)
+    world = make_world(start, OUT_OF_THE_WAY, kind=kind, timing=timing, model=MODELS[name])
+    run(world, 1, -MAX_SPEED, -MAX_SPEED)
+    assert world.poses()[0].x == pytest.approx(RADIUS, abs=1)

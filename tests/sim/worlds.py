@@ -13,7 +13,7 @@ from khepera_forage.robots.khepera import ARM_DOWN, ARM_RAISED, JAW_CLOSED, JAW_
 from khepera_forage.sim.arena import Arena, Point, Pose
 from khepera_forage.sim.arenas.named import box
 from khepera_forage.sim.pymunk.world import PymunkWorld
-from khepera_forage.sim.world import FoodPlace, Layout
+from khepera_forage.sim.world import FoodPlace, Layout, Timing
 from tests.version_0_1 import TIMING
 
 NONE = Noise.none()
@@ -37,10 +37,11 @@ def make_world(
     noise: Noise = NONE,
     seed: int = 0,
     kind: Kind = PymunkWorld,
+    timing: Timing = TIMING,
     **more: Any,
 ) -> Any:
     """A world with one robot, after its reset."""
-    world = kind([arena], (2,), noise, timing=TIMING, **more)
+    world = kind([arena], (2,), noise, timing=timing, **more)
     world.reset(np.random.default_rng(seed), Layout((start,), tuple(Point(*food) for food in foods)))
     return world
 
