@@ -104,8 +104,9 @@ def test_wheel_bias_is_constant_until_the_next_reset() -> None:
 
 @of_both_kinds
 @pytest.mark.parametrize("name", ["khepera", "toio"])
-def test_long_rounds_lead_no_robot_through_a_wall(kind: Kind, name: str) -> None:
-    timing, start = TIMING._replace(round_duration=0.5), Pose(RADIUS + 20, 1000, 0)
+@pytest.mark.parametrize("seconds", [0.5, 2.0])
+def test_long_rounds_lead_no_robot_through_a_wall(kind: Kind, name: str, seconds: float) -> None:
+    timing, start = TIMING._replace(round_duration=seconds), Pose(RADIUS + 20, 1000, 0)
     world = make_world(start, OUT_OF_THE_WAY, kind=kind, timing=timing, model=MODELS[name])
     run(world, 1, -MAX_SPEED, -MAX_SPEED)
     assert world.poses()[0].x == pytest.approx(RADIUS, abs=1)
