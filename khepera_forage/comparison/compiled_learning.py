@@ -30,7 +30,7 @@ from khepera_forage.rollouts.compiled.training import train_learners
 from khepera_forage.rollouts.training import IncompleteTrainingError
 from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.sim.arenas.thesis import CORRIDOR
-from khepera_forage.task.decisions import DEFAULT_DECISIONS, DEFAULT_VALUES
+from khepera_forage.task.decisions import DEFAULT_DECISIONS, DEFAULT_VALUES, Decisions
 from khepera_forage.task.placement import layout_key
 from khepera_forage.task.states import NUM_BEHAVIOURS, FoodType, StateVector
 
@@ -240,7 +240,7 @@ def demonstrate(marks: Marks, seed: int, learners: int = 1) -> list[TrainingData
     return [joined([trained.vectors_of(i) for trained in episodes]) for i in range(learners)]
 
 
-def varied_arenas(amount: int, seed: int) -> TrainingData:
+def varied_arenas(amount: int, seed: int, decisions: Decisions = DEFAULT_DECISIONS) -> TrainingData:
     """One episode in each of several procedural training arenas, of every difficulty in turn."""
     episodes: list[NDArray[Any]] = []
     level = seed % 900_000
@@ -256,6 +256,7 @@ def varied_arenas(amount: int, seed: int) -> TrainingData:
                 max_cycles=training_rounds(settings["limit"]),
                 food_types=settings["food_types"],
                 noise=settings["noise"],
+                decisions=decisions,
                 attempts=ATTEMPTS,
             )
         except IncompleteTrainingError:

@@ -49,6 +49,7 @@ SCRIPTS = {
     "lab_faults": Script(("faults",), needs=("serial", "cv2")),
     "learners": Script(("rows",), run=LEARNERS_RUN, subcommand="compare"),
     "tracker": Script(TRACKER_ROWS, needs=("cv2",)),
+    "varied_arenas": Script(("recalls",), needs=("numba",)),
     "virtual_lab": Script(("recalls", "trainings"), run=("--jobs", "1"), needs=("serial", "cv2")),
     "wire": Script(("rounds", "openings"), needs=("serial",)),
 }
