@@ -75,6 +75,7 @@ def workers(backend: str, jobs: int, address: str | None) -> Iterator[Execute]:
         run = in_processes(jobs)
         if backend == "dask":
             from distributed import Client, KilledWorker, LocalCluster, as_completed
+            from distributed.protocol.pickle import dumps, loads
 
             here: dict[str, Any] = {"n_workers": number, "threads_per_worker": 1, "dashboard_address": None}
             cluster = address or stack.enter_context(LocalCluster(**here))
@@ -85,6 +86,12 @@ def workers(backend: str, jobs: int, address: str | None) -> Iterator[Execute]:
             number, title = len(threads), "workers of Dask"
 
             def run(units: Sequence[WorkUnit]) -> Iterator[Done]:
+                try:  # Dask itself waits for ever if a worker cannot load its work
+                    for on in (client.run_on_scheduler, client.run):
+                        on(loads, dumps(units))
+                except ImportError as error:
+                    allowed = "allowed: what its scheduler and its workers have installed, or on PYTHONPATH"
+                    raise ImportError(f"Dask cluster: {error}; {allowed}") from error
                 try:  # not by joblib, which waits for ever for what a dead worker did
                     for _, result in as_completed(client.map(done, units, pure=False), with_results=True):
                         yield result

@@ -60,7 +60,7 @@ def test_a_worker_that_dies_ends_the_run_in_one_line(tmp_path: Path) -> None:
 
 @pytest.fixture
 def dask_cluster(tmp_path: Path) -> Iterator[str]:
-    """A scheduler and two workers, each a process of its own."""
+    """A scheduler and two workers, each a process of its own, in the folders `scheduler` and `worker`."""
     where = tmp_path / "scheduler.json"
     told = ["--scheduler-file", str(where)]
     local = ["--host", "127.0.0.1", "--no-dashboard"]
@@ -69,8 +69,9 @@ def dask_cluster(tmp_path: Path) -> Iterator[str]:
             ["scheduler", *told, *local, "--port", "0"],
             *(["worker", *told, *local, "--nthreads", "1", "--no-nanny"] for _ in range(2)),
         ):
+            (tmp_path / part[0]).mkdir(exist_ok=True)
             process = subprocess.Popen(
-                [sys.executable, "-m", "dask", *part], cwd=tmp_path, env=os.environ, stderr=subprocess.DEVNULL
+                [sys.executable, "-m", "dask", *part], cwd=tmp_path / part[0], env=os.environ, stderr=subprocess.DEVNULL
             )
             stack.callback(process.wait)
             stack.callback(process.terminate)
@@ -87,3 +88,13 @@ def test_a_cluster_at_an_address_makes_the_same_rows(
     printed = run(tmp_path / "learners", "--backend", "dask", "--address", dask_cluster)
     assert "6 units for 2 workers of Dask" in printed
     assert rows(tmp_path / "learners") == here
+
+
+def test_a_learner_that_workers_lack_ends_the_run_in_one_line(dask_cluster: str, tmp_path: Path) -> None:
+    here = tmp_path / "scheduler"
+    (here / "far.py").write_text("from sklearn.naive_bayes import GaussianNB\nclass Far(GaussianNB): pass\n")
+    arguments = ["--quick", "--learner", "far:Far", "--backend", "dask", "--address", dask_cluster]
+    command = [*command_of("learners"), *arguments]
+    finished = subprocess.run(command, capture_output=True, text=True, cwd=here, timeout=60)
+    assert finished.returncode == 2
+    assert "khepera-forage compare: Dask cluster: No module named 'far'; allowed: what its scheduler" in finished.stderr
