@@ -77,7 +77,7 @@ def workers(backend: str, jobs: int, address: str | None) -> Iterator[Execute]:
             from distributed import Client, KilledWorker, LocalCluster, as_completed
             from distributed.protocol.pickle import dumps, loads
 
-            here: dict[str, Any] = {"n_workers": number, "threads_per_worker": 1, "dashboard_address": None}
+            here: dict[str, Any] = {"n_workers": number, "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0"}
             cluster = address or stack.enter_context(LocalCluster(**here))
             client = stack.enter_context(Client(cluster))
             threads = list(client.nthreads().values())
