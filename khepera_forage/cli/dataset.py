@@ -18,6 +18,7 @@ from khepera_forage.envs.paired_arenas_v1 import raw_env
 from khepera_forage.envs.wheels_env import WheelsEnv
 from khepera_forage.experience import Experience
 from khepera_forage.experience.experience import experience_files
+from khepera_forage.experience.minari import ALLOWED_IDS, DATASET_ID, to_minari
 from khepera_forage.experience.text_format import header_decisions_text
 from khepera_forage.extras import require
 from khepera_forage.files import replacing
@@ -59,8 +60,8 @@ UNKNOWN_REWARDS = "Rewards are 0, because experience files contain none."
 
 def _dataset_name(text: str) -> str:
     """A name of Minari."""
-    if not re.fullmatch(r"([\w-]+/)*[\w-]+-v\d+", text):
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER")
+    if not re.fullmatch(DATASET_ID, text):
+        raise argparse.ArgumentTypeError(f"{text!r}; {ALLOWED_IDS}")
     return text
 
 
@@ -142,8 +143,6 @@ def _write(
     folder = arguments.out.resolve()
     # Minari has no other way to choose a folder.
     os.environ[FOLDER_VARIABLE] = str(folder)
-    from khepera_forage.experience.minari import to_minari
-
     raw = more.get("episodes", ())
     heard = [episode.heard.tolist() for episode in raw] or [part.behaviours for part in parts]
     folder /= name

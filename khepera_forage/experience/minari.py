@@ -5,6 +5,7 @@ An experience file becomes an episode with the observations and actions of the r
 MINARI_DATASETS_PATH is the folder in which Minari stores datasets.
 """
 
+import re
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
@@ -25,6 +26,9 @@ from khepera_forage.sim.arenas.named import ARENAS
 from khepera_forage.sim.arenas.procedural import LEVELS, SPLITS, level_of
 from khepera_forage.task.decisions import Decisions
 from khepera_forage.task.states import Behaviour, StateVector
+
+DATASET_ID = r"([\w-][\w/-]*[\w-]/)?[\w-]+-v\d+"
+ALLOWED_IDS = "allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER with a FOLDER of two characters or more"
 
 
 def to_minari(
@@ -70,6 +74,8 @@ def to_minari(
         ValueError: The name is invalid, or Minari already has a dataset of that name.
     """
     minari = _minari()
+    if not re.fullmatch(DATASET_ID, dataset_id):  # Minari checks after it made a folder, and then lists no dataset
+        raise ValueError(f"dataset_id is {dataset_id!r}; {ALLOWED_IDS}")
     parts = list(experiences)
     if not parts or not all(parts):
         raise ExperienceError(f"{[len(part) for part in parts]} experience vectors; allowed: at least one in each")

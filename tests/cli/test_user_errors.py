@@ -87,6 +87,7 @@ def files(empty_folder_without_display: None, monkeypatch: pytest.MonkeyPatch) -
         ("arena write doors doors.txt", "file is 'doors.txt'; allowed: a name that ends in .toml"),
         ("arena write doors mine.toml", "mine.toml exists; choose another name"),
         ("dataset --name mine", "--name: 'mine'; allowed: NAME-vNUMBER, or FOLDER/NAME-vNUMBER"),
+        ("dataset --name m/mine-v1", "with a FOLDER of two characters or more"),
         ("dataset --name ../mine-v1", "--name: '../mine-v1'; allowed: NAME-vNUMBER"),
         ("dataset --experience g.csv --episodes 2", f"--episodes {NOTHING}without --experience"),
         ("dataset --experience g.csv --decision v1", f"--decision {NOTHING}without --experience"),

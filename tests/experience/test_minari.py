@@ -177,6 +177,13 @@ def test_experience_that_has_no_environment_is_an_error(parts: list[Experience],
         to_minari([SOME], "khepera/bad-v0", rewards=[[0.5]])
 
 
+@pytest.mark.parametrize("name", ["khepera/some", "k/some-v0", "../some-v0"])
+def test_bad_name_of_a_dataset_leaves_nothing(name: str, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=f"dataset_id is '{name}'; allowed: NAME-vNUMBER"):
+        to_minari([SOME], name)
+    assert not any(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("name", ["rectangle", "doors", "mixed_foods"])
 def test_recovered_environment_has_the_named_arena(name: str) -> None:
     part = Experience(SOME.vectors, SOME.behaviours, name, decisions=OTHER)
