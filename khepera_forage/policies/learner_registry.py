@@ -77,8 +77,8 @@ def installed_learners() -> Installed:
     found = Installed({}, {})
     for entry in entry_points(group=GROUP):
         try:
-            if entry.name in LEARNERS:
-                raise ValueError(f"its name is that of a learner of {__package__.partition('.')[0]}")
+            if entry.name in LEARNERS | found.learners:
+                raise ValueError("its name is that of another learner")
             found.learners[entry.name] = _described(entry.name, entry.load())
         except (Exception, SystemExit) as error:
             found.broken[entry.name] = " ".join(f"{entry.value}: {type(error).__name__}: {error}".split())

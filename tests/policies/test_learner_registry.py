@@ -29,7 +29,7 @@ def own_registry(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    """A package as pip installs it, with entry points: one does not exist, one has a name of ours, one a bad name."""
+    """A package as pip installs it, with entry points: some cannot be used."""
     name = "learners_of_a_test"
     (tmp_path / f"{name}.py").write_text(
         "from sklearn.ensemble import RandomForestClassifier\n"
@@ -37,12 +37,14 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
         "    return RandomForestClassifier(3, random_state=random_state)\n"
         "number = 7\n"
     )
+    (tmp_path / f"{name}_exits.py").write_text("raise SystemExit('no license')\n")
     info = tmp_path / f"{name}-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text(
         f"[khepera_forage.learners]\nforest = {name}:forest\nmissing = {name}:missing\n"
         f"number = {name}:number\ntree = {name}:forest\nbad name = {name}:forest\n"
+        f"forest = {name}_exits:forest\nexits = {name}_exits:forest\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.chdir(tmp_path)
@@ -82,10 +84,12 @@ def test_learners_of_installed_packages_are_found(package: str) -> None:
     forest = found.learners["forest"]
     assert isinstance(forest, OfflineImitation)
     assert as_policy(forest.classifier(seed=1).fit(X, Y)).act(X[0], np.random.default_rng(0)) in Y
-    assert set(found.broken) == {"missing", "number", "tree", "bad name"}
+    assert set(found.broken) == {"missing", "number", "tree", "bad name", "forest", "exits"}
     assert found.broken["missing"].startswith(f"{package}:missing: AttributeError")
     assert "TypeError: learner number is 7" in found.broken["number"]
-    assert "its name is that of a learner of khepera_forage" in found.broken["tree"]
+    assert found.broken["exits"].endswith("SystemExit: no license")
+    for name in ("tree", "forest"):
+        assert "its name is that of another learner" in found.broken[name]
     assert found.broken["bad name"].endswith(
         "name of a learner is 'bad name'; allowed: letters, digits and underscores"
     )
