@@ -46,7 +46,7 @@ def procedural_settings(difficulty: str | Difficulty, split: str, num_levels: in
         "arena": ProceduralArenas(difficulty, split, num_levels, start_level),
         "foods": chosen.foods,
         "limit": chosen.limit,
-        "food_types": dict(chosen.food_types),
+        "food_types": chosen.food_types,
         "noise": chosen.scaled_noise(),
     }
 

@@ -19,6 +19,7 @@ from khepera_forage.envs import paired_corridors_wheels_v1 as wheels
 from khepera_forage.envs.behaviours_env import BehavioursEnv
 from khepera_forage.rollouts.compiled.recalls import run_teacher
 from khepera_forage.rollouts.compiled.training import train_learners
+from khepera_forage.sim.arenas.difficulty import DIFFICULTIES
 from khepera_forage.wrappers import ActionRepeat
 from tests.arenas import BLOCKS, HALL
 from tests.sim.test_waypoints import CLOSED
@@ -128,6 +129,7 @@ WRONG: list[tuple[tuple[str, ...], dict[str, Any], str]] = [
     (("procedural", "paired procedural"), {"split": "dev"}, "split is 'dev'; allowed: 'train', 'test'"),
     (("procedural", "paired procedural"), {"arena": "corridor"}, "arena is 'corridor'; allowed here: none"),
     (("procedural",), {"foods": 3}, "foods is 3; allowed here: none"),
+    (("procedural",), {"difficulty": asdict(DIFFICULTIES["easy"]) | {"food_types": "NONE"}}, "food type 'NONE'"),
 ]  # fmt: skip
 
 
