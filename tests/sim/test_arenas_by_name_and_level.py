@@ -167,6 +167,8 @@ def test_difficulty_without_room_for_its_food_is_an_error() -> None:
     ):
         procedural_arena(3, CROWDED)
     assert len(procedural_arena(3, replace(CROWDED, length=(2000, 2400), width=(1100, 1165))).foods) == 16
+    with pytest.raises(ValueError, match=r"1 partitions .* there are more than 7 walls; allowed: fewer of them, more"):
+        procedural_arena(3, replace(DIFFICULTIES["hard"], notches=(0, 0), blocks=(0, 0), most_walls=7))
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,7 @@ def procedural_arena(level: int, difficulty: str | Difficulty = "medium") -> Are
     raise ValueError(
         f"difficulty {chosen.name!r}: no room for {chosen.foods} food objects, {chosen.partitions[0]} partitions and "
         f"{chosen.blocks[0]} blocks in level {level} after {_TRIES} tries, in the last one {problem}; "
-        "allowed: fewer of them, or a larger arena"
+        "allowed: fewer of them, more walls, or a larger arena"
     )
 
 

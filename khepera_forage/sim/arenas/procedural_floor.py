@@ -159,6 +159,8 @@ def draw_floor(draws: Draws, difficulty: Difficulty) -> tuple[Corners, list[Corn
     budget = difficulty.most_walls - len(walls)
     partitions = _partitions(draws, outline, draws.whole(*difficulty.partitions), budget)
     budget -= 4 * len(partitions)
+    if budget < 0:
+        raise NoRoomError(f"there are more than {difficulty.most_walls} walls")
     blocks = _blocks(draws, outline, partitions, difficulty.blocks, budget)
     return walls, [*(piece.corners() for piece in partitions), *blocks]
 
