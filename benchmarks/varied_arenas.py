@@ -11,7 +11,8 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import product
+from itertools import groupby, product
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -52,7 +53,7 @@ COUNTS = (
 TRAININGS = CORRIDOR, VARIED, THINNED = ("corridor", "varied arenas", "varied arenas, as many vectors")
 """Of the last, as many vectors were drawn as the corridor gave."""
 GROUPS = {"family": tuple(FAMILY), "procedural": tuple(DIFFICULTIES)}
-IMITATOR = "imitator"
+IMITATOR, OTHERS = "imitator", ("tree", "boosting", "cloning")
 ALONG_PATH = "imitator, distances along the path"
 """Those of the state vector, in training, too."""
 JUDGES = ("as it is", *(f"without {attribute}" for attribute in StateVector._fields))
@@ -95,13 +96,13 @@ def replicate(seed: int, number: int, recalls: int, episodes: int, quick: bool) 
                     for place, own in seeds.items()
                 ]
         for training, data in _trained(episodes, key).items():
-            for name, learner in LEARNERS.items():
-                if isinstance(learner, OfflineImitation) and name != IMITATOR and (name == "tree" or not quick):
-                    done = recalls_after(learner, data, seeds, key, CORRIDOR_DIAGONAL)
-                    rows += [
-                        Recalls(number, training, name, place, int(own.delivered.sum()), int(own.foods.sum()))
-                        for place, own in done.items()
-                    ]
+            for name in OTHERS[:1] if quick else OTHERS:
+                learner = LEARNERS[name]
+                assert isinstance(learner, OfflineImitation)
+                for place, done in recalls_after(learner, data, seeds, key, CORRIDOR_DIAGONAL).items():
+                    rows.append(
+                        Recalls(number, training, name, place, int(done.delivered.sum()), int(done.foods.sum()))
+                    )
     return rows
 
 
@@ -117,20 +118,22 @@ def _imitate(
     """The last fields of `Recalls` for the thesis's imitator."""
     vectors, behaviours, _ = data
     judges: list[Any] = [NearestNeighbourImitator().fit(vectors, behaviours)]
-    for left_out in range(len(StateVector._fields)):
+    for left_out in range(len(StateVector._fields) if decisions == DEFAULT_DECISIONS else 0):
         weights = [int(attribute != left_out) for attribute in range(len(StateVector._fields))]
         judges.append(WeightedImitator(weights=weights).fit(vectors, behaviours))
     known: dict[tuple[int, ...], NDArray[np.float64]] = {}
 
-    def chances(diagonal: int, *vector: int) -> NDArray[np.float64]:
-        """Of each behaviour, by judge, with the diagonal of the arena."""
-        if (diagonal, *vector) not in known:
-            found = np.zeros((len(judges), NUM_BEHAVIOURS))
-            for line, judge in zip(found, judges, strict=True):
+    def chances(rows: NDArray[np.int64]) -> list[NDArray[np.float64]]:
+        """Of each behaviour, by judge: for each row, the diagonal of an arena and a state vector."""
+        keys = list(map(tuple, rows.tolist()))
+        for diagonal, group in groupby(sorted(set(keys).difference(known)), key=itemgetter(0)):
+            new = list(group)
+            found = np.zeros((len(new), len(judges), NUM_BEHAVIOURS))
+            for k, judge in enumerate(judges):
                 judge.diagonal = diagonal
-                line[judge.classes_] = judge.predict_proba([vector])[0]
-            known[diagonal, *vector] = found
-        return known[diagonal, *vector]
+                found[:, k, judge.classes_] = judge.predict_proba(np.array(new)[:, 1:])
+            known.update(zip(new, found, strict=True))
+        return [known[key] for key in keys]
 
     env = BehavioursVectorEnv(len(seeds), **settings_at(place), decisions=decisions)
     shown, infos = env.reset(seed=list(seeds))
@@ -141,8 +144,7 @@ def _imitate(
         seen = np.column_stack([np.ravel(shown[name]) for name in StateVector._fields]).astype(np.int64)
         seen = np.column_stack((env.get_attr("diagonal"), seen))
         actions = np.zeros(len(seeds), np.int64)
-        for world in np.flatnonzero(running):
-            found = chances(*seen[world].tolist())
+        for world, found in zip(np.flatnonzero(running), chances(seen[running]), strict=True):
             actions[world] = rng.choice(NUM_BEHAVIOURS, p=found[0])
             mistaken = 1.0 - found[:, infos["correct_behaviour"][world]]
             far = seen[world, 1:] > furthest
