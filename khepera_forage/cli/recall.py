@@ -110,6 +110,8 @@ def _forage(env: BehavioursEnv, arguments: argparse.Namespace) -> Callable[..., 
     for warning in recovered:
         print(warning.message)
     vectors, behaviours = Experience.join(parts, allow_other_decisions=others).arrays()
+    if not len(vectors):
+        raise ValueError("--experience has no experience vectors; allowed: at least one")
     if name == IMITATOR:
         imitator = NearestNeighbourImitator(env.diagonal, arithmetic=env.decisions.distance_arithmetic)
         policy: Policy = imitator.fit(vectors, behaviours)

@@ -17,6 +17,7 @@ NOTHING = "has no effect here; allowed: "
 def files(empty_folder_without_display: None, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("there").mkdir()
     Experience([(0, 60, 0, 215, 40), (0, 60, 0, 255, 18)], [0, 2]).save("there/g1.csv")
+    Experience([], []).save("there/none.csv")
     Path("mine.toml").touch()
     Path("one.toml").write_text('[camera]\nsource = 0\n[[robots]]\nport = "/dev/none"\n')
     Path("deep.toml").write_text("name = " + "[" * 2000)
@@ -30,6 +31,7 @@ def files(empty_folder_without_display: None, monkeypatch: pytest.MonkeyPatch) -
         ("tran", "invalid choice: 'tran'"),
         ("recall --experience nowhere.csv", "nowhere.csv"),
         ("recall --experience .", "has no g1.csv; allowed: experience files, or a folder of them"),
+        ("recall --experience there/none.csv", "--experience has no experience vectors; allowed: at least one"),
         ("recall --noise wind", "noise source 'wind' is unknown; allowed: wheels, infra-reds"),
         ("recall --decision next_to_foot=17", "recall: decision 'next_to_foot' is unknown; allowed: aimed, arm_after_"),
         ("recall --learner tree", f"--learner {NOTHING}with --experience"),
