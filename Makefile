@@ -23,10 +23,11 @@ test: $(VENV)/installed
 pytest: $(VENV)/installed
 	$(BIN)/python -m pytest $(PARALLEL)
 
-# torch first and pinned: a range would take the newest build, with gigabytes of GPU libraries.
+# torch first and pinned: a range would take the newest build, with gigabytes of GPU libraries. And without dev, whose
+# toio-py wants an older setuptools than torch: pip would exchange torch for such a build.
 test-baselines: $(VENV)/installed
 	$(PIP_INSTALL) torch==2.13.0
-	$(PIP_INSTALL) --editable '.[dev,baselines,dask]'
+	$(PIP_INSTALL) --editable '.[baselines,dask]'
 	$(BIN)/python -m pytest $(PARALLEL) tests/baselines tests/benchmarks/test_learners_on_clusters.py
 
 # Installs the wheel into empty environments, without extras and with each extra.
