@@ -61,7 +61,7 @@ class Group(NamedTuple):
         parser.description = self.description
         tasks = parser.add_subparsers(dest="task", required=True, metavar="task")
         for each in self.commands:
-            line = each.description[0].lower() + each.description[1:].rstrip(".")
+            line = each.description[:1].lower() + each.description[1:].rstrip(".")
             each.add_to(tasks.add_parser(each.run.__name__.removesuffix("_command"), help=line))
 
 

@@ -44,6 +44,12 @@ def test_output_in_a_narrow_encoding_replaces_characters() -> None:
     assert "w?nde.toml" in done.stderr
 
 
+def test_commands_work_without_docstrings() -> None:
+    done = shell(f"{sys.executable} -OO -m khepera_forage arena list")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "rectangle" in done.stdout
+
+
 def test_virtual_laboratory_without_pseudo_terminals_says_so(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
     monkeypatch.setitem(sys.modules, "tty", None)  # as on Windows
     error = run.refused("train --lab virtual --episodes 1")
