@@ -428,9 +428,9 @@ def write(folder: Path, name: str, page: Page) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file; an error names it."""
+    """Write a file, with "?" for the characters of names that are not UTF-8; an error names it."""
     with naming_file(path):
-        path.write_text(text, encoding="utf-8")
+        path.write_text(text, encoding="utf-8", errors="replace")
 
 
 def finish(given: Arguments, page: Page, shown: int | None = None) -> int:

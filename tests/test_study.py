@@ -183,12 +183,12 @@ def test_a_page_has_its_parts_in_order(tmp_path: Path, monkeypatch: pytest.Monke
         table,
         Picture("falls", "how they fell", figures.new_figure(2, 2)),
     ]
-    monkeypatch.setattr("sys.argv", ["benchmarks/walking.py", "--out", "a folder"])
+    monkeypatch.setattr("sys.argv", ["benchmarks/walking.py", "--out", "a f\udcf6lder"])  # not UTF-8
     write(tmp_path, "walking", Page("Walking", parts, (more,)))
     lines = (tmp_path / "walking.md").read_text().split("\n\n")
     assert lines[:4] == ["# Walking", "A paragraph.", "## Heights", "A note."]
     assert lines[4:7] == ["| m |\n| ---: |\n| 1 |", "![how they fell](falls.png)", "## Command"]
-    assert lines[7] == "    python benchmarks/walking.py --out 'a folder'"
+    assert lines[7] == "    python benchmarks/walking.py --out 'a f?lder'"
     assert (tmp_path / "table_heights.csv").read_text() == "m\n1\n"
     assert (tmp_path / "table_more.csv").exists()
     assert (tmp_path / "falls.png").read_bytes().startswith(b"\x89PNG")

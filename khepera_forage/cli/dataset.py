@@ -151,7 +151,7 @@ def _write(
         to_minari(parts, name, allow_other_decisions=arguments.allow_other_decisions, **about)
         with replacing(folder / CARD) as path:
             text = _card(arguments, name, parts, procedure, heard, bool(raw), alone)
-            path.write_text(text, encoding="utf-8")
+            path.write_text(text, encoding="utf-8", errors="replace")
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)  # Minari leaves an incomplete dataset.
         raise

@@ -51,6 +51,7 @@ from khepera_forage.study import (
     finish,
     in_processes,
     machine,
+    write_text,
 )
 
 TUNING = "tuning"
@@ -160,7 +161,7 @@ def compare(given: Arguments) -> int:
     tuned = (given.out / TUNING).exists()
     written = page(*merged(found, shown, against), missing, tuned, given.quick, elsewhere)
     with replacing(given.out / RESULTS) as path:
-        path.write_text(as_json(results), encoding="utf-8")
+        write_text(path, as_json(results))
     return finish(given, written, shown=1)
 
 

@@ -80,7 +80,7 @@ def test_the_teacher_alone_is_a_dataset_that_a_learner_learns_to_forage_from(run
 
 
 def test_card_of_a_dataset_on_wheels_counts_every_round(run: Run) -> None:
-    run("dataset --wheels --episodes 1 --food-type PUSHABLE --decision separation=6 --out data")
+    run("dataset --wheels --episodes 1 --food-type PUSHABLE --decision separation=6 --out data --author J\udcf6rg")
     dataset = minari.load_dataset("khepera_forage/corridor-wheels-v1")
     (episode,) = dataset.iterate_episodes()
     limit = dataset.recover_environment().unwrapped.limit
@@ -90,6 +90,7 @@ def test_card_of_a_dataset_on_wheels_counts_every_round(run: Run) -> None:
     assert counted == Counter(episode.infos["heard"][:-1].tolist())
     assert counted[10] > 0, "silence"
     assert "foraged for PUSHABLE food" in card
+    assert "| author | J?rg |" in card, "what is not UTF-8 is replaced"
 
 
 def test_files_are_a_dataset_whose_card_names_all_arenas_and_decisions(run: Run) -> None:
