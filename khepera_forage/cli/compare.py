@@ -17,11 +17,13 @@ COUNTS = (
 )
 DESCRIPTION = """How well each learner forages, and how much experience that took.
 
-Imitators, learners that query the teacher, and reinforcement learning, each tested after growing amounts of learning.
-A learner of your own joins them with --learner package.module:name, or for good as an entry point of its package (see
-khepera_forage.policies.register_learner). The comparison of all learners takes half an hour on two cores; that of one
-imitator takes a minute, and --against published shows the published results beside it. --quick is a smoke test. A run
-that was killed continues."""
+Imitators, learners that query the teacher, and reinforcement learning, each
+tested after growing amounts of learning. A learner of your own joins them with
+--learner package.module:name, or for good as an entry point of its package
+(see khepera_forage.policies.register_learner). The comparison of all learners
+takes half an hour on two cores; that of one imitator takes a minute, and
+--against published shows the published results beside it. --quick is a smoke
+test. A run that was killed continues."""
 
 
 _LEARNER = """a learner of your own, package.module:name of what makes a classifier; beside those of --only (teacher and
@@ -50,7 +52,7 @@ def _add_study(parser: argparse.ArgumentParser) -> None:
     option("--backend", _BACKEND, choices=("loky", "dask"), default="loky"),
     option("--address", "of a Dask cluster (by default a temporary one on this machine)"),
     description=DESCRIPTION,
-    epilog="example: khepera-forage compare --learner my_module:make_forest --against published",
+    epilog="example:\n    khepera-forage compare --learner my_module:make_forest --against published",
 )
 def compare_command(arguments: argparse.Namespace) -> int:
     """Compare all learners, and yours with them."""

@@ -16,18 +16,23 @@ COUNTS = (
 )
 INFER = """Approximate Bayesian computation by random forests:
 
-1. Sets of decisions are drawn from a prior with a source for every range. A set is admissible if the teacher can do
-   under it what the thesis says of it. Under each admissible set, the thesis's whole design is replicated.
-2. A random forest learns from these sets what statistics of the corridor's tables say about each decision. It is first
-   validated on sets that it has not seen, and then given tables A.1 to A.4. Tables A.5 to A.7 are the test set.
+1. Sets of decisions are drawn from a prior with a source for every range. A
+   set is admissible if the teacher can do under it what the thesis says of it.
+   Under each admissible set, the thesis's whole design is replicated.
+2. A random forest learns from these sets what statistics of the corridor's
+   tables say about each decision. It is first validated on sets that it has
+   not seen, and then given tables A.1 to A.4. Tables A.5 to A.7 are the test
+   set.
 
-Writes a page with all tables and two pictures. Ten thousand sets take two hours on two cores; a run that was killed
-continues.
+Writes a page with all tables and two pictures. Ten thousand sets take two
+hours on two cores; a run that was killed continues.
 
---tables infers from the tables of another experiment in a minute, with simulated sets that the package contains, and
-writes its page to a folder of the results' folder. Such an experiment, a pseudo-thesis under known decisions:
+--tables infers from the tables of another experiment in a minute, with
+simulated sets that the package contains, and writes its page to a folder of
+the results' folder. Such an experiment, a pseudo-thesis under known decisions:
 
-    khepera-forage reproduce --replications 1 --decision next_to_food=20 --out pseudo
+    khepera-forage reproduce --replications 1 --out pseudo \\
+        --decision next_to_food=20
     khepera-forage infer --tables pseudo/recalls.csv"""
 
 

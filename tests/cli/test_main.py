@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from khepera_forage.cli.main import main
+from khepera_forage.cli.main import COMMANDS, main
 from khepera_forage.experience import Experience
 from khepera_forage.rollouts.row_files import read_rows
 from khepera_forage.rollouts.rows import RecallRow, TrainingRow
@@ -82,6 +82,16 @@ def test_installed_command_prints_its_version() -> None:
     command = Path(sys.executable).with_name("khepera-forage")
     done = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)
     assert done.stdout.startswith("khepera-forage 0.")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_fits_in_eighty_columns(
+    command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= 80
 
 
 TRAIN = "train --seed 3 --out"
