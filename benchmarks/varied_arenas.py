@@ -28,7 +28,7 @@ from khepera_forage.comparison.compiled_learning import (
     varied_arenas,
 )
 from khepera_forage.envs.compiled.vector_env import BehavioursVectorEnv
-from khepera_forage.estimates import Measure, Value, mean, pick, table_of
+from khepera_forage.estimates import Estimate, Measure, Value, mean, percent, pick, table_of
 from khepera_forage.figures import WIDTH, legend, levels, new_figure, padded
 from khepera_forage.policies import NearestNeighbourImitator
 from khepera_forage.policies.distance import CORRIDOR_DIAGONAL
@@ -158,6 +158,7 @@ def _imitate(
 
 FOOD = Measure[Recalls]("food delivered (%)", lambda row: 100.0 * row.delivered / row.foods)
 """Every arena or difficulty counts alike."""
+MOST = "80 % or more in the family (% of trainings)"
 BEYOND = Measure[Recalls]("beyond (%)", lambda row: 100.0 * row.beyond, lambda row: row.wrong[0])
 
 
@@ -169,7 +170,8 @@ def page(rows: Sequence[Recalls], seed: int) -> Page:
         own = pick(rows, learner=name, training=training)
         line: dict[str, Value] = {"learner": name, "trained in": training}
         places = {group: [row for row in own if row.place in among] for group, among in GROUPS.items()}
-        foods.append(line | {f"{g} (%)": mean(some, FOOD, np.random.default_rng(seed)) for g, some in places.items()})
+        means = {f"{g} (%)": mean(some, FOOD, np.random.default_rng(seed)) for g, some in places.items()}
+        foods.append(line | means | {MOST: _trainings_with_most(places["family"])})
         if name == IMITATOR:
             for k, judge in enumerate(JUDGES):
                 share = Measure[Recalls](judge, partial(_share, k), lambda row: row.steps)
@@ -190,6 +192,12 @@ def page(rows: Sequence[Recalls], seed: int) -> Page:
             ),
         ],
     )
+
+
+def _trainings_with_most(rows: Sequence[Recalls]) -> Estimate:
+    """The share of the trainings after which at least 80 % of the food of these rows is delivered."""
+    food = {row.replication: [FOOD.value(one) for one in pick(rows, replication=row.replication)] for row in rows}
+    return percent(sum(float(np.mean(each)) >= 80.0 for each in food.values()), len(food))
 
 
 def _share(judge: int, row: Recalls) -> float:
