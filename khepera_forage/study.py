@@ -58,11 +58,11 @@ if TYPE_CHECKING:
 
 SMOKE_TEST = "A run with --quick is a smoke test: it supports no claim."
 UNITS = "units.jsonl.gz"
+"""File of a study's folder with its settings and the rows of every finished unit, one line each."""
 DIED = (
     "a process of the work was killed, or died of a crash or of too little memory; finished units are kept, and the "
     "same command goes on"
 )
-"""File of a study's folder with its settings and the rows of every finished unit, one line each."""
 _LIBRARIES = ("pymunk", "gymnasium", "pettingzoo", "numpy", "scikit-learn")
 
 
