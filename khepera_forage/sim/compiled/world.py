@@ -114,6 +114,7 @@ def move_in_contact(robots: Any, i: int, foods: Any, walls: Any, corners: Any, c
     driven, turned = robot.forward * duration, robot.turn * duration
     for _ in range(SUBSTEPS):
         move_jaw(robots, i, foods, walls, jaw_step)
+        # A step that is longer than the radius could end behind a wall.
         parts, part = (_FINER if abs(driven) > RADIUS else 1), 0
         while part < parts:
             leapt = _move_on(robots, i, foods, walls, corners, driven / parts, turned / parts, allowed)
