@@ -44,9 +44,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COUNTS = (
-    Count(
-        "replications", 10, 1, "repetitions, each with training episodes and test arenas of its own", adds_units=True
-    ),
+    Count("replications", 10, 1, "repetitions, each with training episodes and places of its own", adds_units=True),
     Count("recalls", 6, 1, "recalls of each learner in each arena or difficulty"),
     Count("episodes", 10, 2, "training episodes of each learner"),
 )
